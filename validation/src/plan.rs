@@ -33,13 +33,13 @@ const MOST_FRAMES: f64 = 1e6;
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(from = "Written")]
 pub struct Scene {
-    /// What is simulated.
+    /// The simulated scene.
     pub simulated: makadam::scene::Scene,
     /// Simulation before the run, for a start from a flowing state.
     pub prepare: Option<Prepare>,
     /// Observables and times of measurement.
     pub measure: Measure,
-    /// What a run writes of its frames; all of it at the interval of `measure`, if absent.
+    /// Content and interval of the frames on disk; all content at the interval of `measure`, if absent.
     pub output: Option<Output>,
     /// Observables for the comparison of codes, with margins of equivalence.
     pub compare: Vec<Expectation>,
@@ -78,9 +78,6 @@ pub(crate) struct Tables {
 
 impl Scene {
     /// Reads and checks the text of a scene.
-    ///
-    /// # Errors
-    /// [`SceneError`].
     pub fn parse(text: &str) -> Result<Scene, SceneError> {
         let document = Document::parse(text)?;
         let simulated = makadam::scene::Scene::read(&document)?;
@@ -91,9 +88,6 @@ impl Scene {
     }
 
     /// Reads and checks a scene file.
-    ///
-    /// # Errors
-    /// [`SceneFileError`].
     pub fn load(file: &Path) -> Result<Scene, SceneFileError> {
         let missing = |source| SceneFileError::Missing { file: file.to_path_buf(), source };
         let text = std::fs::read_to_string(file).map_err(missing)?;
@@ -113,12 +107,12 @@ impl Scene {
         Ok(self.check_walls_at_start()?)
     }
 
-    /// What the scene cannot bear with its settings; `text` is that of its file, if it has one, for lines.
+    /// Preflight warnings; `text` is that of the scene's file, for lines.
     pub fn findings(&self, text: Option<&str>) -> Vec<Finding> {
         self.simulated.findings_after(self.beforehand(), text)
     }
 
-    /// The same scene with every Young's modulus multiplied by `factor`.
+    /// Returns the scene with every Young's modulus multiplied by `factor`.
     pub fn with_stiffness_factor(&self, factor: f64) -> Scene {
         Scene { simulated: self.simulated.with_stiffness_factor(factor), ..self.clone() }
     }
@@ -342,7 +336,7 @@ impl Measure {
         self.rest_energy.is_some() && !self.observables.contains(&Observable::Balances)
     }
 
-    /// Whether a frame at a time (s) is one of those from `from` on; none is where there is no such time.
+    /// Returns true for a frame at or after `from`, by its time (s).
     pub fn covers(&self, time: f64) -> bool {
         self.from.is_some_and(|from| time >= from - self.slack())
     }

@@ -1,4 +1,4 @@
-//! Where a run starts: at the jittered lattice, or at a flowing state that was prepared once and is kept on the machine.
+//! Start of a run: the jittered lattice, or a flowing state that is prepared once and stored on the machine.
 
 use crate::execution::Execution;
 use crate::output::{WriteError, cache_folder, create_folder, file_stem};
@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-/// Why a run could not start.
+/// Error of a run that cannot start.
 #[derive(Debug, thiserror::Error)]
 pub enum StartError {
     /// The scene cannot be populated.
@@ -36,7 +36,7 @@ pub enum StartError {
     Interrupted,
 }
 
-/// How the start was obtained.
+/// Source of the start.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Start {
     /// From the jittered lattice.
@@ -50,28 +50,25 @@ pub enum Start {
 /// First bytes of a flowing state; the last one is the version of the format.
 const MARK: [u8; 8] = *b"mkd-flw\x01";
 
-/// What a flowing state is. It stands before the state, and its layout stays.
+/// Identity of a stored state. It comes first in a file and its layout stays, so that every build can read it.
 #[derive(Debug, PartialEq, Eq, Serialize, Deserialize)]
-struct Label {
-    /// [`BUILD`] of the program that prepared it.
-    build: String,
-    scene: String,
-    scene_hash: u64,
-    seed: u64,
+pub(crate) struct Label {
+    /// [`BUILD`] of the program that stored the state.
+    pub build: String,
+    pub scene: String,
+    pub scene_hash: u64,
+    pub seed: u64,
 }
 
 impl Label {
-    /// The state that this build prepares of a scene and a seed.
-    fn of(scene: &Scene, seed: u64) -> Label {
+    /// The label of this build for a scene and a seed.
+    pub fn of(scene: &Scene, seed: u64) -> Label {
         Label { build: BUILD.into(), scene: scene.name.clone(), scene_hash: scene_hash(scene), seed }
     }
 }
 
 /// The simulation at the start of its run. A scene with `[prepare]` is simulated for that time first, unless a state of
 /// the same scene, seed and build is in the cache; `progress` is told the share that is done.
-///
-/// # Errors
-/// [`StartError`].
 pub fn start(
     scene: &Scene,
     seed: u64,
@@ -153,13 +150,12 @@ fn labelled_state(scene: &Scene, seed: u64, bytes: &[u8]) -> Result<Vec<u8>, Str
     postcard::from_bytes(rest).map_err(unfit)
 }
 
-/// Whether a run of the scene can start at once: it prepares no flowing state, or that is in the cache.
+/// Returns true if a run can start at once: the scene prepares no flowing state, or it is in the cache.
 pub fn is_ready(scene: &Scene, seed: u64) -> bool {
     let takes = |file: PathBuf| std::fs::read(file).is_ok_and(|bytes| labelled_state(scene, seed, &bytes).is_ok());
     scene.prepare.is_none() || state_file(scene, seed).is_ok_and(takes)
 }
 
-/// Where a flowing state is kept.
 fn state_file(scene: &Scene, seed: u64) -> Result<PathBuf, WriteError> {
     let name = format!("{}-s{seed}-{:016x}.state", file_stem(&scene.name), scene_hash(scene));
     Ok(cache_folder()?.join("prepared").join(name))

@@ -1,4 +1,4 @@
-//! Where a result came from: version, commit, compiler, machine, seed, scene, settings.
+//! Provenance of a result: version, commit, compiler, machine, seed, scene, settings.
 
 use crate::execution::Execution;
 use crate::plan::Scene;
@@ -20,7 +20,7 @@ pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 /// Key of the judge's sources: numbers of builds that bear another one may have been measured in another way.
 pub const JUDGE: &str = env!("MAKADAM_JUDGE_KEY");
 
-/// How the program was built, and on which machine it runs.
+/// Build of the program, and its machine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Build {
     /// Version of Makadam.
@@ -30,7 +30,7 @@ pub struct Build {
     pub build: String,
     /// Commit of the sources; "unknown" outside a repository.
     pub commit: String,
-    /// Whether tracked files differed from that commit; absent where it is not known.
+    /// True if tracked files differed from that commit; absent if unknown.
     pub dirty: Option<bool>,
     /// Version of the compiler.
     pub compiler: String,
@@ -69,7 +69,7 @@ impl Build {
     }
 }
 
-/// Where the numbers of one run came from.
+/// Provenance of one run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Provenance {
     /// The program and the machine.
@@ -87,7 +87,7 @@ pub struct Provenance {
     pub scene_hash: String,
     /// Solver settings of the run, tolerances included.
     pub solver: SolverSettings,
-    /// What was simulated before the run began, where it starts from a flowing state; no part of the run's steps and times.
+    /// Preparation of a flowing start, which is no part of the run's steps and times.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub prepared: Option<Prepared>,
     /// Start of the run, ISO 8601, UTC.
@@ -108,7 +108,7 @@ pub struct Prepared {
 }
 
 impl Prepared {
-    /// What a scene prepares, if it does.
+    /// Returns the preparation that a scene requests.
     pub fn of(scene: &Scene) -> Option<Prepared> {
         scene.prepare.as_ref().map(|prepare| Prepared {
             seconds: prepare.duration,
@@ -151,7 +151,7 @@ fn from_here(path: &Path) -> &Path {
     std::env::current_dir().ok().and_then(|here| path.strip_prefix(here).ok()).unwrap_or(path)
 }
 
-/// Where a comparison's numbers came from, by name, for tables.
+/// Returns the provenance of a comparison by name, for tables.
 pub fn account(threads: usize, scenes: &[&Scene]) -> BTreeMap<String, String> {
     let build = Build::here();
     let modified = match build.dirty {
@@ -243,7 +243,7 @@ pub fn machine() -> String {
     format!("{} {apart:016x}", processor())
 }
 
-/// What the system says of the first processor under a name.
+/// Reads a property of the first processor.
 fn of_processor(name: &str) -> Option<String> {
     let information = std::fs::read_to_string("/proc/cpuinfo").ok()?;
     information.lines().find_map(|line| Some(line.strip_prefix(name)?.trim_start().strip_prefix(':')?.trim().into()))

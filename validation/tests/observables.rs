@@ -6,10 +6,9 @@ use crate::support::beds::{
 use approx::assert_abs_diff_eq;
 use makadam::scene::{Axis, Domain, GravityChange, Shape};
 use makadam::snapshot::{Contact, Particle, Partner, Snapshot};
-use makadam_validation::observables::literature::LiteratureCurve;
 use makadam_validation::observables::neighbours::{Pair, close_pairs, close_pairs_in};
 use makadam_validation::observables::packing_fraction::fraction_in_box;
-use makadam_validation::observables::{ForcePool, Measurement, force_distribution, measure, measured_in, unmeasured};
+use makadam_validation::observables::{Measurement, force_distribution, measure, measured_in, unmeasured};
 use makadam_validation::plan::{Observable, Scene};
 use makadam_validation::recording::{Content, Recording};
 use nalgebra::{Rotation3, Vector3};
@@ -224,23 +223,6 @@ fn contacts_at_the_kinetic_limit_slide() {
 }
 
 #[test]
-fn pooled_forces_know_their_distance() {
-    let quantile = |n: usize| (n as f64 + 0.5) / 10_000.0;
-    let exponential: Vec<f64> = (0..10_000).map(|n| -(1.0 - quantile(n)).ln()).collect();
-    let uniform: Vec<f64> = (0..10_000).map(|n| 2.0 * quantile(n)).collect();
-    let (mut a, mut b) = (ForcePool::new("YADE"), ForcePool::new("LIGGGHTS"));
-    a.add(&exponential);
-    b.add(&uniform);
-    assert_eq!(a.samples(), 10_000);
-    // Largest |1 - exp(-f) - f/2| is at f = 2: exp(-2).
-    let at_ln2 = 0.5 - 0.5 * 2_f64.ln();
-    assert_abs_diff_eq!(a.kolmogorov_smirnov(&b), at_ln2.max((-2_f64).exp()), epsilon = 0.01);
-    let exact = makadam_validation::statistics::wasserstein(&exponential, &uniform);
-    assert_abs_diff_eq!(a.wasserstein(&b), exact, epsilon = 0.01);
-    assert_abs_diff_eq!(a.kolmogorov_smirnov(&a), 0.0, epsilon = 1e-15);
-}
-
-#[test]
 fn weight_is_carried_and_energy_counted() {
     let walls = r#"
 [[wall]]
@@ -270,38 +252,6 @@ shape = { kind = "plane", point = [0.0, 0.0, 0.0], normal = [0.0, 0.0, 1.0] }
     assert_abs_diff_eq!(value(&measurements, "mean_overlap"), 0.02, epsilon = 1e-9);
     let energy = 0.5 * mass * (9.0 + 0.4 * 0.005_f64.powi(2) * 1e4);
     assert_abs_diff_eq!(value(&measurements, "kinetic_energy"), energy, epsilon = 1e-12);
-}
-
-#[test]
-fn literature_curves_have_the_numbers_derived_from_the_fits() {
-    for (curve, share, gini, weak, second) in [
-        (LiteratureCurve::Mueth, 0.585, 0.425, 0.278, 1.64),
-        (LiteratureCurve::Radjai, 0.593, 0.479, 0.244, 1.85),
-        (LiteratureCurve::Exponential, 0.632, 0.500, 0.264, 2.0),
-    ] {
-        // Midpoint rule; the power law's pole at zero costs a little.
-        let step = 1e-3;
-        let force: Vec<f64> = (0..30_000).map(|n| (n as f64 + 0.5) * step).collect();
-        let mut mass: Vec<f64> = force.iter().map(|f| curve.density(*f) * step).collect();
-        let total: f64 = mass.iter().sum();
-        assert_abs_diff_eq!(total, 1.0, epsilon = 5e-3);
-        mass.iter_mut().for_each(|m| *m /= total);
-        let sum = |weight: &dyn Fn(f64) -> f64| force.iter().zip(&mass).map(|(f, m)| weight(*f) * m).sum::<f64>();
-        assert_abs_diff_eq!(sum(&|f| f), 1.0, epsilon = 4e-3);
-        assert_abs_diff_eq!(sum(&|f| f64::from(u8::from(f < 1.0))), share, epsilon = 4e-3);
-        assert_abs_diff_eq!(sum(&|f| if f < 1.0 { f } else { 0.0 }), weak, epsilon = 1e-3);
-        assert_abs_diff_eq!(sum(&|f| f * f), second, epsilon = 1e-2);
-        // Gini: the integral of F (1 - F) over the mean.
-        let mut below = 0.0;
-        let area: f64 = mass
-            .iter()
-            .map(|m| {
-                below += m;
-                below * (1.0 - below) * step
-            })
-            .sum();
-        assert_abs_diff_eq!(area, gini, epsilon = 4e-3);
-    }
 }
 
 #[test]

@@ -7,7 +7,7 @@ use makadam_validation::observables::Measurement;
 use makadam_validation::plan::Scene;
 use makadam_validation::provenance::Build;
 use makadam_validation::tradeoff::{
-    Bound, Configuration, Convergence, KeptRun, Knobs, Outcome, Plan, Scope, Study, Terms, pareto_front,
+    Bound, Configuration, Convergence, KeptRun, Knobs, Outcome, Plan, Study, Terms, pareto_front,
 };
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -69,8 +69,8 @@ fn a_front_holds_what_nothing_beats() {
 fn a_plan_holds_each_configuration_once_and_three_grids_a_stiffness() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/scenes/smoke.toml");
     let scene = Scene::load(&file).unwrap();
-    for scope in [Scope::Quick, Scope::QuickAndVaried, Scope::Full] {
-        let plan = Plan::new(&scene, scope, &["Makadam", "YADE"], &[0.5, 10.0]);
+    for quick in [true, false] {
+        let plan = Plan::new(&scene, quick, &["Makadam", "YADE"], &[0.5, 10.0]);
         for (place, configuration) in plan.configurations.iter().enumerate() {
             assert!(!plan.configurations[..place].contains(configuration), "{} twice", configuration.setting());
         }
@@ -99,8 +99,8 @@ fn smoke() -> Scene {
 }
 
 /// Settings and names of what a plan varies beside step and sweeps.
-fn varied(scene: &Scene, scope: Scope) -> Vec<(SolverSettings, String)> {
-    let plan = Plan::new(scene, scope, &["Makadam"], &[]);
+fn varied(scene: &Scene, quick: bool) -> Vec<(SolverSettings, String)> {
+    let plan = Plan::new(scene, quick, &["Makadam"], &[]);
     let solver = |knobs: &Knobs| match knobs {
         Knobs::Solver { settings, variation } => (settings.clone(), variation.clone()),
         Knobs::Explicit { .. } => panic!("only Makadam was requested"),
@@ -112,7 +112,7 @@ fn varied(scene: &Scene, scope: Scope) -> Vec<(SolverSettings, String)> {
 #[test]
 fn one_setting_is_varied_at_a_time() {
     let scene = smoke();
-    let settings = varied(&scene, Scope::Full);
+    let settings = varied(&scene, false);
     for (settings, variation) in &settings {
         assert!(scene.accepts(settings), "{variation}");
         // With step and stop as they are, one setting is left that differs; a residual is a stop itself.
@@ -159,7 +159,7 @@ fn each_variation_is_run_at_several_steps_and_iterations() {
         if method == scene.solver.method {
             continue;
         }
-        let settings = varied(&scene, Scope::Full);
+        let settings = varied(&scene, false);
         let own: Vec<&SolverSettings> =
             settings.iter().map(|(settings, _)| settings).filter(|settings| settings.method == method).collect();
         let distinct =
@@ -167,12 +167,12 @@ fn each_variation_is_run_at_several_steps_and_iterations() {
         assert!(distinct(|settings| settings.step.to_bits()) >= 3, "{}", method.name());
         assert!(distinct(|settings| settings.stop.max_sweeps().into()) >= 3, "{}", method.name());
     }
-    let names = |scope: Scope| varied(&scene, scope).into_iter().map(|(_, name)| name).collect::<BTreeSet<String>>();
+    let names = |quick: bool| varied(&scene, quick).into_iter().map(|(_, name)| name).collect::<BTreeSet<String>>();
     let quick = ["Anderson", "calm contacts, residual 0.1", "residual 0.03", "residual 0.1", "single precision"];
-    assert_eq!(names(Scope::Quick), quick.map(String::from).into());
-    assert!(names(Scope::QuickAndVaried).is_superset(&names(Scope::Quick)));
+    assert_eq!(names(true), quick.map(String::from).into());
+    assert!(names(false).is_superset(&names(true)));
     for name in ["warm start 0", "single precision", "Jacobi", "projected conjugate gradients", "2 inner sweeps"] {
-        assert!(names(Scope::QuickAndVaried).contains(name), "{name}");
+        assert!(names(false).contains(name), "{name}");
     }
 }
 
@@ -180,7 +180,7 @@ fn each_variation_is_run_at_several_steps_and_iterations() {
 fn the_scene_s_own_settings_are_varied_first() {
     // Kept runs are found by these configurations: a name or a setting that changed would run them again.
     let scene = smoke();
-    let settings = varied(&scene, Scope::Full);
+    let settings = varied(&scene, false);
     let one = |name: &str, settings: SolverSettings| (settings, name.to_string());
     let own = || scene.solver.clone();
     for expected in [
@@ -200,8 +200,8 @@ fn what_a_scene_refuses_is_not_planned() {
     for material in scene.material.values_mut() {
         material.rolling_friction = 0.1;
     }
-    for scope in [Scope::QuickAndVaried, Scope::Full] {
-        let settings = varied(&scene, scope);
+    for quick in [true, false] {
+        let settings = varied(&scene, quick);
         assert!(!settings.is_empty());
         for (settings, name) in settings {
             assert_eq!((settings.method, settings.precision), (SolverMethod::GaussSeidel, Precision::Double), "{name}");
@@ -245,7 +245,7 @@ fn run(configuration: Configuration, seed: u64) -> KeptRun {
 #[test]
 fn a_setting_that_failed_with_a_seed_keeps_no_bound() {
     let scene = smoke();
-    let plan = Plan::new(&scene, Scope::Quick, &["Makadam"], &[]);
+    let plan = Plan::new(&scene, true, &["Makadam"], &[]);
     let reference = plan.refinements[0].grids[2];
     let other = (0..plan.configurations.len()).find(|place| !plan.is_grid(*place)).unwrap();
     let mut outcome = Outcome::none(plan.configurations.len());
@@ -277,7 +277,7 @@ type Setting<'a> = (&'a str, f64, &'a [f64]);
 /// 90% interval of the ratio of YADE's fastest setting to Makadam's, whose reference keeps the bound in 100 s.
 fn ratio_interval(settings: &[Setting<'_>]) -> [Option<f64>; 2] {
     let scene = smoke();
-    let plan = Plan::new(&scene, Scope::Full, &["Makadam", "YADE"], &[]);
+    let plan = Plan::new(&scene, false, &["Makadam", "YADE"], &[]);
     let mut outcome = Outcome::none(plan.configurations.len());
     let mut add = |place: usize, pace: f64, errors: &[f64]| {
         for (seed, error) in (1..).zip(errors) {

@@ -1,13 +1,18 @@
-//! What is told before a scene runs: what its settings are not expected to bear, and whether there is memory for it.
+//! Steps before a run: preflight warnings, memory, the start of the simulation.
 
 use super::{Console, Failure};
+use crate::execution::Execution;
 use crate::observables::impossible;
+use crate::output::cache_folder;
 use crate::plan::Scene;
+use crate::prepared::{Start, is_ready, start};
 use crate::scenes;
-use makadam::scene::Finding;
+use crate::stepping::{Stepping, steps_in};
+use makadam::Simulation;
+use makadam::scene::{Finding, Stop};
 use std::path::Path;
 
-/// Tells what a scene is not expected to bear, on standard error; the findings go to `run.json` as well.
+/// Prints what a scene cannot carry with its settings on standard error; the findings go to `run.json` as well.
 pub(super) fn tell_findings(scene: &Scene, file: &Path, console: &Console) -> Vec<Finding> {
     let text = scenes::text(file).ok();
     let mut findings = scene.findings(text.as_deref());
@@ -28,10 +33,10 @@ pub(super) fn refuse_beyond_memory(scene: &Scene, file: &Path) -> Result<(), Fai
 }
 
 /// Refuses a picture that takes more memory to draw than there is.
-pub(super) fn refuse_picture_beyond_memory([width, height]: [usize; 2], needed: u64) -> Result<(), Failure> {
-    match available_bytes().filter(|available| needed > *available) {
-        Some(available) => Err(Failure::Running(picture_beyond([width, height], needed, available))),
-        None => Ok(()),
+pub(super) fn refuse_picture_beyond_memory(size: [usize; 2], needed: u64) -> Result<(), Failure> {
+    match available_bytes() {
+        Some(available) if needed > available => Err(Failure::Running(picture_beyond(size, needed, available))),
+        _ => Ok(()),
     }
 }
 
@@ -73,6 +78,87 @@ fn of_meminfo(text: &str) -> Option<u64> {
         line.trim_start_matches(':').split_whitespace().next()?.parse::<u64>().ok()
     };
     Some(1024 * (field("MemAvailable")? + field("SwapFree").unwrap_or(0)))
+}
+
+/// Refuses solves that stop when their wall time is spent.
+pub(super) fn refuse_time_budget(scene: &Scene) -> Result<(), Failure> {
+    match scene.solver.stop {
+        Stop::TimeBudget { .. } => Err(Failure::Usage(format!(
+            "the solves of {} stop after a wall time, so no two runs do the same work; set solver.stop to sweeps or \
+             residual",
+            scene.name
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// Refuses to record next to a scene that lies in no folder.
+pub(super) fn refuse_without_folder(file: &Path) -> Result<(), Failure> {
+    let origin = match (scenes::is_built_in(file), scenes::is_given(file)) {
+        (_, true) => "was given on the command line or on standard input",
+        (true, false) => "is a scene built into the program",
+        (false, false) => return Ok(()),
+    };
+    Err(Failure::Usage(format!(
+        "{} {origin}, so there is no folder to record into; run where a folder reference-scenes contains it, or give the path to a file",
+        file.display()
+    )))
+}
+
+/// Returns the simulation at the start of its run, with a progress bar while a flowing state is prepared.
+pub(super) fn begin(
+    scene: &Scene,
+    seed: u64,
+    file: &Path,
+    execution: &Execution,
+    console: &Console,
+) -> Result<(Simulation, Start), Failure> {
+    if let Some(prepare) = scene.prepare.as_ref().filter(|_| !is_ready(scene, seed)) {
+        console.note(&format!(
+            "{} starts from a flowing state, which is prepared first: {} steps of {:e} s, {} s of simulated time, in addition to \
+             the run's own steps; it is stored under {} for later runs",
+            scene.name,
+            steps_in(prepare.duration, prepare.step),
+            prepare.step,
+            prepare.duration,
+            cache_folder()?.join("prepared").display(),
+        ));
+    }
+    let bar = console.bar("preparing the flow");
+    let (simulation, start) = start(scene, seed, file, execution, &|fraction| bar.set(fraction))?;
+    match &start {
+        Start::Fresh => {}
+        Start::Prepared(file) => console.note(&format!("starting from the flowing state {}", file.display())),
+        Start::Remade(file, reason) => {
+            console.warn(&format!("{} {reason}; it was made anew, and the run starts from it", file.display()));
+        }
+    }
+    Ok((simulation, start))
+}
+
+/// Simulates for a time, s.
+pub(super) fn settle(simulation: &mut Simulation, seconds: f64, console: &Console) -> Result<(), Failure> {
+    let bar = console.bar("settling");
+    let steps = steps_in(seconds, simulation.time_step());
+    let settled = Stepping::new(steps, &|fraction| bar.set(fraction)).carry_out(simulation, |_, _| {});
+    settled.map(|_| ()).map_err(|_| Failure::interrupted("none, the flowing state was not finished"))
+}
+
+/// Returns the simulation at the start of its run, settled for a time (s) where no flowing state was prepared: grains that have just been
+/// placed have hardly a contact.
+pub(super) fn flowing(
+    scene: &Scene,
+    seed: u64,
+    file: &Path,
+    execution: &Execution,
+    seconds: f64,
+    console: &Console,
+) -> Result<Simulation, Failure> {
+    let (mut simulation, start) = begin(scene, seed, file, execution, console)?;
+    if start == Start::Fresh {
+        settle(&mut simulation, seconds, console)?;
+    }
+    Ok(simulation)
 }
 
 #[cfg(test)]

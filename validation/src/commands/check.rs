@@ -1,13 +1,26 @@
-//! `makadam check`: what will run, before it does.
+//! `makadam check`: a run described before it starts.
 
-use super::arguments::CheckArguments;
+use super::arguments::{SceneArguments, accuracy};
 use super::beforehand::tell_findings;
-use super::{Console, Failure, json};
+use super::{Console, Failure};
 use crate::forecast::Forecast;
 use crate::scenes::{self, Change};
+use clap::Args;
+use makadam::scene::Accuracy;
 use std::process::ExitCode;
 
-/// Says what will run.
+#[derive(Debug, Args)]
+pub(super) struct CheckArguments {
+    #[command(flatten)]
+    pub scene: SceneArguments,
+    /// Target accuracy, which replaces the scene's step and stopping rule, as for `makadam run`.
+    #[arg(long, value_parser = accuracy)]
+    pub accuracy: Option<Accuracy>,
+    /// Print the description as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
 pub(super) fn check(arguments: &CheckArguments, console: &Console) -> Result<ExitCode, Failure> {
     let (file, mut scene, seed) = arguments.scene.load()?;
     scene.seed = seed;
@@ -25,6 +38,6 @@ pub(super) fn check(arguments: &CheckArguments, console: &Console) -> Result<Exi
     if !arguments.json {
         tell_findings(&scene, &file, console);
     }
-    console.result(&if arguments.json { json(&forecast) } else { forecast.text() })?;
+    console.document(&forecast, arguments.json, || forecast.text())?;
     Ok(ExitCode::SUCCESS)
 }

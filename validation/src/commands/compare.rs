@@ -1,22 +1,71 @@
-//! `makadam compare`: one scene in several codes, or in a code of the user's own; a table and a verdict.
+//! `makadam compare`: one scene in several codes, or in a code of the user's own; and `--record`, which stores references.
 
-use super::arguments::CompareArguments;
+use super::arguments::{JobArguments, SourceArguments, rayleigh_fraction, time_limit};
+use super::beforehand::refuse_without_folder;
 use super::console::Colour;
-use super::record::record;
-use super::{Console, Failure, OUTSIDE_TOLERANCE, announce, codes_or_usual, json};
-use crate::compare::{CodeSummary, Comparison, Row};
-use crate::output::{JSON_VERSION, create_folder};
-use crate::peers::{Code, CodeError, External, codes_of};
+use super::{Console, Failure, within_tolerance};
+use crate::compare::{CodeSummary, Recorder, Row};
+use crate::output::{JSON_VERSION, cache_folder, create_folder};
+use crate::peers::{Code, CodeError, CodeName, External, absent, codes_of};
 use crate::plan::Scene;
-use crate::qualify::{Judged, OneScene, codes_against};
+use crate::qualify::{Judged, OneScene, codes_against, usual_codes};
 use crate::report::{self, Standing, Verdict};
+use clap::Args;
 use serde::Serialize;
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
 
-/// What `makadam compare --json` prints; its documentation is `validation/docs/json.md`.
+#[derive(Debug, Args)]
+pub(super) struct CompareArguments {
+    #[command(flatten)]
+    pub source: SourceArguments,
+    /// Codes that take part, separated by commas; if absent, makadam and those that are recorded on the scene, or with --live
+    /// makadam,yade,liggghts.
+    #[arg(long, value_enum, value_delimiter = ',')]
+    pub codes: Option<Vec<CodeName>>,
+    /// Validate your own code instead of Makadam: TOML file with its name, version, command and output files (docs/own-code.md).
+    #[arg(long, value_name = "FILE", conflicts_with = "record")]
+    pub own_code: Option<PathBuf>,
+    /// Folders of existing frames of your own code, one per seed, whose number ends the folder's name: 'seed*/'. The code is not run;
+    /// without --own-code each folder is a run of Makadam, or all its files hold grains.
+    #[arg(long, num_args = 1.., value_name = "FOLDERS", conflicts_with_all = ["seeds", "record"])]
+    pub frames: Vec<String>,
+    /// Record results of the other codes as the scene's references. Only seeds not yet recorded for the same scene, version and
+    /// time step are measured from raw recordings or run.
+    #[arg(long, conflicts_with_all = ["json", "output", "live"])]
+    pub record: bool,
+    /// Start again: measure or run all seeds and replace the recorded ones; only with --record.
+    #[arg(long, requires = "record")]
+    pub restart: bool,
+    /// Folder of raw recordings that --record reads and writes; if absent, in the user's cache.
+    #[arg(long, requires = "record")]
+    pub recordings: Option<PathBuf>,
+    /// Number of seeds, counted from 1; if absent, those that the scene registers (measure.seeds), or as many as are recorded, or 3.
+    /// Seeds that are not registered are exploratory: exit code 4.
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1000))]
+    pub seeds: Option<u64>,
+    /// Run the other codes now instead of reading recorded numbers.
+    #[arg(long)]
+    pub live: bool,
+    /// Time step of explicit codes, as a fraction of the Rayleigh step; 0.1 if absent.
+    #[arg(long, value_parser = rayleigh_fraction)]
+    pub rayleigh_fraction: Option<f64>,
+    /// Wall time after which a run is stopped, s; Makadam's own runs have no limit here.
+    #[arg(long, default_value_t = 7200.0, value_parser = time_limit)]
+    pub time_limit: f64,
+    #[command(flatten)]
+    pub jobs: JobArguments,
+    /// Folder for report.html, report.json, rows.csv, junit.xml, and the CSV files that figures link to; if absent, nothing is written.
+    #[arg(short, long)]
+    pub output: Option<PathBuf>,
+    /// Print the comparison as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Document of `makadam compare --json`; `validation/docs/json.md` describes it.
 #[derive(Serialize)]
 struct CompareDocument<'a> {
     version: u32,
@@ -29,14 +78,27 @@ struct CompareDocument<'a> {
     provenance: &'a BTreeMap<String, String>,
 }
 
-/// Compares codes on a scene, or records references.
 pub(super) fn compare(arguments: &CompareArguments, console: &Console) -> Result<ExitCode, Failure> {
-    arguments.runs.jobs.apply()?;
+    arguments.jobs.apply()?;
     let (file, scene) = arguments.source.load()?;
     match arguments.record {
         true => record(arguments, &scene, &file, console),
         false => validate(arguments, &scene, &file, console),
     }
+}
+
+/// Returns the codes of these names, all of which must be installed.
+pub(super) fn installed(names: &[CodeName]) -> Result<Vec<Box<dyn Code>>, Failure> {
+    let codes = codes_of(names);
+    match codes.iter().find(|code| code.version().is_none()) {
+        None => Ok(codes),
+        Some(missing) => Err(Failure::MissingCode(format!("{}, or leave it out with --codes", absent(missing.name())))),
+    }
+}
+
+/// Returns the codes of these names, or those in which a scene is compared by default.
+fn codes_or_usual(names: Option<&[CodeName]>, scene_file: &Path, live: bool) -> Vec<Box<dyn Code>> {
+    names.map_or_else(|| codes_of(&usual_codes(scene_file, live)), codes_of)
 }
 
 /// Codes that take part, the validated one first.
@@ -49,7 +111,7 @@ struct Codes {
 
 impl Codes {
     fn of(arguments: &CompareArguments, file: &Path) -> Result<Codes, Failure> {
-        let live = arguments.runs.live;
+        let live = arguments.live;
         let own = match (&arguments.own_code, &arguments.frames[..]) {
             (None, []) => {
                 let all = codes_or_usual(arguments.codes.as_deref(), file, live);
@@ -67,7 +129,12 @@ impl Codes {
 }
 
 fn validate(arguments: &CompareArguments, scene: &Scene, file: &Path, console: &Console) -> Result<ExitCode, Failure> {
-    arguments.runs.check()?;
+    if arguments.rayleigh_fraction.is_some() && !arguments.live {
+        return Err(Failure::Usage(
+            "--rayleigh-fraction is of runs, and recorded numbers have their own: add --live or --record (of 'makadam compare')"
+                .into(),
+        ));
+    }
     let Codes { all, validated, needs_verdict } = Codes::of(arguments, file)?;
     let one_scene = OneScene {
         scene,
@@ -75,50 +142,59 @@ fn validate(arguments: &CompareArguments, scene: &Scene, file: &Path, console: &
         changes: &arguments.source.changes,
         codes: all,
         judged: validated,
-        live: arguments.runs.live,
-        seeds: arguments.runs.seeds,
-        rayleigh_fraction: arguments.runs.rayleigh_fraction(),
-        time_limit: Duration::from_secs_f64(arguments.runs.time_limit),
-        announce: &announce(console),
+        live: arguments.live,
+        seeds: arguments.seeds,
+        rayleigh_fraction: arguments.rayleigh_fraction.unwrap_or(0.1),
+        time_limit: Duration::from_secs_f64(arguments.time_limit),
+        announce: &console.bars(),
     };
-    let output = arguments.runs.output.as_deref();
+    let output = arguments.output.as_deref();
     output.map_or(Ok(()), claim)?;
     let Judged { qualification, failure } = one_scene.judge()?;
     let verdict = qualification.verdict();
     let comparison = &qualification.comparisons[0];
-    let text = match arguments.runs.json {
-        true => json(&document(comparison, &verdict, &qualification.provenance)),
-        false => {
-            let sentence = console.paint(&verdict.sentence, colour_of(verdict.standing));
-            format!("{}\n{sentence}", report::comparison_table(comparison, console.colour()))
-        }
+    let document = CompareDocument {
+        version: JSON_VERSION,
+        command: "compare",
+        scene: &comparison.scene.name,
+        verdict: &verdict,
+        rows: &comparison.rows,
+        codes: &comparison.codes,
+        notes: &comparison.notes,
+        provenance: &qualification.provenance,
     };
+    let printed = console.document(&document, arguments.json, || {
+        let sentence = console.paint(&verdict.sentence, colour_of(verdict.standing));
+        format!("{}\n{sentence}", report::comparison_table(comparison, console.colour()))
+    });
     let interrupted = failure.as_ref().is_some_and(CodeError::is_interruption);
-    // What was cut short does not replace a report of what was not.
+    // An incomplete report does not replace a complete one.
     let stays = output.filter(|folder| interrupted && folder.join("report.json").is_file());
     // Neither is lost if the other cannot be written.
-    let told = console.result(&text);
-    let output = output.filter(|_| stays.is_none());
-    let written = output.map(|folder| report::write(&qualification, folder)).transpose();
-    told?;
+    let written = output.filter(|_| stays.is_none()).map(|folder| report::write(&qualification, folder)).transpose();
+    printed?;
     let written = written?;
-    if let Some(paths) = written.as_ref().filter(|_| !arguments.runs.json) {
+    if let Some(paths) = written.as_ref().filter(|_| !arguments.json) {
         console.result(&format!("report: {}", paths.html.display()))?;
     }
-    match (failure, verdict.standing) {
-        (Some(_), _) if interrupted => Err(Failure::Interrupted(match (stays, written) {
+    if interrupted {
+        return Err(Failure::interrupted(&match (stays, written) {
             (Some(folder), _) => format!("not stored, the earlier report stays in {}", folder.display()),
-            (None, Some(paths)) => format!("{}", paths.html.display()),
+            (None, Some(paths)) => paths.html.display().to_string(),
             (None, None) => "not stored".into(),
+        }));
+    }
+    match failure {
+        Some(failure) => Err(failure.into()),
+        None => Ok(within_tolerance(match verdict.standing {
+            Standing::Agree => true,
+            Standing::NothingCompared => !needs_verdict,
+            _ => false,
         })),
-        (Some(failure), _) => Err(failure.into()),
-        (None, Standing::Agree) => Ok(ExitCode::SUCCESS),
-        (None, Standing::NothingCompared) if !needs_verdict => Ok(ExitCode::SUCCESS),
-        (None, _) => Ok(ExitCode::from(OUTSIDE_TOLERANCE)),
     }
 }
 
-/// Colour of a verdict.
+/// Returns the colour of a verdict.
 pub(super) fn colour_of(standing: Standing) -> Colour {
     match standing {
         Standing::Agree => Colour::Green,
@@ -129,7 +205,7 @@ pub(super) fn colour_of(standing: Standing) -> Colour {
     }
 }
 
-/// Makes the folder of a report before anything runs.
+/// Creates the folder of a report before anything runs.
 fn claim(folder: &Path) -> Result<(), Failure> {
     if folder.exists() && !folder.is_dir() {
         return Err(Failure::Usage(format!(
@@ -140,19 +216,52 @@ fn claim(folder: &Path) -> Result<(), Failure> {
     Ok(create_folder(folder)?)
 }
 
-fn document<'a>(
-    comparison: &'a Comparison,
-    verdict: &'a Verdict,
-    provenance: &'a BTreeMap<String, String>,
-) -> CompareDocument<'a> {
-    CompareDocument {
-        version: JSON_VERSION,
-        command: "compare",
-        scene: &comparison.scene.name,
-        verdict,
-        rows: &comparison.rows,
-        codes: &comparison.codes,
-        notes: &comparison.notes,
-        provenance,
+/// Records missing references of the codes.
+fn record(arguments: &CompareArguments, scene: &Scene, file: &Path, console: &Console) -> Result<ExitCode, Failure> {
+    // Recorded codes are recorded again, so that none is lost.
+    let codes = codes_or_usual(arguments.codes.as_deref(), file, false);
+    let peers: Vec<Box<dyn Code>> = codes.into_iter().filter(|code| code.name() != "Makadam").collect();
+    if peers.is_empty() {
+        let problem =
+            "--record keeps what other codes measure, and Makadam is run anew each time: name others with --codes";
+        return Err(Failure::Usage(problem.into()));
+    }
+    record_codes(peers, arguments, scene, file, console)
+}
+
+fn record_codes(
+    peers: Vec<Box<dyn Code>>,
+    arguments: &CompareArguments,
+    scene: &Scene,
+    file: &Path,
+    console: &Console,
+) -> Result<ExitCode, Failure> {
+    refuse_without_folder(file)?;
+    let recorder = Recorder {
+        scene,
+        scene_file: file,
+        seeds: arguments.seeds,
+        rayleigh_fraction: arguments.rayleigh_fraction.unwrap_or(0.1),
+        time_limit: Duration::from_secs_f64(arguments.time_limit),
+        again: arguments.restart,
+        recordings: match &arguments.recordings {
+            Some(folder) => folder.clone(),
+            None => cache_folder()?.join("recordings"),
+        },
+        announce: &console.bars(),
+        note: &|text| console.note(text),
+        warn: &|text| console.warn(text),
+    };
+    let mut recorded = recorder.record(peers)?;
+    let state = if recorded.changed { "" } else { " (unchanged)" };
+    recorded.lines.push(format!("references: {}{state}", recorded.folder.display()));
+    console.result(&recorded.lines.join("\n"))?;
+    match (recorded.failure, recorded.whole) {
+        (Some(failure), _) => Err(failure.into()),
+        (None, whole) => Ok(within_tolerance(whole)),
     }
 }
+
+#[cfg(test)]
+#[path = "../../tests/unit/commands_record.rs"]
+mod tests;

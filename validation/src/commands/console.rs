@@ -1,12 +1,15 @@
-//! What the user sees: results on standard output, everything else on standard error.
+//! Output of commands: results on standard output, everything else on standard error.
 
-use super::failure::Failure;
+use super::{Failure, json};
+use crate::compare::Share;
 use crate::output::shown;
+use crate::study::Document;
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::ffi::OsStr;
 use std::io::{ErrorKind, IsTerminal, Write};
+use std::path::Path;
 
-/// Where messages go, and how many of them.
+/// Standard output and standard error of a command.
 pub struct Console {
     quiet: bool,
     verbose: bool,
@@ -42,9 +45,6 @@ impl Console {
     }
 
     /// Prints a text of the program's own, whatever characters it holds.
-    ///
-    /// # Errors
-    /// As [`Console::result`].
     pub(super) fn page(&self, text: &str) -> Result<(), Failure> {
         let mut output = std::io::stdout().lock();
         output.write_all(text.as_bytes()).and_then(|()| output.write_all(b"\n")).and_then(|()| output.flush()).map_err(
@@ -55,26 +55,26 @@ impl Console {
         )
     }
 
-    /// Says something that a user should know, unless quiet.
+    /// Prints a message, unless quiet.
     pub fn note(&self, text: &str) {
         if !self.quiet {
             self.say("", Colour::Plain, text);
         }
     }
 
-    /// Says something that only a curious user wants to know.
+    /// Prints a message if verbose.
     pub fn detail(&self, text: &str) {
         if self.verbose && !self.quiet {
             self.say("", Colour::Plain, text);
         }
     }
 
-    /// Says something whatever the verbosity.
+    /// Prints a warning, whatever the verbosity.
     pub fn warn(&self, text: &str) {
         self.say("warning: ", Colour::Yellow, text);
     }
 
-    /// Says why the command failed, whatever the verbosity.
+    /// Prints an error, whatever the verbosity.
     pub fn error(&self, text: &str) {
         self.say("error: ", Colour::Red, text);
     }
@@ -87,7 +87,7 @@ impl Console {
         });
     }
 
-    /// A progress bar over a share of work, 0 to 1.
+    /// Opens a progress bar over the completed fraction of work, 0 to 1.
     pub fn bar(&self, label: &str) -> Bar {
         let style = ProgressStyle::with_template("{prefix:<24} [{wide_bar}] {percent:>3}% {msg} {eta} left")
             .unwrap_or_else(|_| ProgressStyle::default_bar());
@@ -97,12 +97,36 @@ impl Console {
         Bar { bar }
     }
 
+    /// Opens progress bars by their labels.
+    pub(super) fn bars(&self) -> impl Fn(&str) -> Share + Sync {
+        |label| {
+            let bar = self.bar(label);
+            Box::new(move |fraction| bar.set(fraction))
+        }
+    }
+
+    /// Prints a document as JSON, or as the text that is made of it.
+    pub(super) fn document(
+        &self,
+        document: &impl serde::Serialize,
+        as_json: bool,
+        text: impl FnOnce() -> String,
+    ) -> Result<(), Failure> {
+        self.result(&if as_json { json(document) } else { text() })
+    }
+
+    /// Writes a study into a folder and prints it: all of it, or its tables and the path of its page.
+    pub(super) fn publish(&self, study: &impl Document, folder: &Path, as_json: bool) -> Result<(), Failure> {
+        let page = study.write(folder)?;
+        self.document(study, as_json, || format!("{}\npage: {}", study.report().text(), page.display()))
+    }
+
     /// True if standard output wants colours.
     pub fn colour(&self) -> bool {
         self.colour
     }
 
-    /// A text for standard output in a colour, where colours are wanted.
+    /// Paints a text for standard output, where colours are wanted.
     pub fn paint(&self, text: &str, colour: Colour) -> String {
         if self.colour { colour.paint(text) } else { text.to_string() }
     }
@@ -145,12 +169,12 @@ pub struct Bar {
 impl Bar {
     const TICKS: u64 = 10_000;
 
-    /// Sets the share that is done.
+    /// Sets the completed fraction.
     pub fn set(&self, share: f64) {
         self.bar.set_position((share.clamp(0.0, 1.0) * Self::TICKS as f64) as u64);
     }
 
-    /// Sets the text beside the bar.
+    /// Sets the text next to the bar.
     pub fn say(&self, text: String) {
         self.bar.set_message(shown(&text, false).into_owned());
     }

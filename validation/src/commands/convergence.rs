@@ -1,28 +1,57 @@
-//! `makadam lab convergence`: how each method converges on the problem of one step.
+//! `makadam lab convergence`: convergence of each method on the problem of one step.
 
-use super::arguments::ConvergenceArguments;
-use super::{Console, Failure, begin, can_record, publish, settle};
+use super::arguments::{OutputArguments, SceneArguments, positive};
+use super::beforehand::{begin, refuse_without_folder, settle};
+use super::{Console, Failure};
 use crate::convergence::{self, Effort, Problem, Study};
 use crate::execution::Execution;
 use crate::output::record_folder;
 use crate::prepared::Start;
 use crate::provenance::Provenance;
 use crate::study::Document;
+use clap::Args;
+use makadam::scene::SolverMethod;
 use makadam::schedule::Scheduler;
 use std::process::ExitCode;
 
-/// Solves one problem with every method, writes and says what was found.
+#[derive(Debug, Args)]
+pub(super) struct ConvergenceArguments {
+    #[command(flatten)]
+    pub scene: SceneArguments,
+    /// Iterations of each method.
+    #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub iterations: u32,
+    /// Number of times that each method solves the problem, in turn; each iteration counts with its shortest time.
+    #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub repetitions: u32,
+    /// Methods, named as in scenes; if absent, all.
+    #[arg(long, value_delimiter = ',', value_parser = SolverMethod::ALL.map(SolverMethod::name))]
+    pub methods: Option<Vec<String>>,
+    /// Simulated time before the problem is taken, s. If absent: none if the scene prepares a flowing state, else the time until
+    /// it is measured (measure.from), or its whole duration.
+    #[arg(long, value_parser = positive)]
+    pub settle: Option<f64>,
+    /// Number of threads. Residuals do not depend on it.
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: u16,
+    /// Write the table also next to the scene, in a folder named after processor and instruction set.
+    #[arg(long)]
+    pub record: bool,
+    #[command(flatten)]
+    pub output: OutputArguments,
+}
+
 pub(super) fn convergence(arguments: &ConvergenceArguments, console: &Console) -> Result<ExitCode, Failure> {
     let (file, scene, seed) = arguments.scene.load()?;
     if arguments.record {
-        can_record(&file)?;
+        refuse_without_folder(&file)?;
     }
     let wanted = convergence::methods(&scene, arguments.methods.as_deref());
     let threads = usize::from(arguments.threads);
     let scheduler = if threads > 1 { Scheduler::WorkStealing } else { Scheduler::Serial };
     let execution = Execution { scheduler, threads, ..Execution::serial() };
     let provenance = Provenance::of_run(&scene, &file, seed, &execution);
-    // Told before the minutes that a flowing state may take.
+    // Refused before the minutes that a flowing state may take.
     if arguments.methods.is_some() {
         let precision = scene.solver.precision;
         wanted
@@ -31,11 +60,8 @@ pub(super) fn convergence(arguments: &ConvergenceArguments, console: &Console) -
             .map_err(|error| Failure::Usage(format!("{}: {error}; leave that method out of --methods", scene.name)))?;
     }
     let (mut simulation, start) = begin(&scene, seed, &file, &execution, console)?;
-    let settling = match start {
-        Start::Fresh => Some(scene.measure.from.unwrap_or(scene.duration)),
-        Start::Prepared(_) | Start::Remade(..) => None,
-    };
-    if let Some(seconds) = arguments.settle.or(settling) {
+    let own = (start == Start::Fresh).then(|| scene.measure.from.unwrap_or(scene.duration));
+    if let Some(seconds) = arguments.settle.or(own) {
         settle(&mut simulation, seconds, console)?;
     }
     let (methods, left_out) = convergence::suitable(&simulation, wanted);
@@ -48,16 +74,14 @@ pub(super) fn convergence(arguments: &ConvergenceArguments, console: &Console) -
     }
     let bar = console.bar(&scene.name);
     let effort = Effort { iterations: arguments.iterations, repetitions: arguments.repetitions };
-    let curves = convergence::solve(&simulation, &methods, effort, &|method, share| {
+    let curves = convergence::solve(&simulation, &methods, effort, &|method, fraction| {
         bar.say(method.name().into());
-        bar.set(share);
+        bar.set(fraction);
     });
     drop(bar);
-    let curves = curves.map_err(|_| Failure::Interrupted("none, the methods were not finished".into()))?;
+    let curves = curves.map_err(|_| Failure::interrupted("none, the methods were not finished"))?;
     let study = Study::new(problem, effort, curves, left_out, provenance);
-
-    let folder = arguments.output.folder_of("convergence", &scene);
-    publish(&study, &folder, arguments.output.json, console)?;
+    console.publish(&study, &arguments.output.folder_of("convergence", &scene), arguments.output.json)?;
     if arguments.record {
         let processor = &study.provenance.build.processor;
         let folder = record_folder("convergence", &file, processor, Some(execution.instruction_set), None);

@@ -1,16 +1,45 @@
-//! `makadam effects`: which effects a scene calls for, what each costs, and whether it matters.
+//! `makadam effects`: active effects of a scene, their costs, their influence.
 
-use super::arguments::EffectsArguments;
-use super::{Console, Failure, OUTSIDE_TOLERANCE, announce, flowing, json, settle};
+use super::arguments::{JobArguments, OutputArguments, SceneArguments, positive, time_limit};
+use super::beforehand::{flowing, settle};
+use super::{Console, Failure, within_tolerance};
 use crate::compare::KeptRuns;
 use crate::effects::{Ablation, Costs, Look, Plan, Study, table};
 use crate::execution::Execution;
 use crate::provenance::Provenance;
 use crate::scenes;
+use clap::Args;
 use std::process::ExitCode;
 use std::time::Duration;
 
-/// Looks, measures, writes and says what was found.
+#[derive(Debug, Args)]
+pub(super) struct EffectsArguments {
+    #[command(flatten)]
+    pub scene: SceneArguments,
+    /// Run the scene with each effect off or on, and report which of its observables depend on it.
+    #[arg(long)]
+    pub ablate: bool,
+    /// Number of seeds of each variation, consecutive from --seed.
+    #[arg(long, default_value_t = 4, value_parser = clap::value_parser!(u16).range(2..=1000))]
+    pub seeds: u16,
+    /// Simulated time before kernels are timed, if the scene prepares no flowing state, s.
+    #[arg(long, default_value_t = 0.5, value_parser = positive)]
+    pub settle: f64,
+    /// Simulated time after it over which the energy loss is measured, s.
+    #[arg(long, default_value_t = 0.2, value_parser = positive)]
+    pub look: f64,
+    /// Wall time after which a run of --ablate is stopped, s.
+    #[arg(long, default_value_t = 3600.0, value_parser = time_limit)]
+    pub time_limit: f64,
+    /// Start again: repeat runs of --ablate whose results are stored.
+    #[arg(long)]
+    pub restart: bool,
+    #[command(flatten)]
+    pub jobs: JobArguments,
+    #[command(flatten)]
+    pub output: OutputArguments,
+}
+
 pub(super) fn effects(arguments: &EffectsArguments, console: &Console) -> Result<ExitCode, Failure> {
     let (file, scene, seed) = arguments.scene.load()?;
     let text = scenes::text(&file)?;
@@ -39,7 +68,7 @@ pub(super) fn effects(arguments: &EffectsArguments, console: &Console) -> Result
             seeds: &seeds,
             time_limit: Duration::from_secs_f64(arguments.time_limit),
             kept: &KeptRuns::open(&folder.join("runs"), arguments.restart)?,
-            announce: &announce(console),
+            announce: &console.bars(),
         };
         Some(Ablation::run(&plan)?)
     } else {
@@ -48,11 +77,10 @@ pub(super) fn effects(arguments: &EffectsArguments, console: &Console) -> Result
     let provenance = Provenance::of_run(&scene, &file, seed, &execution);
     let study = Study::new(&scene, &text, (look, costs), ablation, provenance);
     study.write(&folder)?;
-    console.result(&if arguments.output.json { json(&study) } else { table(&study) })?;
+    console.document(&study, arguments.output.json, || table(&study))?;
     let lacking = study.ablation.iter().flat_map(|ablation| &ablation.rows).find(|row| row.mean.is_none());
     if let Some(row) = lacking {
         console.warn(&format!("{} was not measured in every seed of the unchanged scene", row.observable));
-        return Ok(ExitCode::from(OUTSIDE_TOLERANCE));
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(within_tolerance(lacking.is_none()))
 }

@@ -1,16 +1,49 @@
 //! `makadam export`: the frames of a run for other programs, and scenes for other codes.
 
-use super::arguments::{ExportArguments, load};
+use super::arguments::{load, one_of, rayleigh_fraction};
 use super::{Console, Failure};
-use crate::export::{ExportError, Format, Written};
+use crate::export::{FORMATS, Format, Written};
 use crate::output::file_stem;
 use crate::peers::{CodeName, Job, Purpose};
 use crate::run_frames::RunFrames;
+use crate::scenes::Change;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
 
-/// Writes the files and says which.
+#[derive(Debug, Args)]
+pub(super) struct ExportArguments {
+    /// Folder of a run, or the name of one below results; with --for, a scene.
+    #[arg(value_name = "RUN or SCENE")]
+    pub what: String,
+    /// Format of the frames of a run: VTP or VTKHDF for ParaView, GSD for OVITO.
+    #[arg(long, value_parser = one_of(FORMATS, |format: Format| format.name), required_unless_present = "code")]
+    pub format: Option<Format>,
+    /// Code for which a scene is written: deck or driver, grains, meshes of walls.
+    #[arg(long = "for", id = "code", value_parser = another_code(), value_name = "CODE", conflicts_with = "format")]
+    pub code: Option<CodeName>,
+    /// With --for, replace a value of the scene; can be given several times.
+    #[arg(long = "set", value_name = "KEY=VALUE", requires = "code")]
+    pub changes: Vec<Change>,
+    /// With --for, seed of the initial positions; if absent, the scene's.
+    #[arg(long, requires = "code", conflicts_with = "format")]
+    pub seed: Option<u64>,
+    /// With --for, time step of the code, as a fraction of the Rayleigh step.
+    #[arg(long, default_value_t = 0.1, value_parser = rayleigh_fraction, requires = "code")]
+    pub rayleigh_fraction: f64,
+    /// Folder to write into; that of the run, or one named after scene and code, if absent.
+    #[arg(short, long)]
+    pub output: Option<PathBuf>,
+}
+
+/// Parses the name of a code with another input than a scene.
+fn another_code() -> impl TypedValueParser<Value = CodeName> {
+    let others = CodeName::value_variants().iter().filter(|name| **name != CodeName::Makadam);
+    PossibleValuesParser::new(others.filter_map(ValueEnum::to_possible_value)).try_map(|name| CodeName::of(&name))
+}
+
 pub(super) fn export(arguments: &ExportArguments, console: &Console) -> Result<ExitCode, Failure> {
     match (arguments.code, arguments.format) {
         (Some(code), _) => export_scene(arguments, code, console),
@@ -21,7 +54,7 @@ pub(super) fn export(arguments: &ExportArguments, console: &Console) -> Result<E
     }
 }
 
-/// Writes what a code runs the scene from.
+/// Writes the input of a code for a scene.
 fn export_scene(arguments: &ExportArguments, code: CodeName, console: &Console) -> Result<ExitCode, Failure> {
     let (file, scene) = load(&arguments.what, &arguments.changes)?;
     let code = code.code();
@@ -70,15 +103,4 @@ pub(super) fn export_frames(
     let written = format.write(run, folder, &|share| bar.set(share))?;
     let lines = written.iter().map(|Written { path, frames }| format!("{}: {frames} frames", path.display()));
     Ok(lines.collect::<Vec<_>>().join("\n"))
-}
-
-impl From<ExportError> for Failure {
-    fn from(error: ExportError) -> Failure {
-        match error {
-            ExportError::Frames(error) => error.into(),
-            ExportError::Write(error) => error.into(),
-            ExportError::Interrupted => Failure::Interrupted("nothing: the file was not finished".into()),
-            ExportError::Format { .. } => Failure::Running(error.to_string()),
-        }
-    }
 }

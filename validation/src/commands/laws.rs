@@ -1,14 +1,40 @@
-//! `makadam laws`: published laws of granular matter, measured and judged.
+//! `makadam laws`: published laws of granular matter, measured and compared with their values.
 
-use super::arguments::LawsArguments;
-use super::{Console, Failure, OUTSIDE_TOLERANCE, json};
+use super::arguments::{JobArguments, OutputArguments};
+use super::{Console, Failure, within_tolerance};
 use crate::laws::{Law, LawError, LawResult, Plan, Study, all, run_cases, table, write, write_scenes};
 use crate::output::JSON_VERSION;
 use crate::provenance::account;
+use clap::Args;
 use std::path::Path;
 use std::process::ExitCode;
 
-/// Measures the laws that were asked for, one after the other, writes each as it is done, and says what was found.
+#[derive(Debug, Args)]
+pub(super) struct LawsArguments {
+    /// Names of laws; if absent, all.
+    pub names: Vec<String>,
+    /// Run fewer and smaller cases: results in seconds, with grains that are large for their container.
+    #[arg(long)]
+    pub quick: bool,
+    /// List the laws and their publications; measure none.
+    #[arg(long, conflicts_with = "json")]
+    pub list: bool,
+    /// Seed of the initial positions, the first one where --seeds takes several.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Number of seeds of each case, consecutive from --seed; figures are judged by their means.
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    pub seeds: u16,
+    /// Start again: repeat runs whose results are stored.
+    #[arg(long)]
+    pub restart: bool,
+    #[command(flatten)]
+    pub jobs: JobArguments,
+    #[command(flatten)]
+    pub output: OutputArguments,
+}
+
+/// Measures the laws one after the other, and writes each when it is done.
 pub(super) fn laws(arguments: &LawsArguments, console: &Console) -> Result<ExitCode, Failure> {
     let laws = chosen(&arguments.names)?;
     if arguments.list {
@@ -35,11 +61,11 @@ pub(super) fn laws(arguments: &LawsArguments, console: &Console) -> Result<ExitC
         results.push(result);
     }
     let study = study(results);
-    console.result(&if arguments.output.json { json(&study) } else { table(&study) })?;
-    Ok(if study.hold { ExitCode::SUCCESS } else { ExitCode::from(OUTSIDE_TOLERANCE) })
+    console.document(&study, arguments.output.json, || table(&study))?;
+    Ok(within_tolerance(study.hold))
 }
 
-/// The laws of these names; all, if there is none.
+/// Returns the laws of these names, or all.
 fn chosen(names: &[String]) -> Result<Vec<&'static dyn Law>, Failure> {
     if names.is_empty() {
         return Ok(all().to_vec());
@@ -64,12 +90,12 @@ fn measured(
     write_scenes(&cases, folder)?;
     let bar = console.bar(law.name());
     let plan = Plan { seeds, again: arguments.restart, folder };
-    let rows = run_cases(law, &cases, &plan, &|share| bar.set(share)).map_err(|error| match error {
-        LawError::Scene(error) => Failure::Scene(error),
+    let rows = run_cases(law, &cases, &plan, &|fraction| bar.set(fraction)).map_err(|error| match error {
         LawError::Interrupted => {
-            Failure::Interrupted(format!("in {}; the same command continues from there", folder.join("runs").display()))
+            let runs = folder.join("runs");
+            Failure::interrupted(&format!("in {}; the same command continues from there", runs.display()))
         }
-        other => Failure::Running(other.to_string()),
+        other => other.into(),
     })?;
     Ok(LawResult::new(law, rows))
 }

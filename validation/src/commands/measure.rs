@@ -1,20 +1,81 @@
-//! `makadam measure`: frames of any code, measured as those of Makadam are.
+//! `makadam measure`: output files of any code, measured as those of Makadam.
 
-use super::arguments::{MeasureArguments, load};
-use super::{Console, Failure, OUTSIDE_TOLERANCE, json};
+use super::arguments::{load, positive};
+use super::{Console, Failure, within_tolerance};
 use crate::draw::values;
-use crate::import::{Imported, Manifest, StatedColumns, Tables, assemble, unlike};
+use crate::import::{FilePattern, Imported, Manifest, StatedColumns, Tables, assemble, unlike};
 use crate::observables::{Measurement, Unmeasured, measured_frames, measured_in, unmeasured};
 use crate::output::JSON_VERSION;
 use crate::plan::Scene;
 use crate::recording::Recording;
 use crate::run_frames::RunFrames;
+use crate::scenes::Change;
+use clap::Args;
 use makadam::snapshot::Snapshot;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// What `makadam measure --json` prints; its documentation is `validation/docs/json.md`.
+#[derive(Debug, Args)]
+pub(super) struct MeasureArguments {
+    /// Files of grains: dumps of LIGGGHTS or LAMMPS, VTK or text of YADE, CSV, VTKHDF, plain or packed by gzip, where {step} or {time} in a
+    /// name stands for a number; or the folder of a run of Makadam; or a manifest (.toml) that names the files of a run and states what
+    /// they do not.
+    #[arg(required = true, value_name = "FILES")]
+    pub grains: Vec<FilePattern>,
+    /// Scene that was simulated: a file, a name (see `makadam print scenes`), or - for standard input.
+    #[arg(long)]
+    pub scene: String,
+    /// Replace a value of the scene, such as measure.from=0.5; can be given several times.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub changes: Vec<Change>,
+    /// Files of contacts, of grains and of walls.
+    #[arg(long, num_args = 1.., value_name = "FILES")]
+    pub contacts: Vec<FilePattern>,
+    /// Names of the columns of grains in place of those in the files, such as id,_,x,y,z,radius; _ for what is not wanted.
+    #[arg(long, value_name = "NAMES")]
+    pub columns: Vec<StatedColumns>,
+    /// Names of the columns of contacts, such as first,second,_,fx,fy,fz,px,py,pz; with a name and a colon before them those of the columns
+    /// that files number under it: c_pairs:first,second,_,fx,fy,fz for c_pairs[1] to c_pairs[6]. Can be given several times.
+    #[arg(long, value_name = "NAMES")]
+    pub contact_columns: Vec<StatedColumns>,
+    /// The files of contacts list all contacts of their frames.
+    #[arg(long)]
+    pub contacts_complete: bool,
+    /// Time (s) between frames whose numbers differ by one: the time step, where frames are numbered by steps.
+    #[arg(long, value_parser = positive)]
+    pub time_step: Option<f64>,
+    /// Time (s) of the only frame.
+    #[arg(long)]
+    pub time: Option<f64>,
+    /// Number in the files of the scene's first grain, where they number grains as the scene does: listed ones first, then each
+    /// population.
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    pub first_id: Option<i64>,
+    /// Seed by which the grains were placed as the scene places them; with --first-id it states radii that the files lack.
+    #[arg(long)]
+    pub seed: Option<u64>,
+    /// Material of the scene, or population (population.0), that each value of a column type or material stands for, such as
+    /// 1=glass,2=steel.
+    #[arg(long, value_delimiter = ',', value_name = "VALUE=NAME", value_parser = kind)]
+    pub kinds: Vec<(String, String)>,
+    /// Name of the code that left the frames; "frames" if absent.
+    #[arg(long)]
+    pub name: Option<String>,
+    /// Print the measurements as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Parses a value of a column, and the name of its material or population.
+fn kind(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=').map(|(value, name)| (value.trim(), name.trim())) {
+        Some((value, name)) if !value.is_empty() && !name.is_empty() => Ok((value.into(), name.into())),
+        _ => Err("give VALUE=NAME, such as 1=glass".into()),
+    }
+}
+
+/// Document of `makadam measure --json`; `validation/docs/json.md` describes it.
 #[derive(Serialize)]
 struct MeasureDocument<'a> {
     version: u32,
@@ -43,7 +104,6 @@ fn run_folder(manifest: &Manifest) -> Result<Option<PathBuf>, Failure> {
     }
 }
 
-/// Reads the files and prints the numbers.
 pub(super) fn measure(arguments: &MeasureArguments, console: &Console) -> Result<ExitCode, Failure> {
     let (_, scene) = load(&arguments.scene, &arguments.changes)?;
     let manifest = manifest(arguments)?;
@@ -71,30 +131,24 @@ pub(super) fn measure(arguments: &MeasureArguments, console: &Console) -> Result
     let measured = measured_in(&scene, &recording);
     let not_measured = unmeasured(&scene, &recording.lacks, &measured);
     let measurements = measured.measurements;
-    let text = match arguments.json {
-        true => json(&MeasureDocument {
-            version: JSON_VERSION,
-            command: "measure",
-            scene: &scene.name,
-            code: &recording.code,
-            frames: recording.frames.len(),
-            measured_frames: frames,
-            measurements: &measurements,
-            not_measured: &not_measured,
-            notes: &notes,
-        }),
-        false => text(&recording, frames, &measurements, &not_measured),
-    };
     notes.iter().for_each(|note| console.note(note));
-    console.result(&text)?;
+    let document = MeasureDocument {
+        version: JSON_VERSION,
+        command: "measure",
+        scene: &scene.name,
+        code: &recording.code,
+        frames: recording.frames.len(),
+        measured_frames: frames,
+        measurements: &measurements,
+        not_measured: &not_measured,
+        notes: &notes,
+    };
+    console.document(&document, arguments.json, || text(&recording, frames, &measurements, &not_measured))?;
     let is_compared = |one: &Unmeasured| scene.compare.iter().any(|expected| expected.observable == one.observable);
-    match not_measured.iter().any(is_compared) {
-        true => Ok(ExitCode::from(OUTSIDE_TOLERANCE)),
-        false => Ok(ExitCode::SUCCESS),
-    }
+    Ok(within_tolerance(!not_measured.iter().any(is_compared)))
 }
 
-/// Manifest that is given, or that of the files on the command line, with the statements of the command line.
+/// Returns the given manifest, or that of the files on the command line, with the statements of the command line.
 fn manifest(arguments: &MeasureArguments) -> Result<Manifest, Failure> {
     let is_manifest = |file: &&Path| file.extension().is_some_and(|extension| extension == "toml");
     let file = arguments.grains.iter().map(|pattern| Path::new(pattern.text())).find(is_manifest);
@@ -123,7 +177,7 @@ fn manifest(arguments: &MeasureArguments) -> Result<Manifest, Failure> {
     Ok(manifest)
 }
 
-/// That the frames that are measured are not those of the scene: its end, or all times from `measure.from` to it.
+/// Returns a note if the measured frames are not those of the scene: its end, or all times from `measure.from` to it.
 fn other_window(scene: &Scene, measured: &[&Snapshot]) -> Option<String> {
     let (first, last) = (measured.first()?.time, measured.last()?.time);
     let (end, slack, interval) = (scene.duration, scene.measure.slack(), scene.measure.interval);

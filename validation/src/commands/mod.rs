@@ -1,4 +1,4 @@
-//! The commands of `makadam`: arguments, exit codes, what is printed.
+//! Commands of `makadam`: each file holds the arguments of a command, its call of the library, and its output.
 
 mod arguments;
 mod beforehand;
@@ -16,7 +16,7 @@ mod picture;
 mod print;
 mod problem;
 mod qualify;
-mod record;
+mod renamed;
 mod run;
 mod scaling;
 mod stability;
@@ -27,22 +27,121 @@ mod view;
 pub use console::Console;
 pub use failure::{Failure, OUTSIDE_TOLERANCE};
 
-use crate::compare::Share;
-use crate::execution::Execution;
-use crate::output::cache_folder;
-use crate::peers::{Code, CodeName, absent, codes_of};
-use crate::plan::Scene;
-use crate::prepared::{Start, is_ready, start};
-use crate::qualify::usual_codes;
-use crate::scenes;
-use crate::stepping::{Stepping, steps_in};
-use crate::study::Document;
-use arguments::{Arguments, Command, Lab, Print, with_new_name};
-use makadam::Simulation;
-use makadam::scene::Stop;
+use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::ffi::OsString;
-use std::path::{Path, PathBuf};
+use std::fmt::Write;
 use std::process::ExitCode;
+
+const EXIT_CODES: &str = "Exit codes: 0 pass, 1 failure while running, 2 usage, 3 invalid scene, problem or frame file, \
+    4 outside tolerance, undecided or not measured, 5 a reference code is missing.";
+
+/// Groups of commands in the help, in the order of their listing.
+const GROUPS: [(&str, &[&str]); 5] = [
+    ("Simulate", &["new", "check", "run", "sweep"]),
+    ("Look", &["view", "picture", "measure", "export"]),
+    ("Compare", &["compare", "qualify"]),
+    ("Study", &["laws", "stability", "effects", "tradeoff", "lab"]),
+    ("Manage", &["print"]),
+];
+
+/// Simulates grains in contact by non-smooth contact dynamics, measures and shows the results, and compares them with YADE, LIGGGHTS and LAMMPS.
+#[derive(Debug, Parser)]
+#[command(name = "makadam", version, after_help = EXIT_CODES, max_term_width = 100)]
+struct Arguments {
+    /// The command to run.
+    #[command(subcommand)]
+    command: Command,
+    /// Print only results and errors.
+    #[arg(short, long, global = true)]
+    quiet: bool,
+    /// Print more messages.
+    #[arg(short, long, global = true)]
+    verbose: bool,
+}
+
+impl Arguments {
+    /// Returns the definition of the command line; its help lists the commands by group.
+    fn definition() -> clap::Command {
+        let command = Arguments::command();
+        let mut listing = String::new();
+        for (title, names) in GROUPS {
+            let _ = writeln!(listing, "{title}:");
+            for name in names {
+                let about =
+                    command.find_subcommand(name).and_then(clap::Command::get_about).expect("a command has help");
+                let _ = writeln!(listing, "  {name:<10} {about}");
+            }
+            listing.push('\n');
+        }
+        let template = format!(
+            "{{about-with-newline}}\n{{usage-heading}} {{usage}}\n\n{listing}Options:\n{{options}}{{after-help}}"
+        );
+        command.help_template(template)
+    }
+
+    /// Reads a command line.
+    ///
+    /// # Errors
+    /// [`clap::Error`] if it is wrong, or requests the help or the version.
+    fn read(words: &[OsString]) -> Result<Arguments, clap::Error> {
+        let matches = Arguments::definition().try_get_matches_from(words)?;
+        Arguments::from_arg_matches(&matches)
+    }
+}
+
+/// The commands, in the groups of the help.
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Write a commented scene to start from to a file.
+    New(new::NewArguments),
+    /// Describe a run before it starts: grains, scales, settings, memory, time.
+    Check(check::CheckArguments),
+    /// Simulate a scene: frames, observables as CSV, provenance as JSON.
+    Run(run::RunArguments),
+    /// Run a scene over values of its keys, several seeds each; write one table.
+    Sweep(sweep::SweepArguments),
+    /// Write a run as one HTML file to turn, cut and play in a browser.
+    View(view::ViewArguments),
+    /// Draw a frame of a run as PNG, or all frames as animated GIF or APNG.
+    Picture(picture::PictureArguments),
+    /// Measure the output files of any code: dumps, VTK, CSV, VTKHDF.
+    Measure(measure::MeasureArguments),
+    /// Write a run for ParaView or OVITO, or a scene for another code.
+    Export(export::ExportArguments),
+    /// Compare codes on one scene: Makadam, YADE, LIGGGHTS, LAMMPS, or your own.
+    Compare(compare::CompareArguments),
+    /// Validate Makadam on the reference scenes and write one report.
+    Qualify(qualify::QualifyArguments),
+    /// Measure published laws of granular matter and compare with their values.
+    Laws(laws::LawsArguments),
+    /// Run stress tests: pathological scenes, each with its expected outcome.
+    Stability(stability::StabilityArguments),
+    /// List the active physical effects of a scene, their costs and influence.
+    Effects(effects::EffectsArguments),
+    /// Measure error against wall time over the settings of each code.
+    Tradeoff(tradeoff::TradeoffArguments),
+    /// Study the solver: convergence, scaling, single contact problems.
+    Lab(LabArguments),
+    /// Print references: scenes, observables, schemas, completions, manual.
+    Print(print::PrintArguments),
+}
+
+#[derive(Debug, Args)]
+struct LabArguments {
+    /// The study.
+    #[command(subcommand)]
+    study: Lab,
+}
+
+#[derive(Debug, Subcommand)]
+enum Lab {
+    /// Measure how each method converges on the problem of one step: residual against iterations and wall time.
+    Convergence(convergence::ConvergenceArguments),
+    /// Measure how a scene's step scales with threads, and replay it on more cores than this machine has.
+    Scaling(scaling::ScalingArguments),
+    /// Write the contact problem of one step to a file, and solve it with every available solver.
+    Problem(problem::ProblemArguments),
+}
 
 /// Runs the program on the arguments of the process.
 pub fn main() -> ExitCode {
@@ -54,7 +153,7 @@ pub fn run_program(arguments: Vec<OsString>) -> ExitCode {
     crate::provenance::set_command_line(&arguments);
     let arguments = match Arguments::read(&arguments) {
         Ok(arguments) => arguments,
-        Err(words) => return tell(&with_new_name(words, &arguments)),
+        Err(message) => return print_clap(&renamed::with_new_name(message, &arguments)),
     };
     let console = Console::new(arguments.quiet, arguments.verbose);
     crate::interrupt::listen();
@@ -78,160 +177,38 @@ pub fn run_program(arguments: Vec<OsString>) -> ExitCode {
             Lab::Scaling(scaling) => scaling::scaling(scaling, &console),
             Lab::Problem(problem) => problem::problem(problem, &console),
         },
-        Command::Print(print) => match &print.text {
-            Print::Scenes(list) => print::scenes(list, &console),
-            Print::Observables(observables) => print::observables(observables, &console),
-            Print::Schema(schema) => print::schema(schema, &console),
-            Print::Completions(completions) => print::completions(completions, &console),
-            Print::Manual(manual) => print::manual(manual, &console),
-        },
+        Command::Print(print) => print::print(print, &console),
     };
-    match done {
-        Ok(code) => code,
-        Err(Failure::ClosedOutput) => ExitCode::from(1),
-        Err(failure) => {
-            console.error(&failure.to_string());
-            ExitCode::from(failure.exit_code())
-        }
-    }
+    exit_code(done, &console)
 }
 
-/// Prints what was asked for in place of a command, such as its help, or what is wrong with the arguments.
-fn tell(words: &clap::Error) -> ExitCode {
-    if words.use_stderr() {
-        words.exit();
+/// Prints the help, the version, or an error of the command line.
+fn print_clap(message: &clap::Error) -> ExitCode {
+    if message.use_stderr() {
+        message.exit();
     }
     let console = Console::new(false, false);
-    let styled = words.render();
+    let styled = message.render();
     let text = if console.colour() { styled.ansi().to_string() } else { styled.to_string() };
-    match console.page(text.trim_end()) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(Failure::ClosedOutput) => ExitCode::from(1),
-        Err(failure) => {
+    exit_code(console.page(text.trim_end()).map(|()| ExitCode::SUCCESS), &console)
+}
+
+/// Reports a failure, unless the reader of standard output has gone.
+fn exit_code(done: Result<ExitCode, Failure>, console: &Console) -> ExitCode {
+    done.unwrap_or_else(|failure| {
+        if !matches!(failure, Failure::ClosedOutput) {
             console.error(&failure.to_string());
-            ExitCode::from(failure.exit_code())
         }
-    }
-}
-
-/// Refuses to record beside a scene that lies in no folder.
-fn can_record(file: &Path) -> Result<(), Failure> {
-    let what = match (scenes::is_built_in(file), scenes::is_given(file)) {
-        (_, true) => "was given on the command line or on standard input",
-        (true, false) => "is a scene built into the program",
-        (false, false) => return Ok(()),
-    };
-    Err(Failure::Usage(format!(
-        "{} {what}, so there is no folder to record into; run where a folder reference-scenes contains it, or give the path to a file",
-        file.display()
-    )))
-}
-
-/// The simulation at the start of its run, with a progress bar while a flowing state is prepared.
-fn begin(
-    scene: &Scene,
-    seed: u64,
-    file: &Path,
-    execution: &Execution,
-    console: &Console,
-) -> Result<(Simulation, Start), Failure> {
-    if let Some(prepare) = scene.prepare.as_ref().filter(|_| !is_ready(scene, seed)) {
-        console.note(&format!(
-            "{} starts from a flowing state, which is prepared first: {} steps of {:e} s, {} s of simulated time, in addition to \
-             the run's own steps; it is stored under {} for later runs",
-            scene.name,
-            steps_in(prepare.duration, prepare.step),
-            prepare.step,
-            prepare.duration,
-            prepared_folder()?.display(),
-        ));
-    }
-    let bar = console.bar("preparing the flow");
-    let (simulation, start) = start(scene, seed, file, execution, &|share| bar.set(share))?;
-    match &start {
-        Start::Fresh => {}
-        Start::Prepared(file) => console.note(&format!("starting from the flowing state {}", file.display())),
-        Start::Remade(file, reason) => {
-            console.warn(&format!("{} {reason}; it was made anew, and the run starts from it", file.display()));
-        }
-    }
-    Ok((simulation, start))
-}
-
-/// Folder in which flowing states are kept.
-fn prepared_folder() -> Result<PathBuf, Failure> {
-    Ok(cache_folder()?.join("prepared"))
-}
-
-/// Simulates for a time, s.
-fn settle(simulation: &mut Simulation, seconds: f64, console: &Console) -> Result<(), Failure> {
-    let bar = console.bar("settling");
-    let steps = steps_in(seconds, simulation.time_step());
-    let settled = Stepping::new(steps, &|share| bar.set(share)).carry_out(simulation, |_, _| {});
-    settled.map(|_| ()).map_err(|_| Failure::Interrupted("none, the flowing state was not finished".into()))
-}
-
-/// The simulation at the start of its run, settled for a time (s) where no flowing state was prepared: grains that have just been
-/// placed have hardly a contact.
-fn flowing(
-    scene: &Scene,
-    seed: u64,
-    file: &Path,
-    execution: &Execution,
-    seconds: f64,
-    console: &Console,
-) -> Result<Simulation, Failure> {
-    let (mut simulation, start) = begin(scene, seed, file, execution, console)?;
-    if start == Start::Fresh {
-        settle(&mut simulation, seconds, console)?;
-    }
-    Ok(simulation)
-}
-
-/// Refuses solves that stop when their wall time is spent.
-fn refuse_time_budget(scene: &Scene) -> Result<(), Failure> {
-    match scene.solver.stop {
-        Stop::TimeBudget { .. } => Err(Failure::Usage(format!(
-            "the solves of {} stop after a wall time, so no two runs do the same work; set solver.stop to sweeps or \
-             residual",
-            scene.name
-        ))),
-        _ => Ok(()),
-    }
-}
-
-/// Writes a study into a folder, and prints it: all of it, or its table and where its page is.
-fn publish(study: &impl Document, folder: &Path, as_json: bool, console: &Console) -> Result<(), Failure> {
-    let page = study.write(folder)?;
-    console.result(&match as_json {
-        true => json(study),
-        false => format!("{}\npage: {}", study.report().text(), page.display()),
+        ExitCode::from(failure.exit_code())
     })
 }
 
-/// A value as indented JSON.
+/// Returns success, or the exit code of results outside their tolerance.
+fn within_tolerance(within: bool) -> ExitCode {
+    if within { ExitCode::SUCCESS } else { ExitCode::from(OUTSIDE_TOLERANCE) }
+}
+
+/// Formats a value as indented JSON.
 fn json(value: &impl serde::Serialize) -> String {
     serde_json::to_string_pretty(value).expect("results hold only numbers, plain text and lists")
-}
-
-/// The codes that are asked for, all of which are installed.
-fn installed(names: &[CodeName]) -> Result<Vec<Box<dyn Code>>, Failure> {
-    let codes = codes_of(names);
-    match codes.iter().find(|code| code.version().is_none()) {
-        None => Ok(codes),
-        Some(missing) => Err(Failure::MissingCode(format!("{}, or leave it out with --codes", absent(missing.name())))),
-    }
-}
-
-/// The codes that are asked for, or those in which a scene is compared where nobody says which.
-fn codes_or_usual(names: Option<&[CodeName]>, scene_file: &Path, live: bool) -> Vec<Box<dyn Code>> {
-    names.map_or_else(|| codes_of(&usual_codes(scene_file, live)), codes_of)
-}
-
-/// Opens progress bars on the console.
-fn announce(console: &Console) -> impl Fn(&str) -> Share + Sync {
-    |label| {
-        let bar = console.bar(label);
-        Box::new(move |share| bar.set(share))
-    }
 }

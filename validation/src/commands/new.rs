@@ -1,17 +1,26 @@
-//! `makadam new`: a scene to begin with.
+//! `makadam new`: a scene to start from.
 
-use super::arguments::NewArguments;
 use super::{Console, Failure};
 use crate::output::WriteError;
-use crate::templates::template;
+use crate::templates::{TEMPLATES, template};
+use clap::Args;
+use clap::builder::PossibleValuesParser;
 use std::fs::OpenOptions;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Writes the scene into a new file, or prints it where the file is standard output.
+#[derive(Debug, Args)]
+pub(super) struct NewArguments {
+    /// Scene to start from.
+    #[arg(value_parser = PossibleValuesParser::new(TEMPLATES.iter().map(|template| template.name)))]
+    pub kind: String,
+    /// File to write, or - for standard output; KIND.toml, if absent. An existing file is not overwritten.
+    pub file: Option<PathBuf>,
+}
+
 pub(super) fn new(arguments: &NewArguments, console: &Console) -> Result<ExitCode, Failure> {
-    let template = template(&arguments.kind).expect("arguments name one that there is");
+    let template = template(&arguments.kind).expect("the parser accepts names of templates only");
     if arguments.file.as_deref() == Some(Path::new("-")) {
         console.page(template.text.trim_end())?;
         return Ok(ExitCode::SUCCESS);
@@ -26,7 +35,7 @@ pub(super) fn new(arguments: &NewArguments, console: &Console) -> Result<ExitCod
             _ => Failure::Running(format!("{shown}: {error}")),
         })?;
     if let Err(error) = opened.write_all(template.text.as_bytes()) {
-        // What is left of it would be in the way of the next try.
+        // A part of it would be in the way of the next try.
         let _ = std::fs::remove_file(&file);
         return Err(WriteError::new(&file, error).into());
     }

@@ -1,11 +1,14 @@
 //! `makadam picture`: one frame of a run as an image, or all frames as an animation.
 
-use super::arguments::PictureArguments;
+use super::arguments::positive;
 use super::beforehand::refuse_picture_beyond_memory;
 use super::{Console, Failure};
 use crate::output::create_folder_of;
-use crate::pictures::{Animation, Picture, PictureError, Subject, camera, caption, draw, has_scale, memory, write_png};
+use crate::pictures::{
+    Animation, Content, Cut, Picture, Style, Subject, View, camera, caption, draw, has_scale, memory, write_png,
+};
 use crate::run_frames::{Quantity, RunFolderError, RunFrame, RunFrames, rounded};
+use clap::Args;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -14,16 +17,85 @@ const IMAGE_SIZE: [usize; 2] = [1200, 900];
 /// Width and height of an animation where none are given, pixels.
 const ANIMATION_SIZE: [usize; 2] = [800, 600];
 
-/// Frames that are looked at to choose the scale and the place of the camera of an animation.
+/// Number of frames from which the scale and the camera of an animation follow.
 const LOOKS: usize = 9;
 
-/// Bytes of a pixel in what an animation keeps beside the picture that is drawn.
+/// Bytes per pixel of an animation, in addition to the picture that is drawn.
 const BESIDE: u64 = 24;
 
-/// How far the frames per second of an animation may be off what was asked for without a word: delays are whole numbers in files.
+/// Relative deviation of the frames per second of an animation without a note: delays are whole numbers in files.
 const RATE_OFF: f64 = 0.2;
 
-/// Draws a frame, or all frames if the output file is one of animations.
+#[derive(Debug, Args)]
+pub(super) struct PictureArguments {
+    /// The folder of a run, or the name of one below results; the run may be under way.
+    pub run: PathBuf,
+    /// The frame nearest to this simulated time, s; the last one, if absent.
+    #[arg(long, value_name = "SECONDS")]
+    pub time: Option<f64>,
+    /// The last frame.
+    #[arg(long, conflicts_with = "time")]
+    pub last: bool,
+    /// Every n-th frame of an animation.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..), conflicts_with_all = ["time", "last"])]
+    pub every: u32,
+    /// Frames per second of an animation.
+    #[arg(long, default_value_t = 20.0, value_parser = positive, conflicts_with_all = ["time", "last"])]
+    pub rate: f64,
+    /// Width and height, pixels; if absent, 1200x900, or 800x600 of an animation.
+    #[arg(long, value_parser = size)]
+    pub size: Option<[usize; 2]>,
+    /// Field of the frames that colours the grains, such as speed, pressure, force, coordination_number, diameter, material.
+    /// If absent, their speed, or the pressure in them where all are at rest.
+    #[arg(long)]
+    pub field: Option<String>,
+    /// Values at the ends of the colour scale, in the field's unit, as LOW,HIGH; taken from the frames, if absent.
+    #[arg(long, value_name = "LOW,HIGH", value_parser = range, allow_hyphen_values = true)]
+    pub range: Option<[f64; 2]>,
+    /// From where: natural, front, side, top, or AZIMUTH,ELEVATION in degrees.
+    #[arg(long, default_value = "natural", allow_hyphen_values = true)]
+    pub view: View,
+    /// A plane in front of which nothing is shown, such as y=0.02 (m).
+    #[arg(long, value_name = "AXIS=PLACE")]
+    pub clip: Option<Cut>,
+    /// Leave walls out.
+    #[arg(long)]
+    pub no_walls: bool,
+    /// Show all grains, also those that are far from the walls.
+    #[arg(long)]
+    pub all_grains: bool,
+    /// File to write: one frame as .png, all frames as .gif or .apng; if absent, picture.png in the folder of the run.
+    #[arg(short, long)]
+    pub output: Option<PathBuf>,
+}
+
+impl PictureArguments {
+    /// Returns the style of pictures of a size.
+    fn style(&self, size: [usize; 2]) -> Style {
+        Style { size, view: self.view, cut: self.clip, walls: !self.no_walls }
+    }
+
+    fn content(&self) -> Content {
+        Content { field: self.field.clone(), range: self.range, all_grains: self.all_grains }
+    }
+}
+
+/// Parses a size such as 1200x900.
+fn size(text: &str) -> Result<[usize; 2], String> {
+    let parse = |text: &str| text.parse::<usize>().ok().filter(|pixels| (64..=16_384).contains(pixels));
+    let sides = text.split_once(['x', 'X']).and_then(|(width, height)| Some([parse(width)?, parse(height)?]));
+    sides.ok_or_else(|| {
+        format!("'{text}' is no size: give WIDTHxHEIGHT in pixels, each from 64 to 16384, such as 1200x900")
+    })
+}
+
+/// Parses a range such as 0,0.5.
+fn range(text: &str) -> Result<[f64; 2], String> {
+    let parse = |text: &str| text.trim().parse::<f64>().ok().filter(|value| value.is_finite());
+    let ends = text.split_once(',').and_then(|(low, high)| Some([parse(low)?, parse(high)?]));
+    ends.filter(|[low, high]| low < high).ok_or_else(|| format!("'{text}' is no range: give LOW,HIGH, such as 0,0.5"))
+}
+
 pub(super) fn picture(arguments: &PictureArguments, console: &Console) -> Result<ExitCode, Failure> {
     let animated = |path: &PathBuf| {
         path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("gif") || ending.eq_ignore_ascii_case("apng"))
@@ -41,7 +113,7 @@ fn image(arguments: &PictureArguments, console: &Console) -> Result<ExitCode, Fa
     }
     let size = arguments.size.unwrap_or(IMAGE_SIZE);
     refuse_picture_beyond_memory(size, memory(size))?;
-    let run = RunFrames::open(&arguments.frames.run)?;
+    let run = RunFrames::open(&arguments.run)?;
     let number = match arguments.time {
         Some(time) => run.at(time)?,
         None => run.count() - 1,
@@ -50,11 +122,11 @@ fn image(arguments: &PictureArguments, console: &Console) -> Result<ExitCode, Fa
         RunFolderError::Damaged { .. } => Failure::Running(format!("{error}, or give another --time")),
         other => other.into(),
     })?;
-    let style = arguments.style.style(size);
-    let content = arguments.style.content();
+    let style = arguments.style(size);
+    let content = arguments.content();
     let drawn = content.picture(&run, &frame, &style)?;
     if crate::interrupt::requested() {
-        return Err(Failure::Interrupted("nothing: the picture was not finished".into()));
+        return Err(Failure::interrupted("nothing: the picture was not finished"));
     }
     tell_scale_left_out(size, console);
     let output = arguments.output.clone().unwrap_or_else(|| run.folder().join("picture.png"));
@@ -79,27 +151,27 @@ fn animation(arguments: &PictureArguments, output: &Path, console: &Console) -> 
     // The pictures that colours are chosen from are there at the same time, and what has its colours.
     let pixels = (size[0] * size[1]) as u64;
     refuse_picture_beyond_memory(size, memory(size) + BESIDE * pixels)?;
-    let run = RunFrames::open(&arguments.frames.run)?;
+    let run = RunFrames::open(&arguments.run)?;
     let numbers: Vec<usize> = (0..run.count()).step_by(arguments.every as usize).collect();
-    let style = arguments.style.style(size);
+    let style = arguments.style(size);
     // One scale and one camera for all: what is seen must move, not they.
     let step = numbers.len().div_ceil(LOOKS).max(1);
     let looks: Vec<RunFrame> =
         numbers.iter().rev().step_by(step).map(|number| run.read(*number)).collect::<Result<_, _>>()?;
     let middle = &looks[looks.len() / 2];
-    let content = arguments.style.content();
+    let content = arguments.content();
     let field = content.field_of(middle);
     let quantities: Vec<Quantity> =
         looks.iter().map(|frame| run.field(frame, &field)).collect::<Result<_, RunFolderError>>()?;
     let values: Vec<f64> = quantities.iter().flat_map(|quantity| quantity.values.iter().copied()).collect();
     let scale = content.scale_of(&quantities[0].title, &values);
-    let camera = camera(&Subject::of(looks.iter(), arguments.style.all_grains), middle, &style);
+    let camera = camera(&Subject::of(looks.iter(), arguments.all_grains), middle, &style);
     let one = |number: usize| -> Result<Picture, Failure> {
         let frame = run.read(numbers[number])?;
         let quantity = run.field(&frame, &field)?;
         let drawn = draw(&frame, &quantity, &scale, &camera, &style, &caption(&run, &frame));
         match crate::interrupt::requested() {
-            true => Err(Failure::Interrupted("nothing: the animation was not finished".into())),
+            true => Err(Failure::interrupted("nothing: the animation was not finished")),
             false => Ok(drawn),
         }
     };
@@ -126,27 +198,9 @@ fn animation(arguments: &PictureArguments, output: &Path, console: &Console) -> 
     Ok(ExitCode::SUCCESS)
 }
 
-/// Says that a picture has no colour scale where it is too narrow for one.
+/// Prints a note if a picture is too narrow for a colour scale.
 fn tell_scale_left_out(size: [usize; 2], console: &Console) {
     if !has_scale(size) {
         console.note("the picture is too narrow for a colour scale, which is left out");
-    }
-}
-
-impl From<RunFolderError> for Failure {
-    fn from(error: RunFolderError) -> Failure {
-        match error {
-            RunFolderError::Damaged { .. } => Failure::Running(error.to_string()),
-            _ => Failure::Usage(error.to_string()),
-        }
-    }
-}
-
-impl From<PictureError> for Failure {
-    fn from(error: PictureError) -> Failure {
-        match error {
-            PictureError::Write(error) => error.into(),
-            PictureError::Format { .. } => Failure::Usage(error.to_string()),
-        }
     }
 }

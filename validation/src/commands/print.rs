@@ -1,19 +1,91 @@
 //! `makadam print`: scenes, observables, schemas, completions and manual pages.
 
-use super::arguments::{
-    Arguments, CompletionsArguments, ManualArguments, ObservablesArguments, SceneListArguments, SchemaArguments,
-};
-use super::{Console, Failure, json};
+use super::arguments::nothing_measures;
+use super::{Arguments, Console, Failure, json};
 use crate::draw::wrapped;
-use crate::observables::catalogue::{Definition, definitions, known, page};
+use crate::observables::catalogue::{Definition, definitions, page};
 use crate::output::{WriteError, create_folder};
 use crate::{report, scenes};
-use makadam::scene::suggestion;
+use clap::{Args, Subcommand};
+use clap_complete::Shell;
 use serde::Serialize;
 use std::fmt::Write;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// A scene that can be named.
+#[derive(Debug, Args)]
+pub(super) struct PrintArguments {
+    /// The text to print.
+    #[command(subcommand)]
+    text: Text,
+}
+
+#[derive(Debug, Subcommand)]
+enum Text {
+    /// List the scenes that can be given by name.
+    Scenes {
+        /// Print the list as JSON.
+        #[arg(long)]
+        json: bool,
+    },
+    /// Define the observables.
+    Observables {
+        /// Names of observables or groups; all, if absent.
+        names: Vec<String>,
+        /// Print them as JSON.
+        #[arg(long)]
+        json: bool,
+        /// Print the page of all of them, in Markdown.
+        #[arg(long, conflicts_with_all = ["json", "names"])]
+        markdown: bool,
+    },
+    /// Print the scene language, as a JSON Schema or as a page; or the JSON Schema of reports.
+    Schema {
+        /// Print a page in Markdown instead of the JSON Schema.
+        #[arg(long)]
+        markdown: bool,
+        /// Print the JSON Schema of report.json, which qualify, compare and judge write, instead of that of scenes. There is no page of it.
+        #[arg(long, conflicts_with = "markdown")]
+        report: bool,
+    },
+    /// Print a completion script for a shell.
+    Completions {
+        /// The shell.
+        #[arg(value_enum)]
+        shell: Shell,
+    },
+    /// Write manual pages.
+    Manual {
+        /// Folder for one page per command; if absent, the page of the program goes to standard output.
+        #[arg(short, long)]
+        output: Option<PathBuf>,
+    },
+}
+
+pub(super) fn print(arguments: &PrintArguments, console: &Console) -> Result<ExitCode, Failure> {
+    match &arguments.text {
+        Text::Scenes { json } => list_scenes(*json, console)?,
+        Text::Observables { markdown: true, .. } => console.page(page().trim_end())?,
+        Text::Observables { names, json, .. } => define(names, *json, console)?,
+        Text::Schema { markdown: true, .. } => console.page(scenes::page().trim_end())?,
+        Text::Schema { report: true, .. } => console.page(&json(&report::schema()))?,
+        Text::Schema { .. } => console.page(&json(&scenes::schema()))?,
+        Text::Completions { shell } => {
+            let mut script = Vec::new();
+            clap_complete::generate(*shell, &mut Arguments::definition(), "makadam", &mut script);
+            console.page(String::from_utf8_lossy(&script).trim_end())?;
+        }
+        Text::Manual { output: Some(folder) } => write_manual(folder, console)?,
+        Text::Manual { output: None } => {
+            let mut page = Vec::new();
+            let rendered = clap_mangen::Man::new(Arguments::definition()).render(&mut page);
+            rendered.map_err(|error| Failure::Running(format!("the manual page: {error}")))?;
+            console.page(String::from_utf8_lossy(&page).trim_end())?;
+        }
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
 #[derive(Serialize)]
 struct Named {
     name: String,
@@ -22,27 +94,23 @@ struct Named {
     file: String,
 }
 
-/// Lists the scenes that can be given by name, with their descriptions.
-pub(super) fn scenes(arguments: &SceneListArguments, console: &Console) -> Result<ExitCode, Failure> {
+fn list_scenes(as_json: bool, console: &Console) -> Result<(), Failure> {
     let roots = scenes::roots();
-    let mut named = Vec::new();
-    for name in scenes::known(&roots) {
+    let named = scenes::known(&roots).into_iter().map(|name| {
         let file = scenes::find(&name, &roots)?;
         let scene = scenes::load(&file)?;
         let grains = scene.grain_count();
-        let (description, file) = (scene.description.clone(), file.display().to_string());
-        named.push(Named { name, description, grains, file });
-    }
-    if arguments.json {
-        console.result(&json(&named))?;
-        return Ok(ExitCode::SUCCESS);
-    }
-    let rows: Vec<Vec<String>> = named.into_iter().map(|named| vec![named.name, named.description]).collect();
-    console.result(&format!("{}\n\n`makadam new` writes a scene to start from to a file.", wrapped(&rows)))?;
-    Ok(ExitCode::SUCCESS)
+        Ok(Named { name, description: scene.description.clone(), grains, file: file.display().to_string() })
+    });
+    let named: Vec<Named> = named.collect::<Result<_, Failure>>()?;
+    console.document(&named, as_json, || {
+        let rows: Vec<Vec<String>> =
+            named.iter().map(|named| vec![named.name.clone(), named.description.clone()]).collect();
+        format!("{}\n\n`makadam new` writes a scene to start from to a file.", wrapped(&rows))
+    })
 }
 
-/// A number and its group.
+/// An observable and its group.
 #[derive(Serialize)]
 struct Defined {
     group: &'static str,
@@ -50,28 +118,19 @@ struct Defined {
     definition: &'static Definition,
 }
 
-/// Defines the numbers that were asked for.
-pub(super) fn observables(arguments: &ObservablesArguments, console: &Console) -> Result<ExitCode, Failure> {
+/// Prints the definitions of these observables or groups, or all.
+fn define(names: &[String], as_json: bool, console: &Console) -> Result<(), Failure> {
     let plain = |name: &str| name.replace('-', "_").to_lowercase();
-    let is_named = |name: &str, defined: &Defined| {
+    let is_named = |name: &String, defined: &Defined| {
         [defined.group, defined.definition.name].iter().any(|known| plain(known) == plain(name))
     };
     let all = || definitions().map(|(group, definition)| Defined { group, definition });
-    for name in &arguments.names {
-        if !all().any(|defined| is_named(name, &defined)) {
-            let remedy = suggestion(name, known(), "`makadam print observables` lists all names");
-            return Err(Failure::Usage(format!("nothing measures '{name}'; {remedy}")));
-        }
+    if let Some(name) = names.iter().find(|name| !all().any(|defined| is_named(name, &defined))) {
+        return Err(Failure::Usage(nothing_measures(name)));
     }
-    let asked =
-        |defined: &Defined| arguments.names.is_empty() || arguments.names.iter().any(|name| is_named(name, defined));
-    let wanted: Vec<Defined> = all().filter(asked).collect();
-    if arguments.markdown {
-        console.page(page().trim_end())?;
-        return Ok(ExitCode::SUCCESS);
-    }
-    console.result(&if arguments.json { json(&wanted) } else { text(&wanted) })?;
-    Ok(ExitCode::SUCCESS)
+    let wanted: Vec<Defined> =
+        all().filter(|defined| names.is_empty() || names.iter().any(|name| is_named(name, defined))).collect();
+    console.document(&wanted, as_json, || text(&wanted))
 }
 
 fn text(wanted: &[Defined]) -> String {
@@ -91,39 +150,9 @@ fn text(wanted: &[Defined]) -> String {
     text + "\nName a group under measure.observables, a number under [[compare]]; ⟨⟩ are means over contacts or grains."
 }
 
-/// Prints the JSON Schema of a scene or of a report, or the page.
-pub(super) fn schema(arguments: &SchemaArguments, console: &Console) -> Result<ExitCode, Failure> {
-    console.page(&match (arguments.markdown, arguments.report) {
-        (true, _) => scenes::page().trim_end().to_string(),
-        (false, true) => json(&report::schema()),
-        (false, false) => json(&scenes::schema()),
-    })?;
-    Ok(ExitCode::SUCCESS)
-}
-
-/// Prints the completion script of a shell.
-pub(super) fn completions(arguments: &CompletionsArguments, console: &Console) -> Result<ExitCode, Failure> {
-    let mut script = Vec::new();
-    clap_complete::generate(arguments.shell, &mut Arguments::definition(), "makadam", &mut script);
-    console.page(String::from_utf8_lossy(&script).trim_end())?;
-    Ok(ExitCode::SUCCESS)
-}
-
-/// Writes the pages of all commands, or prints that of the program.
-pub(super) fn manual(arguments: &ManualArguments, console: &Console) -> Result<ExitCode, Failure> {
-    match &arguments.output {
-        Some(folder) => {
-            create_folder(folder)?;
-            clap_mangen::generate_to(Arguments::definition(), folder)
-                .map_err(|error| WriteError::new(folder, error))?;
-            console.result(&format!("manual pages: {}", folder.display()))?;
-        }
-        None => {
-            let mut page = Vec::new();
-            let rendered = clap_mangen::Man::new(Arguments::definition()).render(&mut page);
-            rendered.map_err(|error| Failure::Running(format!("the manual page: {error}")))?;
-            console.page(String::from_utf8_lossy(&page).trim_end())?;
-        }
-    }
-    Ok(ExitCode::SUCCESS)
+/// Writes a manual page per command.
+fn write_manual(folder: &Path, console: &Console) -> Result<(), Failure> {
+    create_folder(folder)?;
+    clap_mangen::generate_to(Arguments::definition(), folder).map_err(|error| WriteError::new(folder, error))?;
+    console.result(&format!("manual pages: {}", folder.display()))
 }

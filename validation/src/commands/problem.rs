@@ -1,28 +1,111 @@
 //! `makadam lab problem`: contact problems in files.
 
-use super::arguments::{
-    ProblemArguments, ProblemCheckArguments, ProblemCommand, ProblemExportArguments, ProblemSolveArguments,
-};
-use super::{Console, Failure, OUTSIDE_TOLERANCE, begin, json};
+use super::arguments::{SceneArguments, positive};
+use super::beforehand::begin;
+use super::{Console, Failure, within_tolerance};
 use crate::execution::Execution;
 use crate::output::HDF5;
-use crate::problem::{self, Check, FromSiconos, Settings};
-use crate::stepping::steps_in;
+use crate::problem::{self, AGREEMENT, Check, FromSiconos, Method, Settings};
+use crate::stepping::{Halt, Stepping, steps_in};
+use clap::{Args, Subcommand};
 use serde::Serialize;
 use std::fs::File;
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// What `--json` prints.
-#[derive(Serialize)]
-struct Document<Answers> {
-    version: u32,
-    command: &'static str,
-    problems: Answers,
+#[derive(Debug, Args)]
+pub(super) struct ProblemArguments {
+    /// The command to run.
+    #[command(subcommand)]
+    command: ProblemCommand,
 }
 
-/// Carries out one of the subcommands.
+#[derive(Debug, Subcommand)]
+enum ProblemCommand {
+    /// Write the contact problem of one step of a scene to a file, in FCLIB's layout (HDF5).
+    Export(ExportArguments),
+    /// Solve the problem in a file.
+    Solve(SolveArguments),
+    /// Solve the problems in files with every available solver, and compare the answers.
+    Check(CheckArguments),
+}
+
+#[derive(Debug, Args)]
+struct ExportArguments {
+    #[command(flatten)]
+    scene: SceneArguments,
+    /// Simulated time of the step, s; the scene's duration, if absent.
+    #[arg(long, value_parser = positive)]
+    time: Option<f64>,
+    /// Number of steps before it, instead of a time.
+    #[arg(long, conflicts_with = "time")]
+    steps: Option<u64>,
+    /// File to write.
+    #[arg(short, long)]
+    output: PathBuf,
+}
+
+/// Stopping rule of a solution.
+#[derive(Debug, Args)]
+struct StopArguments {
+    /// Stop when the largest change in a sweep is below this, in units of g h (1 m/s without gravity).
+    #[arg(long, default_value_t = Settings::DEFAULT.tolerance, value_parser = positive)]
+    tolerance: f64,
+    /// Largest number of sweeps.
+    #[arg(long, default_value_t = Settings::DEFAULT.most_sweeps, value_parser = clap::value_parser!(u32).range(1..))]
+    sweeps: u32,
+}
+
+impl StopArguments {
+    fn settings(&self) -> Settings {
+        Settings { tolerance: self.tolerance, most_sweeps: self.sweeps }
+    }
+}
+
+#[derive(Debug, Args)]
+struct SolveArguments {
+    /// File from `makadam lab problem export`, or FCLIB file with a local problem.
+    file: PathBuf,
+    /// Solver.
+    #[arg(long, value_enum, default_value_t = Method::Reference)]
+    method: Method,
+    #[command(flatten)]
+    stop: StopArguments,
+    /// Also write the problem to this file, with the solution in FCLIB's group.
+    #[arg(short, long)]
+    output: Option<PathBuf>,
+    /// Print the answer as JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Debug, Args)]
+struct CheckArguments {
+    /// Files from `makadam lab problem export`, or FCLIB files with local problems.
+    #[arg(required = true)]
+    files: Vec<PathBuf>,
+    #[command(flatten)]
+    stop: StopArguments,
+    /// Largest velocity difference at which answers agree, in the same units.
+    #[arg(long, default_value_t = AGREEMENT, value_parser = positive)]
+    agreement: f64,
+    /// Also solve with Siconos, which must be installed (Debian's python3-siconos).
+    #[arg(long)]
+    siconos: bool,
+    /// Print the answers as JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Document of `--json`.
+#[derive(Serialize)]
+struct Document<'a, T> {
+    version: u32,
+    command: &'static str,
+    problems: &'a [T],
+}
+
 pub(super) fn problem(arguments: &ProblemArguments, console: &Console) -> Result<ExitCode, Failure> {
     match &arguments.command {
         ProblemCommand::Export(export) => self::export(export, console),
@@ -32,21 +115,16 @@ pub(super) fn problem(arguments: &ProblemArguments, console: &Console) -> Result
 }
 
 /// Writes the problem of a step of a scene.
-fn export(arguments: &ProblemExportArguments, console: &Console) -> Result<ExitCode, Failure> {
+fn export(arguments: &ExportArguments, console: &Console) -> Result<ExitCode, Failure> {
     refuse_to_replace(&arguments.output)?;
     let (file, scene, seed) = arguments.scene.load()?;
     let (mut simulation, _) = begin(&scene, seed, &file, &Execution::serial(), console)?;
     let by_time = arguments.time.map(|time| steps_in((time - simulation.time()).max(0.0), simulation.time_step()));
     let steps = arguments.steps.or(by_time).unwrap_or_else(|| steps_in(scene.duration, simulation.time_step()));
     let bar = console.bar(&scene.name);
-    for step in 1..=steps {
-        simulation.step();
-        bar.set(step as f64 / steps as f64);
-        if crate::interrupt::requested() {
-            return Err(Failure::Interrupted("none, the problem was not reached".into()));
-        }
-    }
+    let stepped = Stepping::new(steps, &|fraction| bar.set(fraction)).carry_out(&mut simulation, |_, _| {});
     drop(bar);
+    stepped.map_err(|_: Halt| Failure::interrupted("none, the problem was not reached"))?;
     let title = format!("{}, seed {seed}, t = {} s", scene.name, simulation.time());
     let posed = problem::pose(&simulation, &title);
     if posed.file.contacts() == 0 {
@@ -64,17 +142,15 @@ fn export(arguments: &ProblemExportArguments, console: &Console) -> Result<ExitC
     Ok(ExitCode::SUCCESS)
 }
 
-/// Solves a file's problem by one method.
-fn solve(arguments: &ProblemSolveArguments, console: &Console) -> Result<ExitCode, Failure> {
+/// Solves the problem of a file by one method.
+fn solve(arguments: &SolveArguments, console: &Console) -> Result<ExitCode, Failure> {
     arguments.output.as_deref().map_or(Ok(()), refuse_to_replace)?;
     let file = problem::read(&arguments.file)?;
-    let settings = Settings { tolerance: arguments.tolerance, most_sweeps: arguments.sweeps };
     let refused = |why: String| Failure::Running(format!("{}: {why}", arguments.file.display()));
-    let method = arguments.method.into();
-    if method == problem::Method::Siconos {
+    if arguments.method == Method::Siconos {
         problem::siconos_version()?;
     }
-    let answer = problem::solve(&file, method, &settings).map_err(refused)?;
+    let answer = problem::solve(&file, arguments.method, &arguments.stop.settings()).map_err(refused)?;
     if let Some(output) = &arguments.output {
         if file.local.is_none() {
             return Err(refused("contacts bear torques, which FCLIB's solution group cannot hold".into()));
@@ -84,15 +160,12 @@ fn solve(arguments: &ProblemSolveArguments, console: &Console) -> Result<ExitCod
         }
         problem::write(output, &file, Some(&answer.impulses))?;
     }
-    let converged = answer.converged;
-    console.result(&match arguments.json {
-        true => json(&Document { version: 1, command: "problem solve", problems: [&answer] }),
-        false => problem::words(&answer),
-    })?;
-    Ok(if converged { ExitCode::SUCCESS } else { ExitCode::from(OUTSIDE_TOLERANCE) })
+    let document = Document { version: 1, command: "problem solve", problems: std::slice::from_ref(&answer) };
+    console.document(&document, arguments.json, || problem::words(&answer))?;
+    Ok(within_tolerance(answer.converged))
 }
 
-/// Refuses to write over what is no file of a problem, such as the scene itself.
+/// Refuses to replace a file of another kind, such as the scene itself.
 fn refuse_to_replace(output: &Path) -> Result<(), Failure> {
     let Ok(there) = output.metadata() else { return Ok(()) };
     let mut head = Vec::new();
@@ -108,9 +181,9 @@ fn refuse_to_replace(output: &Path) -> Result<(), Failure> {
     }
 }
 
-/// Solves files' problems by every solver and compares.
-fn check(arguments: &ProblemCheckArguments, console: &Console) -> Result<ExitCode, Failure> {
-    let settings = Settings { tolerance: arguments.tolerance, most_sweeps: arguments.sweeps };
+/// Solves the problems of files by every solver and compares the answers.
+fn check(arguments: &CheckArguments, console: &Console) -> Result<ExitCode, Failure> {
+    let settings = arguments.stop.settings();
     let siconos = if arguments.siconos { FromSiconos::Run } else { FromSiconos::Nothing };
     let mut checks: Vec<Check> = Vec::new();
     for path in &arguments.files {
@@ -121,19 +194,16 @@ fn check(arguments: &ProblemCheckArguments, console: &Console) -> Result<ExitCod
         }
         checks.push(check);
     }
-    let agree = checks.iter().all(|check| check.agrees(arguments.agreement));
-    console.result(&match arguments.json {
-        true => json(&Document { version: 1, command: "problem check", problems: &checks }),
-        false => checks.iter().map(problem::table).collect::<Vec<_>>().join("\n"),
-    })?;
-    // It was asked for by name; the others take part where they apply.
+    let document = Document { version: 1, command: "problem check", problems: &checks };
+    console.document(&document, arguments.json, || checks.iter().map(problem::table).collect::<Vec<_>>().join("\n"))?;
+    // Siconos was requested by name; the others take part where they apply.
     let without = |check: &Check| {
-        let why = check.why_left_out(problem::Method::Siconos)?;
+        let why = check.why_left_out(Method::Siconos)?;
         Some(format!("{}: {why}; without --siconos the other solvers are compared", check.title))
     };
     let without: Vec<String> = checks.iter().filter_map(without).collect();
     if !without.is_empty() {
         return Err(Failure::Running(without.join("; ")));
     }
-    Ok(if agree { ExitCode::SUCCESS } else { ExitCode::from(OUTSIDE_TOLERANCE) })
+    Ok(within_tolerance(checks.iter().all(|check| check.agrees(arguments.agreement))))
 }

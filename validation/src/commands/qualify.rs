@@ -1,20 +1,45 @@
-//! `makadam qualify`: the reference scenes judged together, one report.
+//! `makadam qualify`: all reference scenes and studies, one report.
 
-use super::arguments::QualifyArguments;
+use super::arguments::{JobArguments, OutputArguments, time_limit};
 use super::compare::colour_of;
-use super::{Console, Failure, OUTSIDE_TOLERANCE, announce, json};
-use crate::compare::Comparison;
-use crate::output::JSON_VERSION;
-use crate::qualify::{QualifyError, Settings, qualify as judge};
+use super::{Console, Failure, within_tolerance};
+use crate::compare::{CodeSummary, Row};
+use crate::output::{JSON_VERSION, create_folder};
+use crate::qualify::{QualifyError, Settings, Tier, qualify as judge};
 use crate::report::{self, Changes, Qualification, Standing, StudySection, Test, Verdict};
 use crate::scenes;
+use clap::Args;
 use serde::Serialize;
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
 
-/// What `makadam qualify --json` prints; its documentation is `validation/docs/json.md`.
+#[derive(Debug, Args)]
+pub(super) struct QualifyArguments {
+    /// Extent of the qualification.
+    #[arg(long, value_enum, default_value = "quick")]
+    pub tier: Tier,
+    /// Baseline (validation/baseline.json, or tests.json of an earlier qualification): lists tests that are missing, new or of another
+    /// verdict. A missing test or a worse verdict is exit code 4.
+    #[arg(long, value_name = "FILE")]
+    pub against: Option<PathBuf>,
+    /// Start again: repeat runs whose results are stored in the output folder.
+    #[arg(long)]
+    pub restart: bool,
+    /// Require live runs of YADE and LIGGGHTS in addition to the recorded numbers.
+    #[arg(long)]
+    pub live: bool,
+    /// Wall time after which a run is stopped, s; Makadam's own runs have no limit here.
+    #[arg(long, default_value_t = 900.0, value_parser = time_limit)]
+    pub time_limit: f64,
+    #[command(flatten)]
+    pub jobs: JobArguments,
+    #[command(flatten)]
+    pub output: OutputArguments,
+}
+
+/// Document of `makadam qualify --json`; `validation/docs/json.md` describes it.
 #[derive(Serialize)]
 struct QualifyDocument<'a> {
     version: u32,
@@ -27,120 +52,77 @@ struct QualifyDocument<'a> {
     failed: &'a [String],
     studies: &'a [StudySection],
     wall_seconds: f64,
-    report: String,
+    report: &'a str,
     against: Option<&'a Changes>,
-    rows: Vec<&'a crate::compare::Row>,
-    codes: BTreeMap<&'a str, &'a [crate::compare::CodeSummary]>,
+    rows: Vec<&'a Row>,
+    codes: BTreeMap<&'a str, &'a [CodeSummary]>,
     notes: &'a [String],
     provenance: &'a BTreeMap<String, String>,
 }
 
-/// Judges the reference scenes.
 pub(super) fn qualify(arguments: &QualifyArguments, console: &Console) -> Result<ExitCode, Failure> {
     arguments.jobs.apply()?;
     let folder = arguments.output.folder("qualification");
     let extent = arguments.tier.extent();
     // Minutes of work are not begun for a report that cannot be written, or a baseline that cannot be read.
-    crate::output::create_folder(&folder)?;
+    create_folder(&folder)?;
     let read = |file: &Path| Test::read(file, extent.name).map_err(Failure::Usage);
     let baseline = arguments.against.as_deref().map(read).transpose()?;
-    let announce = announce(console);
     let settings = Settings {
         roots: scenes::roots(),
         folder: folder.clone(),
         again: arguments.restart,
         live: arguments.live,
         time_limit: Duration::from_secs_f64(arguments.time_limit),
-        announce: &announce,
+        announce: &console.bars(),
         say: &|text| console.note(text),
     };
-    let qualification = judge(&extent, &settings).map_err(|error| failure(error, &folder))?;
-    let paths = report::write(&qualification, &folder)?;
-    let verdict = qualification.verdict();
-    let report = paths.html.display().to_string();
-    let changes = baseline.map(|baseline| Changes::between(&baseline, &report::tests(&qualification)));
-    let text = match arguments.output.json {
-        true => json(&document(&qualification, &verdict, report, changes.as_ref())),
-        false => {
-            let changed = changes.as_ref().map_or(String::new(), |changes| format!("{}\n", changes.text()));
-            changed + &describe(&qualification, &verdict, &report, console)
-        }
-    };
-    console.result(&text)?;
-    if !qualification.failed_runs.is_empty() {
-        return Err(Failure::Running(qualification.failed_runs.join("; ")));
-    }
-    let holds = changes.is_none_or(|changes| changes.pass());
-    Ok(if passes(&verdict) && holds { ExitCode::SUCCESS } else { ExitCode::from(OUTSIDE_TOLERANCE) })
-}
-
-fn document<'a>(
-    qualification: &'a Qualification,
-    verdict: &'a Verdict,
-    report: String,
-    against: Option<&'a Changes>,
-) -> QualifyDocument<'a> {
-    let comparisons: &[Comparison] = &qualification.comparisons;
-    QualifyDocument {
-        version: JSON_VERSION,
-        command: "qualify",
-        tier: &qualification.tier,
-        passes: passes(verdict),
-        verdict,
-        outside_spread: &qualification.outside_spread,
-        unchecked: &qualification.unchecked,
-        failed: &qualification.failed_runs,
-        studies: &qualification.studies,
-        wall_seconds: qualification.wall_seconds,
-        report,
-        against,
-        rows: comparisons.iter().flat_map(|comparison| &comparison.rows).collect(),
-        codes: comparisons
-            .iter()
-            .map(|comparison| (comparison.scene.name.as_str(), comparison.codes.as_slice()))
-            .collect(),
-        notes: &qualification.notes,
-        provenance: &qualification.provenance,
-    }
-}
-
-fn describe(qualification: &Qualification, verdict: &Verdict, report: &str, console: &Console) -> String {
-    let mut text = String::new();
-    for comparison in &qualification.comparisons {
-        text += &report::comparison_table(comparison, console.colour());
-        text.push('\n');
-    }
-    for note in &qualification.notes {
-        text += &format!("note: {note}\n");
-    }
-    let word = if passes(verdict) { "pass" } else { "not passed" };
-    text += &format!("verdict: {}: {}\n", console.paint(word, colour_of(verdict.standing)), verdict.sentence);
-    for sentence in
-        qualification.outside_spread.iter().chain(&qualification.unchecked).chain(&qualification.failed_runs)
-    {
-        text += &format!("         {sentence}\n");
-    }
-    text + &format!("report:  {report} ({:.0} s of wall time)", qualification.wall_seconds)
-}
-
-/// Whether all that was asked for was done and agrees.
-fn passes(verdict: &Verdict) -> bool {
-    verdict.standing == Standing::Agree
-}
-
-/// Why there is no verdict; what is finished lies in the folder.
-fn failure(error: QualifyError, folder: &Path) -> Failure {
-    match error {
-        QualifyError::Scene(error) => Failure::Scene(error),
-        QualifyError::Reference(error) => error.into(),
-        QualifyError::NotRecorded { .. } => Failure::MissingCode(error.to_string()),
-        QualifyError::Code(error) => error.into(),
-        QualifyError::Failed(_) => Failure::Running(error.to_string()),
-        QualifyError::Write(error) => error.into(),
-        QualifyError::Document(error) => error.into(),
-        QualifyError::Interrupted => Failure::Interrupted(format!(
+    let qualification = judge(&extent, &settings).map_err(|error| match error {
+        QualifyError::Interrupted => Failure::interrupted(&format!(
             "stored run by run in {}; the same command continues from there",
             folder.display()
         )),
+        other => other.into(),
+    })?;
+    let paths = report::write(&qualification, &folder)?;
+    let verdict = qualification.verdict();
+    let passes = verdict.standing == Standing::Agree;
+    let report = paths.html.display().to_string();
+    let changes = baseline.map(|baseline| Changes::between(&baseline, &report::tests(&qualification)));
+    let Qualification { comparisons, outside_spread, unchecked, failed_runs, notes, .. } = &qualification;
+    let document = QualifyDocument {
+        version: JSON_VERSION,
+        command: "qualify",
+        tier: &qualification.tier,
+        passes,
+        verdict: &verdict,
+        outside_spread,
+        unchecked,
+        failed: failed_runs,
+        studies: &qualification.studies,
+        wall_seconds: qualification.wall_seconds,
+        report: &report,
+        against: changes.as_ref(),
+        rows: comparisons.iter().flat_map(|comparison| &comparison.rows).collect(),
+        codes: comparisons.iter().map(|one| (one.scene.name.as_str(), one.codes.as_slice())).collect(),
+        notes,
+        provenance: &qualification.provenance,
+    };
+    console.document(&document, arguments.output.json, || {
+        let mut text = changes.as_ref().map_or(String::new(), |changes| format!("{}\n", changes.text()));
+        for comparison in comparisons {
+            text += &format!("{}\n", report::comparison_table(comparison, console.colour()));
+        }
+        notes.iter().for_each(|note| text += &format!("note: {note}\n"));
+        let word = console.paint(if passes { "pass" } else { "not passed" }, colour_of(verdict.standing));
+        text += &format!("verdict: {word}: {}\n", verdict.sentence);
+        for sentence in outside_spread.iter().chain(unchecked).chain(failed_runs) {
+            text += &format!("         {sentence}\n");
+        }
+        text + &format!("report:  {report} ({:.0} s of wall time)", qualification.wall_seconds)
+    })?;
+    if !failed_runs.is_empty() {
+        return Err(Failure::Running(failed_runs.join("; ")));
     }
+    Ok(within_tolerance(passes && changes.is_none_or(|changes| changes.pass())))
 }

@@ -1,21 +1,55 @@
-//! `makadam lab scaling`: how a scene's step scales, measured on the cores at hand and replayed beyond them.
+//! `makadam lab scaling`: scaling of a scene's step, measured on the available cores and replayed beyond them.
 
-use super::arguments::ScalingArguments;
-use super::{Console, Failure, can_record, flowing, publish, refuse_time_budget};
+use super::arguments::{OutputArguments, SceneArguments, one_of, positive};
+use super::beforehand::{flowing, refuse_time_budget, refuse_without_folder};
+use super::{Console, Failure};
 use crate::execution::{Execution, cores};
 use crate::output::record_folder;
 use crate::provenance::Provenance;
 use crate::scaling::{Plan, Study};
 use crate::study::Document;
+use clap::Args;
 use makadam::lanes::InstructionSet;
 use makadam::schedule::Scheduler;
 use std::process::ExitCode;
 
-/// Measures, replays, writes and says what was found; different bits are a failure.
+#[derive(Debug, Args)]
+pub(super) struct ScalingArguments {
+    #[command(flatten)]
+    pub scene: SceneArguments,
+    /// Numbers of threads to measure; if absent, 1, 2, 4, ... and all cores.
+    #[arg(long, value_delimiter = ',', value_parser = clap::value_parser!(u16).range(1..=256))]
+    pub threads_list: Option<Vec<u16>>,
+    /// Instruction sets to measure; if absent, all of this processor.
+    #[arg(long, value_delimiter = ',', value_parser = one_of(InstructionSet::ALL, InstructionSet::name))]
+    pub isa: Option<Vec<InstructionSet>>,
+    /// Simulated time before the measurement, if the scene prepares no flowing state, s.
+    #[arg(long, default_value_t = 0.5, value_parser = positive)]
+    pub settle: f64,
+    /// Timed steps of each repetition.
+    #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u64).range(1..))]
+    pub steps: u64,
+    /// Number of these steps, from the first, that are traced and replayed.
+    #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u64).range(1..))]
+    pub traced_steps: u64,
+    /// Number of repetitions of all measurements, in turn.
+    #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u64).range(1..=1000))]
+    pub repetitions: u64,
+    /// Memory bandwidth of this machine for any number of cores, GB/s, for the replay. If absent, the bandwidth of the available
+    /// cores is measured, and more cores are assumed to bring more memory.
+    #[arg(long, value_parser = positive)]
+    pub memory_bandwidth: Option<f64>,
+    /// Write the tables also next to the scene, in a folder named after processor, instruction set and number of cores.
+    #[arg(long)]
+    pub record: bool,
+    #[command(flatten)]
+    pub output: OutputArguments,
+}
+
 pub(super) fn scaling(arguments: &ScalingArguments, console: &Console) -> Result<ExitCode, Failure> {
     let (file, scene, seed) = arguments.scene.load()?;
     if arguments.record {
-        can_record(&file)?;
+        refuse_without_folder(&file)?;
     }
     refuse_time_budget(&scene)?;
     let cores = cores();
@@ -26,31 +60,25 @@ pub(super) fn scaling(arguments: &ScalingArguments, console: &Console) -> Result
             plan.traced_steps, arguments.traced_steps
         ));
     }
-    if plan.threads.iter().any(|&threads| threads > cores) {
+    let most = plan.threads.iter().copied().max().unwrap_or(1);
+    if most > cores {
         console.warn(&format!("more threads than the {cores} available cores: such times are not meaningful"));
     }
-    let widest = plan.instruction_sets.last().copied().unwrap_or_else(InstructionSet::detect);
-    let most = plan.threads.iter().copied().max().unwrap_or(1);
+    let instruction_set = plan.instruction_sets.last().copied().unwrap_or_else(InstructionSet::detect);
     let execution =
-        Execution { scheduler: Scheduler::WorkStealing, threads: most, instruction_set: widest, ..Execution::serial() };
+        Execution { scheduler: Scheduler::WorkStealing, threads: most, instruction_set, ..Execution::serial() };
     let provenance = Provenance::of_run(&scene, &file, seed, &execution);
     let simulation = flowing(&scene, seed, &file, &execution, arguments.settle, console)?;
     let study = {
         let bar = console.bar(&scene.name);
-        let tell = |words: &str| console.detail(words);
         let memory = arguments.memory_bandwidth.map(|gigabytes| 1e9 * gigabytes);
-        Study::measure(&scene.name, simulation, &plan, memory, provenance, &tell, &|share| bar.set(share))?
+        let report = |message: &str| console.detail(message);
+        Study::measure(&scene.name, simulation, &plan, memory, provenance, &report, &|fraction| bar.set(fraction))?
     };
-    let folder = arguments.output.folder_of("scaling", &scene);
-    publish(&study, &folder, arguments.output.json, console)?;
+    console.publish(&study, &arguments.output.folder_of("scaling", &scene), arguments.output.json)?;
     if arguments.record {
-        let folder = record_folder(
-            "scaling",
-            &file,
-            &study.provenance.build.processor,
-            study.widest(),
-            Some(study.machine.cores),
-        );
+        let (processor, cores) = (&study.provenance.build.processor, Some(study.machine.cores));
+        let folder = record_folder("scaling", &file, processor, study.widest(), cores);
         study.write_tables(&folder)?;
         console.note(&format!("tables: {}", folder.display()));
     }
@@ -60,7 +88,7 @@ pub(super) fn scaling(arguments: &ScalingArguments, console: &Console) -> Result
     }
 }
 
-/// What is measured: by default 1, 2, 4, ... threads and all cores.
+/// Returns the measured configurations: by default 1, 2, 4, ... threads and all cores, with every instruction set.
 fn plan(arguments: &ScalingArguments, cores: usize) -> Plan {
     let mut threads: Vec<usize> = match &arguments.threads_list {
         Some(list) => list.iter().map(|&threads| usize::from(threads)).collect(),
@@ -68,15 +96,11 @@ fn plan(arguments: &ScalingArguments, cores: usize) -> Plan {
     };
     threads.sort_unstable();
     threads.dedup();
-    let mut instruction_sets = match &arguments.isa {
-        Some(list) => list.iter().map(|&name| InstructionSet::from(name)).collect(),
-        None => InstructionSet::ALL.into_iter().filter(|set| set.is_available()).collect::<Vec<_>>(),
-    };
-    // Narrowest first: the last is the one that stands for all of them.
-    instruction_sets.sort_by_key(|set| InstructionSet::ALL.iter().position(|known| known == set));
-    instruction_sets.dedup();
+    let is_measured =
+        |set: &InstructionSet| arguments.isa.as_ref().map_or_else(|| set.is_available(), |list| list.contains(set));
     Plan {
-        instruction_sets,
+        // Narrowest first: the last is the one that stands for all of them.
+        instruction_sets: InstructionSet::ALL.into_iter().filter(is_measured).collect(),
         threads,
         steps: arguments.steps,
         traced_steps: arguments.traced_steps.min(arguments.steps),

@@ -1,15 +1,39 @@
-//! `makadam stability`: the hard cases, in Makadam and in other codes.
+//! `makadam stability`: stress tests, in Makadam and in reference codes.
 
-use super::arguments::StabilityArguments;
-use super::{Console, Failure, OUTSIDE_TOLERANCE, installed, json};
+use super::arguments::{JobArguments, OutputArguments, time_limit};
+use super::compare::installed;
+use super::{Console, Failure, within_tolerance};
+use crate::peers::CodeName;
 use crate::stability::{Campaign, Case, catalogue, table};
+use clap::Args;
 use makadam::scene::suggestion;
 use std::process::ExitCode;
 
-/// Wall time after which a run is stopped where none is given, s: of the quick catalogue, and of all cases.
-const TIME_LIMITS: [f64; 2] = [60.0, 600.0];
+#[derive(Debug, Args)]
+pub(super) struct StabilityArguments {
+    /// Parts of names of cases or groups; if absent, all cases.
+    pub cases: Vec<String>,
+    /// Leave out the cases that take more than a few seconds.
+    #[arg(long)]
+    pub quick: bool,
+    /// List the cases with the expected outcome and the reason for it; run none.
+    #[arg(long, conflicts_with = "json")]
+    pub list: bool,
+    /// Codes that take part, separated by commas.
+    #[arg(long, value_enum, value_delimiter = ',', default_value = "makadam")]
+    pub codes: Vec<CodeName>,
+    /// Wall time after which a run is stopped, s; if absent, 600, or 60 with --quick.
+    #[arg(long, value_parser = time_limit)]
+    pub time_limit: Option<f64>,
+    /// Start again: repeat cases whose outcomes are stored.
+    #[arg(long)]
+    pub restart: bool,
+    #[command(flatten)]
+    pub jobs: JobArguments,
+    #[command(flatten)]
+    pub output: OutputArguments,
+}
 
-/// Runs the cases that were asked for, writes what came of them, and says it.
 pub(super) fn stability(arguments: &StabilityArguments, console: &Console) -> Result<ExitCode, Failure> {
     let cases = chosen(arguments)?;
     if arguments.list {
@@ -20,8 +44,7 @@ pub(super) fn stability(arguments: &StabilityArguments, console: &Console) -> Re
     }
     let codes = installed(&arguments.codes)?;
     arguments.jobs.apply()?;
-    let [quick, all] = TIME_LIMITS;
-    let time_limit = arguments.time_limit.unwrap_or(if arguments.quick { quick } else { all });
+    let time_limit = arguments.time_limit.unwrap_or(if arguments.quick { 60.0 } else { 600.0 });
     let folder = arguments.output.folder("stability");
     let bar = console.bar("hard cases");
     let study = Campaign {
@@ -39,35 +62,27 @@ pub(super) fn stability(arguments: &StabilityArguments, console: &Console) -> Re
     }
     .carry_out()?;
     drop(bar);
-    console.result(&if arguments.output.json { json(&study) } else { table(&study) })?;
-    Ok(if study.as_stated { ExitCode::SUCCESS } else { ExitCode::from(OUTSIDE_TOLERANCE) })
+    console.document(&study, arguments.output.json, || table(&study))?;
+    Ok(within_tolerance(study.as_stated))
 }
 
-/// The cases of the catalogue whose name or group contains one of the filters; all, if there is none.
+/// Returns the cases whose name or group contains one of the filters, or all.
 fn chosen(arguments: &StabilityArguments) -> Result<Vec<Case>, Failure> {
-    let wanted = |case: &Case| {
-        let mut filters = arguments.cases.iter();
-        let named = arguments.cases.is_empty()
-            || filters.any(|filter| case.name.contains(filter.as_str()) || case.group.contains(filter.as_str()));
-        named && !(arguments.quick && case.long)
-    };
+    const ALL: &str = "makadam stability --list shows all";
+    let matches = |case: &Case, filter: &str| case.name.contains(filter) || case.group.contains(filter);
+    let is_short = |case: &Case| !(arguments.quick && case.long);
     let all = catalogue();
     for filter in &arguments.cases {
-        let mut matched =
-            all.iter().filter(|case| case.name.contains(filter.as_str()) || case.group.contains(filter.as_str()));
-        let known = || all.iter().map(|case| case.name.as_str());
-        const ALL: &str = "makadam stability --list shows all";
-        let refuse = |words: String| Err(Failure::Usage(words));
-        match matched.next() {
-            None => {
-                let remedy = suggestion(filter, known(), ALL);
-                return refuse(format!("no case or group has '{filter}' in its name; {remedy}"));
-            }
-            Some(first) if arguments.quick && first.long && matched.all(|case| case.long) => {
-                return refuse(format!("every case that '{filter}' names is left out by --quick; {ALL}"));
-            }
-            Some(_) => {}
+        let mut matched = all.iter().filter(|case| matches(case, filter)).peekable();
+        if matched.peek().is_none() {
+            let remedy = suggestion(filter, all.iter().map(|case| case.name.as_str()), ALL);
+            return Err(Failure::Usage(format!("no case or group has '{filter}' in its name; {remedy}")));
+        }
+        if !matched.any(is_short) {
+            return Err(Failure::Usage(format!("every case that '{filter}' names is left out by --quick; {ALL}")));
         }
     }
-    Ok(all.into_iter().filter(wanted).collect())
+    let filters = &arguments.cases;
+    let is_named = |case: &Case| filters.is_empty() || filters.iter().any(|filter| matches(case, filter));
+    Ok(all.into_iter().filter(|case| is_named(case) && is_short(case)).collect())
 }

@@ -1,14 +1,37 @@
 //! `makadam sweep`: a scene over values of some of its keys.
 
-use super::arguments::SweepArguments;
-use super::{Console, Failure, OUTSIDE_TOLERANCE, announce, json, refuse_time_budget};
+use super::arguments::{JobArguments, OutputArguments, SourceArguments, observable};
+use super::beforehand::refuse_time_budget;
+use super::{Console, Failure, json, within_tolerance};
 use crate::observables::catalogue::group_of;
 use crate::output::write_whole;
-use crate::parameter_study::{DOCUMENT, Failed, Plan, Study, take};
+use crate::parameter_study::{DOCUMENT, Failed, Plan, Range, Study, take};
 use crate::provenance::account;
+use clap::Args;
 use std::process::ExitCode;
 
-/// Runs what is not kept yet, then writes and prints the table.
+#[derive(Debug, Args)]
+pub(super) struct SweepArguments {
+    #[command(flatten)]
+    pub source: SourceArguments,
+    /// A key and its values, such as material.grain.friction=0.1,0.3,0.5; if given several times, every combination is run.
+    #[arg(long, value_name = "KEY=VALUES", required = true)]
+    pub over: Vec<Range>,
+    /// Number of seeds of each combination, consecutive from the scene's own (--set seed=N).
+    #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u64).range(1..=1000))]
+    pub seeds: u64,
+    /// Observables to print; if absent, those that the scene compares, or all that it measures. The files contain all.
+    #[arg(long, value_name = "NAME", value_delimiter = ',', value_parser = observable)]
+    pub observables: Vec<String>,
+    /// Start again: repeat runs whose results are stored, and replace the tables of another sweep in the folder.
+    #[arg(long)]
+    pub restart: bool,
+    #[command(flatten)]
+    pub jobs: JobArguments,
+    #[command(flatten)]
+    pub output: OutputArguments,
+}
+
 pub(super) fn sweep(arguments: &SweepArguments, console: &Console) -> Result<ExitCode, Failure> {
     let (file, scene) = arguments.source.load()?;
     refuse_time_budget(&scene)?;
@@ -29,14 +52,13 @@ pub(super) fn sweep(arguments: &SweepArguments, console: &Console) -> Result<Exi
     arguments.jobs.apply()?;
     let folder = arguments.output.folder_of("sweep", &scene);
     let seeds: Vec<u64> = (scene.seed..scene.seed.saturating_add(arguments.seeds)).collect();
-    let announce = announce(console);
     let plan = Plan {
         file: &file,
         ranges: &arguments.over,
         seeds: &seeds,
         folder: &folder,
         again: arguments.restart,
-        announce: &announce,
+        announce: &console.bars(),
     };
     let _lock = take(&plan, &scene)?;
     let study = Study::make(&plan, &scene, account(1, &[&scene]))?;
@@ -45,11 +67,8 @@ pub(super) fn sweep(arguments: &SweepArguments, console: &Console) -> Result<Exi
     write_whole(&folder.join(DOCUMENT), json(&study).as_bytes())?;
     let compared = || scene.compare.iter().map(|expectation| expectation.observable.clone()).collect();
     let shown = if arguments.observables.is_empty() { compared() } else { arguments.observables.clone() };
-    console.result(&match arguments.output.json {
-        true => json(&study),
-        false => {
-            format!("{}\nmeans and standard deviations over seeds; tables: {}", study.text(&shown), folder.display())
-        }
+    console.document(&study, arguments.output.json, || {
+        format!("{}\nmeans and standard deviations over seeds; tables: {}", study.text(&shown), folder.display())
     })?;
     for point in &study.points {
         for (run, alarm) in point.runs.iter().flat_map(|run| run.alarms.iter().map(move |alarm| (run, alarm))) {
@@ -61,9 +80,9 @@ pub(super) fn sweep(arguments: &SweepArguments, console: &Console) -> Result<Exi
         let more = if others.is_empty() { String::new() } else { format!("; {} more: see sweep.json", others.len()) };
         return Err(Failure::Running(format!("{}, seed {seed}: {problem}{more}", values.join(", "))));
     }
-    if study.points.iter().any(|point| point.observables.is_empty()) {
+    let lacking = study.points.iter().any(|point| point.observables.is_empty());
+    if lacking {
         console.warn("some combinations have no value of any observable: see runs.csv");
-        return Ok(ExitCode::from(OUTSIDE_TOLERANCE));
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(within_tolerance(!lacking))
 }

@@ -1,41 +1,62 @@
-//! `makadam tradeoff`: what accuracy costs in time.
+//! `makadam tradeoff`: error against wall time.
 
-use super::arguments::{BoundArgument, TradeoffArguments};
-use super::{Console, Failure, OUTSIDE_TOLERANCE, installed, publish, refuse_time_budget};
+use super::arguments::{OutputArguments, SourceArguments, bound, positive, time_limit};
+use super::beforehand::refuse_time_budget;
+use super::compare::installed;
+use super::{Console, Failure, within_tolerance};
 use crate::compare::FEW_SEEDS;
 use crate::observables::catalogue::group_of;
 use crate::peers::{CodeName, codes_of};
 use crate::plan::Scene;
 use crate::provenance::account;
 use crate::study::RunCache;
-use crate::tradeoff::{Bound, Campaign, Plan, Progress, QUICK_TIME_LIMIT, STIFFNESS_FACTORS, Scope, Study, Terms};
+use crate::tradeoff::{Bound, Campaign, Plan, Progress, QUICK_TIME_LIMIT, STIFFNESS_FACTORS, Study, Terms};
+use clap::Args;
 use std::process::ExitCode;
 use std::sync::Arc;
 
-/// Wall time at which a run is cut short, s, where none is given: for few configurations, and for all.
-const TIME_LIMITS: [f64; 2] = [QUICK_TIME_LIMIT, 900.0];
+#[derive(Debug, Args)]
+pub(super) struct TradeoffArguments {
+    #[command(flatten)]
+    pub source: SourceArguments,
+    /// Run few configurations, only at the scene's stiffness: about ten minutes for drum or packing.
+    #[arg(long)]
+    pub quick: bool,
+    /// Number of seeds of each setting, consecutive from 1; if absent, 3.
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1000))]
+    pub seeds: Option<u64>,
+    /// Codes that take part, separated by commas; the converged references are Makadam's in any case.
+    #[arg(long, value_enum, value_delimiter = ',', default_value = "makadam,yade,liggghts")]
+    pub codes: Vec<CodeName>,
+    /// Factors on every Young's modulus; if absent, 0.5, 1, 10 and 100, or 1 with --quick. 1 is always run.
+    #[arg(long, value_delimiter = ',', value_parser = positive)]
+    pub stiffness_factors: Option<Vec<f64>>,
+    /// Tolerated deviation of an observable from the reference; can be given several times. The defaults are 0.5 degrees for an
+    /// angle of repose and 0.002 for packing_fraction.
+    #[arg(long, value_name = "OBSERVABLE=VALUE", value_parser = bound)]
+    pub bound: Vec<Bound>,
+    /// Wall time after which a run is stopped, s, and its wall time extrapolated; if absent, 900, or 60 with --quick.
+    #[arg(long, value_parser = time_limit)]
+    pub time_limit: Option<f64>,
+    #[command(flatten)]
+    pub output: OutputArguments,
+}
 
-/// Runs what is missing, then writes and says what all runs tell.
 pub(super) fn tradeoff(arguments: &TradeoffArguments, console: &Console) -> Result<ExitCode, Failure> {
     let (file, scene) = arguments.source.load()?;
     refuse_time_budget(&scene)?;
     refuse_unmeasured(&scene, &arguments.bound)?;
     let wanted = installed(&arguments.codes)?;
     let names: Vec<&str> = wanted.iter().map(|code| code.name()).collect();
-    let scope = match (arguments.quick, arguments.variations) {
-        (false, _) => Scope::Full,
-        (true, false) => Scope::Quick,
-        (true, true) => Scope::QuickAndVaried,
-    };
-    let plan = Plan::new(&scene, scope, &names, &stiffness_factors(arguments));
-    // The reference is Makadam's, whichever codes are asked for.
+    let usual: &[f64] = if arguments.quick { &[1.0] } else { &STIFFNESS_FACTORS };
+    let plan = Plan::new(&scene, arguments.quick, &names, arguments.stiffness_factors.as_deref().unwrap_or(usual));
+    // The reference is Makadam's, whichever codes take part.
     let runners = codes_of(&[arguments.codes.as_slice(), &[CodeName::Makadam]].concat());
-    let [quick, full] = TIME_LIMITS;
     let terms = Terms {
         quick: arguments.quick,
         seeds: arguments.seeds.unwrap_or(FEW_SEEDS),
         bounds: bounds(&arguments.bound),
-        time_limit: arguments.time_limit.unwrap_or(if arguments.quick { quick } else { full }),
+        time_limit: arguments.time_limit.unwrap_or(if arguments.quick { QUICK_TIME_LIMIT } else { 900.0 }),
         provenance: account(1, &[&scene]),
     };
     let folder = arguments.output.folder_of("tradeoff", &scene);
@@ -63,34 +84,28 @@ pub(super) fn tradeoff(arguments: &TradeoffArguments, console: &Console) -> Resu
     console.note(&format!("{} runs made, {} taken from {}", outcome.made, found - outcome.made, folder.display()));
 
     let study = Study::new(&scene, &plan, &outcome, terms);
-    publish(&study, &folder, arguments.output.json, console)?;
-    // A bound that was asked for and that no reference has a value for was kept by nothing.
-    let unmeasured = arguments.bound.iter().find(|bound| study.reference(&bound.observable, 1.0).is_none());
-    match (study.complete, study.reaches_bounds("Makadam")) {
-        (true, _) if unmeasured.is_some() => {
-            console.warn(&format!(
-                "{} is bounded and was not measured in the reference",
-                unmeasured.map_or("", |bound| &bound.observable)
-            ));
-            Ok(ExitCode::from(OUTSIDE_TOLERANCE))
-        }
-        (false, _) => {
-            Err(Failure::Interrupted(format!("stored in {}; the same command continues from there", folder.display())))
-        }
-        (true, Some(false)) => Ok(ExitCode::from(OUTSIDE_TOLERANCE)),
-        (true, _) => Ok(ExitCode::SUCCESS),
+    console.publish(&study, &folder, arguments.output.json)?;
+    if !study.complete {
+        let stored = format!("stored in {}; the same command continues from there", folder.display());
+        return Err(Failure::interrupted(&stored));
     }
+    // A given bound on an observable without a reference value was not tested.
+    let unmeasured = arguments.bound.iter().find(|bound| study.reference(&bound.observable, 1.0).is_none());
+    if let Some(Bound { observable, .. }) = unmeasured {
+        console.warn(&format!("{observable} is bounded and was not measured in the reference"));
+    }
+    Ok(within_tolerance(unmeasured.is_none() && study.reaches_bounds("Makadam") != Some(false)))
 }
 
 /// Refuses scenes that measure nothing, or not what is bounded, and two bounds on one observable.
-fn refuse_unmeasured(scene: &Scene, bounds: &[BoundArgument]) -> Result<(), Failure> {
+fn refuse_unmeasured(scene: &Scene, bounds: &[Bound]) -> Result<(), Failure> {
     if scene.measure.observables.is_empty() {
         return Err(Failure::Usage(format!(
             "{} measures nothing, so there is no error to show; name observables under [measure]",
             scene.name
         )));
     }
-    for (place, BoundArgument { observable, .. }) in bounds.iter().enumerate() {
+    for (place, Bound { observable, .. }) in bounds.iter().enumerate() {
         if bounds[..place].iter().any(|earlier| earlier.observable == *observable) {
             return Err(Failure::Usage(format!("--bound {observable}: two bounds on one observable; give one")));
         }
@@ -106,20 +121,8 @@ fn refuse_unmeasured(scene: &Scene, bounds: &[BoundArgument]) -> Result<(), Fail
     Ok(())
 }
 
-fn stiffness_factors(arguments: &TradeoffArguments) -> Vec<f64> {
-    match &arguments.stiffness_factors {
-        Some(factors) => factors.clone(),
-        None if arguments.quick => vec![1.0],
-        None => STIFFNESS_FACTORS.to_vec(),
-    }
-}
-
-/// The default bounds with those that were given in their place.
-fn bounds(given: &[BoundArgument]) -> Vec<Bound> {
-    let mut bounds = Bound::usual();
-    for BoundArgument { observable, value } in given {
-        bounds.retain(|bound| bound.observable != *observable);
-        bounds.push(Bound { observable: observable.clone(), value: *value });
-    }
-    bounds
+/// Returns the default bounds, replaced by given ones.
+fn bounds(given: &[Bound]) -> Vec<Bound> {
+    let is_given = |bound: &Bound| given.iter().any(|other| other.observable == bound.observable);
+    Bound::usual().into_iter().filter(|bound| !is_given(bound)).chain(given.iter().cloned()).collect()
 }

@@ -1,17 +1,42 @@
 //! `makadam view`: a run as one HTML file.
 
-use super::arguments::ViewArguments;
+use super::arguments::positive;
 use super::{Console, Failure};
 use crate::output::create_folder_of;
 use crate::run_frames::RunFrames;
-use crate::viewer::{ViewerError, Wishes, fields_of, write};
+use crate::viewer::{Wishes, fields_of, write};
+use clap::Args;
 use std::os::unix::ffi::OsStrExt;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Writes the page of a run and says how to open it.
+#[derive(Debug, Args)]
+pub(super) struct ViewArguments {
+    /// The folder of a run, or the name of one below results; the run may be under way.
+    pub run: PathBuf,
+    /// Fields of the frames that can colour the grains, with commas; each takes two bytes per grain and frame. If absent, speed and
+    /// pressure.
+    #[arg(long, value_delimiter = ',')]
+    pub field: Option<Vec<String>>,
+    /// Show each so many frames only; as many as fit into --megabytes, if absent.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
+    pub every: Option<u32>,
+    /// Largest size of the file, MB: first contacts are left out, then frames.
+    #[arg(long, default_value_t = 200.0, value_parser = positive)]
+    pub megabytes: f64,
+    /// Leave contacts, and with them force chains, out.
+    #[arg(long)]
+    pub no_contacts: bool,
+    /// Begin with a view of all grains, also of those that are far from the walls.
+    #[arg(long)]
+    pub all_grains: bool,
+    /// HTML file to write; view.html in the folder of the run, if absent.
+    #[arg(short, long)]
+    pub output: Option<PathBuf>,
+}
+
 pub(super) fn view(arguments: &ViewArguments, console: &Console) -> Result<ExitCode, Failure> {
-    let run = RunFrames::open(&arguments.frames.run)?;
+    let run = RunFrames::open(&arguments.run)?;
     let last = run.read(run.count() - 1)?;
     let wishes = Wishes {
         fields: fields_of(&last, arguments.field.as_deref()),
@@ -28,44 +53,34 @@ pub(super) fn view(arguments: &ViewArguments, console: &Console) -> Result<ExitC
     }
     create_folder_of(&output)?;
     let bar = console.bar("gathering frames");
-    let page = write(&output, &run, &wishes, &|share| bar.set(share))?;
+    let page = write(&output, &run, &wishes, &|fraction| bar.set(fraction))?;
     drop(bar);
     if !page.note.is_empty() {
         console.note(&page.note);
     }
-    if page.bytes as f64 > 1e6 * arguments.megabytes {
+    let megabytes = page.bytes as f64 / 1e6;
+    if megabytes > arguments.megabytes {
         console.warn(&format!(
-            "the page takes {:.2} MB, more than --megabytes {}: its program and the frames that are left take as much; give a larger --every \
-             or fewer fields, if there are any to leave out",
-            page.bytes as f64 / 1e6,
+            "the page takes {megabytes:.2} MB, more than --megabytes {}: its program and the frames that are left take as much; give a \
+             larger --every or fewer fields, if there are any to leave out",
             arguments.megabytes
         ));
     }
     let path = std::path::absolute(&output).unwrap_or_else(|_| output.clone());
     console.result(&format!(
-        "{}: {} frames, {:.1} MB\nopen it in a browser: {}",
+        "{}: {} frames, {megabytes:.1} MB\nopen it in a browser: {}",
         output.display(),
         page.frames,
-        page.bytes as f64 / 1e6,
         address(&path)
     ))?;
     Ok(ExitCode::SUCCESS)
 }
 
-/// The address of a file, with what an address cannot hold as %XX (RFC 3986).
+/// Returns the address of a file, with reserved bytes as %XX (RFC 3986).
 fn address(file: &Path) -> String {
     let plain = |byte: u8| byte.is_ascii_alphanumeric() || b"/-._~".contains(&byte);
     let part = |byte: &u8| if plain(*byte) { char::from(*byte).to_string() } else { format!("%{byte:02X}") };
     format!("file://{}", file.as_os_str().as_bytes().iter().map(part).collect::<String>())
-}
-
-impl From<ViewerError> for Failure {
-    fn from(error: ViewerError) -> Failure {
-        match error {
-            ViewerError::Frames(error) => error.into(),
-            ViewerError::Write(error) => error.into(),
-        }
-    }
 }
 
 #[cfg(test)]

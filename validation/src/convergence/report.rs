@@ -3,7 +3,7 @@
 use super::figures::figures;
 use super::study::{Curve, Reached, Study};
 use crate::draw::figure::Figure;
-use crate::draw::numbers::{compact, count, plural, two_digits};
+use crate::draw::numbers::{compact, count, plural, short_time as time, two_digits};
 use crate::study::{Answer, Document, DocumentError, File, Report, Section, Table, cells, json};
 use makadam::sweep::Residuals;
 
@@ -136,13 +136,6 @@ fn answer(study: &Study) -> Answer {
 fn steps(curve: &Curve, iterations: u32) -> String {
     let word = if curve.method.name() == "gauss-seidel" { "sweep" } else { "iteration" };
     plural(iterations as usize, word)
-}
-
-fn time(seconds: f64) -> String {
-    match seconds {
-        s if s >= 1.0 => format!("{} s", two_digits(s)),
-        s => format!("{} ms", two_digits(1e3 * s)),
-    }
 }
 
 /// Each method after each number of iterations. Residuals are in units of g h, or in m/s where there is no gravity.

@@ -16,27 +16,21 @@ pub const TOLERANCES: [f64; 5] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-6];
 
 /// Output of `makadam lab convergence --json` and content of `convergence.json`; documented in `validation/docs/json.md`.
 #[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "validation/docs/json.md describes the fields of documents")]
 pub struct Study {
-    /// [`JSON_VERSION`].
     pub version: u32,
-    /// Always "convergence".
     pub command: String,
-    /// The problem that was solved.
     #[serde(flatten)]
     pub problem: Problem,
-    /// Iterations of each method.
     pub iterations: u32,
     /// Solves of the problem by each method; each iteration counts with its shortest time.
     pub repetitions: u32,
     /// Residuals that methods were timed to, in units of `residual_unit`.
     pub tolerances: Vec<f64>,
-    /// One a method.
     pub methods: Vec<Curve>,
-    /// Methods that cannot solve the scene, and were not run.
     pub left_out: Vec<LeftOut>,
     /// Methods that were not run, in sentences.
     pub findings: Vec<String>,
-    /// Provenance.
     pub provenance: Provenance,
 }
 
@@ -60,16 +54,13 @@ pub struct LeftOut {
 
 /// The problem of one step.
 #[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "validation/docs/json.md describes the fields of documents")]
 pub struct Problem {
-    /// Name of the scene.
     pub scene: String,
     /// Simulated time of the state whose next step it is, s.
     pub start_seconds: f64,
-    /// Time step, s.
     pub time_step: f64,
-    /// Number of grains.
     pub particles: usize,
-    /// Number of contacts.
     pub contacts: usize,
     /// Velocity that residuals are given in, m/s.
     pub residual_unit: f64,
@@ -96,15 +87,13 @@ impl Problem {
 
 /// Convergence of a method. Residuals are in the study's unit.
 #[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "validation/docs/json.md describes the fields of documents")]
 pub struct Curve {
-    /// The method.
     #[serde(serialize_with = "name")]
     pub method: SolverMethod,
-    /// Its parameters, as a scene says them.
     pub parameters: SolverMethod,
     /// Wall time of an iteration, median, s.
     pub seconds_per_iteration: f64,
-    /// Iterations and time to each tolerance.
     pub reached: Vec<Reached>,
     /// The state that the solve started from, and that after each iteration.
     pub points: Vec<ConvergencePoint>,
@@ -112,8 +101,8 @@ pub struct Curve {
 
 /// First point with a root mean square residual over the three directions and turning at or below a tolerance.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "validation/docs/json.md describes the fields of documents")]
 pub struct Reached {
-    /// The tolerance, in the study's unit.
     pub tolerance: f64,
     /// Iterations until then; absent if it was not reached.
     pub iterations: Option<u32>,
@@ -221,9 +210,6 @@ pub fn suitable(simulation: &Simulation, wanted: Vec<SolverMethod>) -> (Vec<Solv
 
 /// Solves a simulation's next step with methods that suit it, each as often as asked for, in turn, so that what interferes for a
 /// while falls on all of them. `progress` is told the method and the share that is done.
-///
-/// # Errors
-/// [`MeasureError::Interrupted`].
 pub fn solve(
     simulation: &Simulation,
     methods: &[SolverMethod],

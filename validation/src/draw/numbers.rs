@@ -172,6 +172,16 @@ pub(crate) fn duration(seconds: f64) -> String {
     }
 }
 
+/// A short time in the unit that suits it, with two digits.
+pub(crate) fn short_time(seconds: f64) -> String {
+    match seconds {
+        s if s >= 1.0 => format!("{} s", two_digits(s)),
+        s if s >= 1e-3 => format!("{} ms", two_digits(1e3 * s)),
+        s if s >= 1e-6 => format!("{} µs", two_digits(1e6 * s)),
+        s => format!("{} ns", two_digits(1e9 * s)),
+    }
+}
+
 /// A count with its thousands set apart by thin spaces.
 pub(crate) fn count(number: usize) -> String {
     let digits = number.to_string();

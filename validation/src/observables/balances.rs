@@ -1,43 +1,61 @@
-//! Balances: what must add up whatever the code.
+//! Balances of a frame, which hold for every code.
 
-use super::measurement::{Quantity, Readings};
+use super::catalogue::{ALL_CONTACTS, Group, MOTION, WALL_CONTACTS, define};
+use super::measurement::Readings;
 use super::view::View;
+use crate::plan::Observable;
 use makadam::snapshot::{Particle, Partner};
 use nalgebra::Vector3;
 
-const WALL_FORCE: Quantity = Quantity::mean("wall_force_over_weight", "");
-const LARGEST_OVERLAP: Quantity = Quantity::largest("largest_overlap", "radius");
-const MEAN_OVERLAP: Quantity = Quantity::mean("mean_overlap", "radius");
-const COULOMB_EXCESS: Quantity = Quantity::largest("coulomb_excess", "");
-const KINETIC_ENERGY: Quantity = Quantity::mean("kinetic_energy", "J");
+pub(super) const GROUP: Group = Group {
+    observable: Observable::Balances,
+    name: "balances",
+    read,
+    definitions: &[
+        define(
+            ["wall_force_over_weight", "F_w/W", ""],
+            "force of the grains on all walls along gravity over the weight of the grains, both as gravity is at the \
+             time of the frame; 1 in balance",
+        )
+        .needs(WALL_CONTACTS),
+        define(
+            ["largest_overlap", "δ_max", "radius"],
+            "largest overlap of two grains, across periodic ends too, over the smaller radius",
+        )
+        .largest(),
+        define(["mean_overlap", "⟨δ⟩", "radius"], "mean overlap of pairs that overlap, over the smaller radius"),
+        define(
+            ["coulomb_excess", "ε_C", ""],
+            "largest f_t / (μ f_n) − 1 over contacts with friction, with the static friction μ; at most 0 where \
+             Coulomb's law holds",
+        )
+        .largest()
+        .needs(ALL_CONTACTS),
+        define(["kinetic_energy", "E_k", "J"], "Σ ½ m v² + ½ (2/5 m r²) ω²").needs(MOTION),
+    ],
+};
 
 /// Contacts below this part of the mean normal force are too weak for a ratio: a code's output is rounded.
 const TOO_WEAK: f64 = 1e-6;
 
-/// Adds the balances of a frame.
-///
-/// - `wall_force_over_weight`: the grains' push on all walls along gravity, tangential forces included, over their
-///   weight; 1 in balance.
-/// - `largest_overlap`, `mean_overlap`: of grain pairs that overlap, across periodic ends too, over the smaller radius. Walls are left out, as
-///   a code that makes a round wall of facets has overlaps of its own there.
-/// - `coulomb_excess`: largest ft/(mu fn) - 1 over all contacts with friction, by the static coefficient.
-/// - `kinetic_energy`: translation and spin of solid spheres.
-pub fn read(view: &View<'_>, readings: &mut Readings) {
+fn read(view: &View<'_>, readings: &mut Readings) -> Result<(), String> {
     let setting = view.setting;
     let grains = &view.frame.particles;
     if let Some(up) = setting.up.filter(|_| !view.frame.contacts.is_empty()) {
         let walls = view.frame.contacts.iter().filter(|contact| matches!(contact.second, Partner::Wall(_)));
         let push: f64 = walls.map(|contact| -contact.force_on_partner().dot(&up)).sum();
         let weight: f64 = grains.iter().map(|grain| setting.mass(view.frame, grain) * setting.gravity).sum();
-        readings.add(WALL_FORCE, push / weight);
+        readings.add("wall_force_over_weight", push / weight);
     }
 
+    // Without walls: a code that makes a round wall of facets has overlaps of its own there.
     let overlaps: Vec<f64> = (view.pairs().iter())
         .filter(|pair| pair.gap < 0.0)
         .map(|pair| -pair.gap / grains[pair.first].radius.min(grains[pair.second].radius))
         .collect();
-    readings.add(LARGEST_OVERLAP, overlaps.iter().copied().fold(0.0, f64::max));
-    readings.add(MEAN_OVERLAP, overlaps.iter().fold(0.0, |sum, overlap| sum + overlap) / overlaps.len().max(1) as f64);
+    readings.add("largest_overlap", overlaps.iter().copied().fold(0.0, f64::max));
+    readings
+        .add("mean_overlap", overlaps.iter().fold(0.0, |sum, overlap| sum + overlap) / overlaps.len().max(1) as f64);
 
     let pushing = || view.frame.contacts.iter().filter(|contact| contact.normal_force > 0.0);
     let mean_force = pushing().map(|contact| contact.normal_force).sum::<f64>() / pushing().count().max(1) as f64;
@@ -47,9 +65,10 @@ pub fn read(view: &View<'_>, readings: &mut Readings) {
         .filter(|(bound, _)| *bound > 0.0)
         .map(|(bound, contact)| Vector3::from(contact.tangential_force).norm() / bound - 1.0)
         .fold(f64::NEG_INFINITY, f64::max);
-    readings.add(COULOMB_EXCESS, excess);
+    readings.add("coulomb_excess", excess);
 
-    readings.add(KINETIC_ENERGY, grains.iter().map(|grain| kinetic_energy(view, grain)).sum());
+    readings.add("kinetic_energy", grains.iter().map(|grain| kinetic_energy(view, grain)).sum());
+    Ok(())
 }
 
 /// Kinetic energy of a solid sphere, J.

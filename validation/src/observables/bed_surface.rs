@@ -27,9 +27,6 @@ pub struct BedFields {
 
 impl BedFields {
     /// Averages the frames, of which there is at least one; absent where a block has no [`MeanField`].
-    ///
-    /// # Errors
-    /// Where a frame cannot be shown.
     pub fn new<F: Frames + ?Sized>(setting: &Setting<'_>, drum: &Drum, frames: &F) -> Result<Option<Self>, F::Error> {
         let all = frames.count();
         let count = block_count(all).unwrap_or(1);
@@ -56,8 +53,6 @@ impl BedFields {
 /// The bed's surface in the cross-section of a drum.
 #[derive(Clone, Debug)]
 pub struct BedSurface {
-    /// Outline of the bed, m, in the coordinates of [`Drum::section`].
-    pub outline: Loop,
     /// Line fitted to the middle half of the free surface.
     pub line: Line,
     /// Angle of that line, degrees.
@@ -149,7 +144,6 @@ pub fn surface(setting: &Setting<'_>, drum: &Drum, field: &Field) -> Option<BedS
         line,
         line_angle: line.degrees(),
         circle_angle: (high[1] - low[1]).atan2(high[0] - low[0]).to_degrees(),
-        outline,
     })
 }
 

@@ -52,9 +52,6 @@ enum FreeSurface {
 
 impl Bulk {
     /// Finds the free surface of a frame, and how far inside it the bulk begins.
-    ///
-    /// # Errors
-    /// Why the bed has no bulk.
     pub fn of(setting: &Setting<'_>, frame: &Snapshot, walls: &PlacedWalls) -> Result<Bulk, String> {
         if frame.particles.is_empty() {
             return Err("there are no grains".into());
@@ -108,7 +105,7 @@ impl Bulk {
         frame.particles.iter().filter(|grain| self.contains(walls, &grain.position.into())).collect()
     }
 
-    /// Whether a point lies in the bulk.
+    /// Returns true for a point in the bulk.
     pub fn contains(&self, walls: &PlacedWalls, point: &Vector3<f64>) -> bool {
         let inset = self.inset - self.hair;
         walls.distance(point) >= inset && self.surface.covers(point, inset)
@@ -124,7 +121,7 @@ impl Bulk {
 }
 
 impl FreeSurface {
-    /// Whether a point lies at least `inset` (m) below the surface.
+    /// Returns true for a point at least `inset` (m) below the surface.
     fn covers(&self, point: &Vector3<f64>, inset: f64) -> bool {
         let deep = |outline: &Loop, free: &[Segment], point: [f64; 2]| {
             let far = |piece: &Segment| contour::squared_distance(piece, point) >= inset * inset;

@@ -1,11 +1,99 @@
-//! Which quantities there are, and what a scene must measure to get them.
+//! Catalogue of the observables: what each number is, and what it needs of scenes and frames. The file of a group registers it.
 
-pub use super::definitions::Definition;
-use super::definitions::GROUPS;
+use super::measurement::Readings;
+use super::view::View;
+use super::{
+    balances, contact_forces, coordination, discharge, driven_wall, drum_flow, dynamic_angle, intruder, mixing,
+    packing_fraction, static_angle,
+};
 use crate::plan::{Observable, Scene};
 use crate::recording::Content;
 use makadam::scene::{Motion, SceneFileError, Shape, Wall, line_of, suggestion};
+use serde::Serialize;
 use std::path::Path;
+
+/// All groups, in the order of the page.
+pub(super) const GROUPS: [Group; 11] = [
+    dynamic_angle::GROUP,
+    static_angle::GROUP,
+    packing_fraction::GROUP,
+    coordination::GROUP,
+    contact_forces::GROUP,
+    balances::GROUP,
+    drum_flow::GROUP,
+    mixing::GROUP,
+    driven_wall::GROUP,
+    discharge::GROUP,
+    intruder::GROUP,
+];
+
+/// A group of observables that are measured together.
+pub(super) struct Group {
+    pub observable: Observable,
+    /// Name in `measure.observables`.
+    pub name: &'static str,
+    /// Adds the readings of a single frame, or returns the reason that it has none.
+    pub read: fn(&View<'_>, &mut Readings) -> Result<(), String>,
+    pub definitions: &'static [Definition],
+}
+
+/// Readings of a group that all measured frames give together.
+pub(super) fn nothing_of_a_frame(_: &View<'_>, _: &mut Readings) -> Result<(), String> {
+    Ok(())
+}
+
+/// A number that can be measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Definition {
+    /// Name in `[[compare]]`, tables and documents.
+    pub name: &'static str,
+    /// Its symbol in formulas.
+    pub symbol: &'static str,
+    /// Its unit; empty where it has none.
+    pub unit: &'static str,
+    /// Formula.
+    pub formula: &'static str,
+    /// Publication; empty for definitions of this program.
+    pub source: &'static str,
+    /// Content that frames need in addition to positions and sizes of grains.
+    pub needs: &'static [Content],
+    /// True if all measured frames give it together. The value of any other number is the mean over the measured frames of what each gives
+    /// by itself, or the maximum.
+    #[serde(skip)]
+    pub span: bool,
+    /// True if the maximum over the frames counts, not the mean.
+    #[serde(skip)]
+    pub largest: bool,
+}
+
+impl Definition {
+    pub(super) const fn source(self, source: &'static str) -> Definition {
+        Definition { source, ..self }
+    }
+
+    pub(super) const fn needs(self, needs: &'static [Content]) -> Definition {
+        Definition { needs, ..self }
+    }
+
+    pub(super) const fn of_span(self) -> Definition {
+        Definition { span: true, ..self }
+    }
+
+    pub(super) const fn largest(self) -> Definition {
+        Definition { largest: true, ..self }
+    }
+}
+
+/// A number with its name, symbol and unit, and its formula.
+pub(super) const fn define([name, symbol, unit]: [&'static str; 3], formula: &'static str) -> Definition {
+    Definition { name, symbol, unit, formula, source: "", needs: &[], span: false, largest: false }
+}
+
+pub(super) const CONTACTS: &[Content] = &[Content::Contacts];
+pub(super) const WALL_CONTACTS: &[Content] = &[Content::WallContacts];
+pub(super) const ALL_CONTACTS: &[Content] = &[Content::Contacts, Content::WallContacts];
+pub(super) const VELOCITIES: &[Content] = &[Content::Velocities];
+pub(super) const MOTION: &[Content] = &[Content::Velocities, Content::Spins];
 
 /// Names of all quantities that can be measured.
 pub fn known() -> impl Iterator<Item = &'static str> {
@@ -14,7 +102,7 @@ pub fn known() -> impl Iterator<Item = &'static str> {
 
 /// All quantities, each with the name of its group in `measure.observables`.
 pub fn definitions() -> impl Iterator<Item = (&'static str, &'static Definition)> {
-    GROUPS.iter().flat_map(|(_, group, quantities)| quantities.iter().map(|quantity| (*group, quantity)))
+    GROUPS.into_iter().flat_map(|group| group.definitions.iter().map(move |definition| (group.name, definition)))
 }
 
 /// A quantity by its name; `None` if nothing measures it.
@@ -77,8 +165,8 @@ pub fn page() -> String {
 
 /// The group that a quantity belongs to, and the group's name in `measure.observables`; `None` if nothing measures it.
 pub fn group_of(quantity: &str) -> Option<(Observable, &'static str)> {
-    let found = GROUPS.iter().find(|(_, _, quantities)| quantities.iter().any(|known| known.name == quantity));
-    found.map(|&(group, name, _)| (group, name))
+    let has = |group: &Group| group.definitions.iter().any(|known| known.name == quantity);
+    GROUPS.into_iter().find(has).map(|group| (group.observable, group.name))
 }
 
 /// Checks that what a scene compares is what it measures: a name that is misspelt, or whose group is not measured, would have no

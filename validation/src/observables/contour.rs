@@ -76,7 +76,7 @@ fn pieces(field: &Field, level: f64, column: isize, row: isize) -> Vec<(Link, Li
     }
 }
 
-/// Where the field passes `level` on a link.
+/// Point of a link at which the field passes `level`.
 fn crossing(field: &Field, level: f64, (column, row, upward): Link) -> [f64; 2] {
     let (to_column, to_row) = if upward { (column, row + 1) } else { (column + 1, row) };
     let (from, to) = (field.get(column, row), field.get(to_column, to_row));
@@ -96,7 +96,7 @@ pub fn segments(line: &Loop) -> impl Iterator<Item = Segment> + '_ {
     (0..line.len()).map(|index| [line[index], line[(index + 1) % line.len()]])
 }
 
-/// Whether a closed line encloses a point.
+/// Returns true if a closed line encloses a point.
 pub fn encloses(line: &Loop, point: [f64; 2]) -> bool {
     let crosses = |[a, b]: Segment| {
         (a[1] > point[1]) != (b[1] > point[1]) && point[0] < a[0] + (point[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])

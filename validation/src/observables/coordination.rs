@@ -6,25 +6,44 @@
 //! van Hecke & van Saarloos, Phys. Rev. E 75, 010301, 2007; Silbert, Soft Matter 6, 2918, 2010). Rattlers are removed
 //! repeatedly, with their contacts, until none is left; contacts with walls help to hold a grain.
 
-use super::measurement::{Quantity, Readings};
+use super::catalogue::{ALL_CONTACTS, Group, define};
+use super::measurement::Readings;
 use super::view::{TOUCHING, View};
+use crate::plan::Observable;
 use makadam::snapshot::Partner;
 
-const GEOMETRIC: Quantity = Quantity::mean("coordination_number", "");
-const WITHOUT_RATTLERS: Quantity = Quantity::mean("coordination_number_without_rattlers", "");
-const RATTLER_SHARE: Quantity = Quantity::mean("rattler_share", "");
-const MECHANICAL: Quantity = Quantity::mean("mechanical_coordination_number", "");
-const BULK_GRAINS: Quantity = Quantity::mean("bulk_grains", "");
+const SILBERT: &str = "Silbert, Soft Matter 6, 2918 (2010); Shundyak et al., Phys. Rev. E 75, 010301 (2007)";
 
-/// Adds the coordination numbers of a frame.
-///
-/// # Errors
-/// Why the frame has no bulk.
-pub fn read(view: &View<'_>, readings: &mut Readings) -> Result<(), String> {
+pub(super) const GROUP: Group = Group {
+    observable: Observable::CoordinationNumber,
+    name: "coordination-number",
+    read,
+    definitions: &[
+        define(
+            ["coordination_number", "Z", ""],
+            "neighbours per grain of the bulk whose gap is below 1% of the mean diameter",
+        ),
+        define(
+            ["coordination_number_without_rattlers", "Z_nr", ""],
+            "Z of the grains that remain after repeated removal of rattlers (fewer than 2 supports with friction, 4 \
+             without)",
+        )
+        .source(SILBERT),
+        define(["rattler_share", "χ_r", ""], "fraction of the grains of the bulk that are rattlers").source(SILBERT),
+        define(
+            ["mechanical_coordination_number", "Z_m", ""],
+            "contacts with f_n > 0 per grain of the bulk, with grains and walls",
+        )
+        .needs(ALL_CONTACTS),
+        define(["bulk_grains", "N_b", ""], "grains in the bulk: two mean diameters from walls and free surface"),
+    ],
+};
+
+fn read(view: &View<'_>, readings: &mut Readings) -> Result<(), String> {
     view.bulk()?;
     let in_bulk = view.in_bulk();
     let bulk = in_bulk.iter().filter(|inside| **inside).count();
-    readings.add(BULK_GRAINS, bulk as f64);
+    readings.add("bulk_grains", bulk as f64);
     let mean_over = |counts: &[usize], chosen: &dyn Fn(usize) -> bool| {
         let picked: Vec<usize> = (0..counts.len()).filter(|&grain| in_bulk[grain] && chosen(grain)).collect();
         picked.iter().map(|&grain| counts[grain]).sum::<usize>() as f64 / picked.len() as f64
@@ -35,7 +54,7 @@ pub fn read(view: &View<'_>, readings: &mut Readings) -> Result<(), String> {
         neighbours[pair.first] += 1;
         neighbours[pair.second] += 1;
     }
-    readings.add(GEOMETRIC, mean_over(&neighbours, &|_| true));
+    readings.add("coordination_number", mean_over(&neighbours, &|_| true));
 
     let held = held_grains(view);
     let mut among_held = vec![0; in_bulk.len()];
@@ -43,9 +62,9 @@ pub fn read(view: &View<'_>, readings: &mut Readings) -> Result<(), String> {
         among_held[pair.first] += 1;
         among_held[pair.second] += 1;
     }
-    readings.add(WITHOUT_RATTLERS, mean_over(&among_held, &|grain| held[grain]));
+    readings.add("coordination_number_without_rattlers", mean_over(&among_held, &|grain| held[grain]));
     let rattlers = (0..in_bulk.len()).filter(|&grain| in_bulk[grain] && !held[grain]).count();
-    readings.add(RATTLER_SHARE, rattlers as f64 / bulk as f64);
+    readings.add("rattler_share", rattlers as f64 / bulk as f64);
 
     let mut pushed = vec![0; in_bulk.len()];
     for contact in view.frame.contacts.iter().filter(|contact| contact.normal_force > 0.0) {
@@ -58,12 +77,12 @@ pub fn read(view: &View<'_>, readings: &mut Readings) -> Result<(), String> {
         }
     }
     if !view.frame.contacts.is_empty() {
-        readings.add(MECHANICAL, mean_over(&pushed, &|_| true));
+        readings.add("mechanical_coordination_number", mean_over(&pushed, &|_| true));
     }
     Ok(())
 }
 
-/// Which grains are left when rattlers have been removed repeatedly.
+/// Returns the grains that are left after repeated removal of rattlers.
 fn held_grains(view: &View<'_>) -> Vec<bool> {
     let grains = &view.frame.particles;
     let needed = if view.setting.properties.frictional() { 2 } else { 4 };

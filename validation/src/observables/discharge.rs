@@ -14,19 +14,39 @@
 //! come below in the frame before leaves open how much passed, and nothing is measured. The rate is what has passed between the first
 //! frame and the last one, over the time between them; its standard error is over blocks of time.
 
+use super::catalogue::{Group, define, nothing_of_a_frame};
 use super::frames::Frames;
-use super::measurement::{Measurement, Quantity};
+use super::measurement::Measurement;
 use super::setting::{Properties, Setting};
 use super::walls::PlacedWalls;
-use crate::plan::{Scene, lasting_number};
+use crate::plan::{Observable, Scene, lasting_number};
 use crate::statistics::{block_count, standard_error};
 use makadam::scene::{Shape, Wall};
 use makadam::snapshot::Snapshot;
 use nalgebra::Vector3;
 use std::collections::HashMap;
 
-const RATE: Quantity = Quantity::mean("mass_flow_rate", "kg/s");
-const MASS: Quantity = Quantity::largest("discharged_mass", "kg");
+pub(super) const GROUP: Group = Group {
+    observable: Observable::Discharge,
+    name: "discharge",
+    read: nothing_of_a_frame,
+    definitions: &[
+        define(
+            ["mass_flow_rate", "W", "kg/s"],
+            "(m(t_n) − m(t_1)) / (t_n − t_1) of the discharged mass m over the measured frames; standard error over \
+             blocks of time",
+        )
+        .of_span(),
+        define(
+            ["discharged_mass", "m", "kg"],
+            "mass that has passed the hole of the first disc with one by the last measured frame, with grains \
+             deleted since. It consists of the grains below the disc at the first measured frame and those that came \
+             through the hole, not over the outer edge. Not measured where a grain was deleted above the disc, or \
+             where frames are too far apart to distinguish hole and edge",
+        )
+        .of_span(),
+    ],
+};
 
 /// Share of gravity across a disc from which on it has a side below it.
 const ACROSS: f64 = 1e-6;
@@ -78,7 +98,6 @@ impl Outlet {
             && (self.hole..=self.radius + slack).contains(radius)
     }
 
-    /// Where it stands in a frame.
     fn at(&self, setting: &Setting<'_>, frame: &Snapshot) -> PlacedOutlet {
         let walls = PlacedWalls::at(setting.scene(), frame);
         let point = walls.point_of(self.wall, &self.point);
@@ -137,9 +156,6 @@ impl Outlet {
 }
 
 /// Measures mass and rate; nothing where no disc has a hole, and no rate of a single frame. The inner error says why neither is known.
-///
-/// # Errors
-/// Where a frame cannot be shown.
 pub fn measure<F: Frames + ?Sized>(
     properties: &Properties<'_>,
     frames: &F,
@@ -191,10 +207,10 @@ pub fn measure<F: Frames + ?Sized>(
     }
     let mut measurements = Vec::new();
     if let Some(rate) = rate(&passed) {
-        measurements.push(RATE.measured(rate, error_of_rate(&passed), passed.len()));
+        measurements.push(Measurement::of("mass_flow_rate", rate, error_of_rate(&passed), passed.len()));
     }
     if let Some([_, mass]) = passed.last() {
-        measurements.push(MASS.measured(*mass, None, passed.len()));
+        measurements.push(Measurement::of("discharged_mass", *mass, None, passed.len()));
     }
     Ok(Ok(measurements))
 }

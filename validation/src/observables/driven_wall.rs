@@ -1,19 +1,29 @@
-//! Where the first driven wall of a scene is.
+//! Displacement of the first dynamic wall of a scene.
 
-use super::measurement::{Quantity, Readings};
+use super::catalogue::{Group, define};
+use super::measurement::Readings;
 use super::view::View;
+use crate::plan::Observable;
+use crate::recording::Content;
 use makadam::scene::Motion;
 
-const ALONG: Quantity = Quantity::mean("driven_wall_displacement", "m");
-const ABOUT: Quantity = Quantity::mean("driven_wall_displacement", "rad");
+pub(super) const GROUP: Group = Group {
+    observable: Observable::DrivenWall,
+    name: "driven-wall",
+    read,
+    definitions: &[define(
+        ["driven_wall_displacement", "x_w", "m or rad"],
+        "how far a force or a torque has moved the first driven wall, along or about its axis",
+    )
+    .needs(&[Content::DrivenWalls])],
+};
 
-/// Adds `driven_wall_displacement`: how far a force or a torque has moved the first of the scene's walls that one drives, along or
-/// about its axis, from where the scene placed it. Nothing is read where none is driven.
-pub fn read(view: &View<'_>, readings: &mut Readings) {
-    let Some(driven) = view.frame.driven_walls.first() else { return };
-    let quantity = match view.setting.scene().wall.get(driven.wall as usize).map(|wall| &wall.motion) {
-        Some(Motion::TorqueDriven { .. }) => ABOUT,
-        _ => ALONG,
+fn read(view: &View<'_>, readings: &mut Readings) -> Result<(), String> {
+    let Some(driven) = view.frame.driven_walls.first() else { return Ok(()) };
+    let unit = match view.setting.scene().wall.get(driven.wall as usize).map(|wall| &wall.motion) {
+        Some(Motion::TorqueDriven { .. }) => "rad",
+        _ => "m",
     };
-    readings.add(quantity, driven.displacement);
+    readings.add_in("driven_wall_displacement", unit, driven.displacement);
+    Ok(())
 }

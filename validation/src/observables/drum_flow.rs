@@ -1,25 +1,55 @@
 //! Flow in a rotating drum: slip at the shell, the flowing layer, torque, mixing.
 
 use super::bed_surface::{BedFields, surface};
+use super::catalogue::{Group, VELOCITIES, WALL_CONTACTS, define};
 use super::drum::Drum;
 use super::field::Field;
 use super::frames::Frames;
 use super::line::Line;
-use super::measurement::{Measurement, Quantity, Readings};
+use super::measurement::{Measurement, Readings};
 use super::mixing::{MIXING_CELL, lacey_index};
 use super::setting::Setting;
 use super::view::View;
-use crate::plan::lasting_number;
+use crate::plan::{Observable, lasting_number};
 use crate::statistics::{mean, standard_error};
 use makadam::snapshot::{Partner, Snapshot};
 use nalgebra::Vector3;
 use std::collections::HashMap;
 
-const SPEED_RATIO: Quantity = Quantity::mean("shell_layer_speed_ratio", "");
-const TORQUE: Quantity = Quantity::mean("wall_torque", "N m");
-const THICKNESS: Quantity = Quantity::mean("flowing_layer_thickness", "diameter");
-const SURFACE_SPEED: Quantity = Quantity::mean("surface_speed", "m/s");
-const LACEY: Quantity = Quantity::mean("lacey_mixing_index", "");
+pub(super) const GROUP: Group = Group {
+    observable: Observable::DrumFlow,
+    name: "drum-flow",
+    read,
+    definitions: &[
+        define(
+            ["shell_layer_speed_ratio", "ω_s/Ω", ""],
+            "angular speed of the grains at the shell over the drum's; 1 where they turn with it",
+        )
+        .needs(VELOCITIES),
+        define(
+            ["wall_torque", "T", "N m"],
+            "torque of the walls that turn with the shell on the grains about the axis, positive in the sense of \
+             rotation",
+        )
+        .needs(WALL_CONTACTS),
+        define(
+            ["flowing_layer_thickness", "h_f", "diameter"],
+            "depth below the middle of the surface at which the velocity along the surface changes sign",
+        )
+        .of_span()
+        .needs(VELOCITIES),
+        define(["surface_speed", "v_s", "m/s"], "velocity down the slope in the uppermost half diameter there")
+            .of_span()
+            .needs(VELOCITIES),
+        define(
+            ["lacey_mixing_index", "M", ""],
+            "(s₀² − s²)/(s₀² − s_r²) of grains marked by the side of the drum on which they were at the first \
+             measured frame",
+        )
+        .source("Lacey, J. Appl. Chem. 4, 257 (1954)")
+        .of_span(),
+    ],
+};
 
 /// A grain belongs to the layer at the shell if its centre is no farther from it than this many radii.
 const SHELL_LAYER: f64 = 1.1;
@@ -30,16 +60,7 @@ const HALF_ARC: f64 = 30.0;
 /// Half width of the strip across the surface in which the velocity profile is taken, diameters.
 const HALF_STRIP: f64 = 2.0;
 
-/// Adds a frame's readings: nothing where there is no drum.
-///
-/// - `shell_layer_speed_ratio`: angular speed about the drum's axis of the grains at the shell over the drum's, both
-///   at the grains' centres: 1 where they turn with the shell. Grains count whose centres lie within 1.1 radii of the
-///   shell, within 30 degrees of the bed's middle, and two diameters from the ends.
-/// - `wall_torque`: torque (N m) of the walls that turn with the shell on the grains about the axis, positive in the sense of rotation.
-///
-/// # Errors
-/// Where the drum does not turn.
-pub fn read(view: &View<'_>, readings: &mut Readings) -> Result<(), String> {
+fn read(view: &View<'_>, readings: &mut Readings) -> Result<(), String> {
     let Some(drum) = &view.setting.drum else {
         return Ok(());
     };
@@ -47,7 +68,7 @@ pub fn read(view: &View<'_>, readings: &mut Readings) -> Result<(), String> {
         return Err(format!("the drum does not turn at {} s", view.frame.time));
     }
     if let Some(ratio) = speed_ratio(view, drum) {
-        readings.add(SPEED_RATIO, ratio);
+        readings.add("shell_layer_speed_ratio", ratio);
     }
     let turning = (view.frame.contacts.iter())
         .filter(|contact| matches!(contact.second, Partner::Wall(wall) if drum.walls.contains(&wall)));
@@ -55,11 +76,13 @@ pub fn read(view: &View<'_>, readings: &mut Readings) -> Result<(), String> {
         .map(|contact| (Vector3::from(contact.point) - drum.centre).cross(&contact.force_on_partner()).dot(&drum.axis))
         .sum();
     if !view.frame.contacts.is_empty() {
-        readings.add(TORQUE, -torque * drum.sense());
+        readings.add("wall_torque", -torque * drum.sense());
     }
     Ok(())
 }
 
+/// Angular speed about the axis of the grains at the shell over the drum's. Grains count whose centres lie within 1.1 radii of the shell,
+/// within 30 degrees of the bed's middle, and two diameters from the ends.
 fn speed_ratio(view: &View<'_>, drum: &Drum) -> Option<f64> {
     let grains = &view.frame.particles;
     let middle = grains.iter().map(|grain| Vector3::from(grain.position)).sum::<Vector3<f64>>() / grains.len() as f64;
@@ -82,15 +105,7 @@ fn speed_ratio(view: &View<'_>, drum: &Drum) -> Option<f64> {
     (!ratios.is_empty()).then(|| mean(&ratios))
 }
 
-/// Measures the flow, which rests on an average over the whole span, in all of which the drum turns in one sense; nothing where there is
-/// no drum.
-///
-/// - `flowing_layer_thickness` (mean diameters): depth below the surface, on the line across it through its middle,
-///   at which the velocity along the surface changes sign.
-/// - `surface_speed` (m/s): velocity down the slope of the uppermost half diameter there.
-///
-/// # Errors
-/// Where a frame cannot be shown.
+/// Measures the flow over all frames, in which the drum turns in one sense; nothing without a drum.
 pub fn measure_flow<F: Frames + ?Sized>(
     setting: &Setting<'_>,
     bed: &BedFields,
@@ -112,17 +127,14 @@ pub fn measure_flow<F: Frames + ?Sized>(
     if let Some((thickness, speed)) = whole.and_then(|profile| profile.flowing_layer()) {
         let parts: Vec<(f64, f64)> = parts.iter().flatten().filter_map(Profile::flowing_layer).collect();
         let error = |pick: fn(&(f64, f64)) -> f64| standard_error(&parts.iter().map(pick).collect::<Vec<_>>());
-        measurements.push(THICKNESS.measured(thickness, error(|part| part.0), number));
-        measurements.push(SURFACE_SPEED.measured(speed, error(|part| part.1), number));
+        measurements.push(Measurement::of("flowing_layer_thickness", thickness, error(|part| part.0), number));
+        measurements.push(Measurement::of("surface_speed", speed, error(|part| part.1), number));
     }
     Ok(measurements)
 }
 
-/// Measures `lacey_mixing_index`: of the grains on either side of their median across the drum at the first measured frame, at the
-/// last ([`mixing`](super::mixing)), however the drum turns; nothing where there is no drum.
-///
-/// # Errors
-/// Where a frame cannot be shown.
+/// Measures the mixing at the last frame of the grains on either side of their median across the drum at the first one; nothing without a
+/// drum.
 pub fn measure_mixing<F: Frames + ?Sized>(setting: &Setting<'_>, frames: &F) -> Result<Option<Measurement>, F::Error> {
     let (Some(drum), count) = (&setting.drum, frames.count()) else {
         return Ok(None);
@@ -132,7 +144,7 @@ pub fn measure_mixing<F: Frames + ?Sized>(setting: &Setting<'_>, frames: &F) -> 
         frames.visit(place..place + 1, &mut |frame| ends.push(frame.clone()))?;
     }
     let index = mixing_of_sides(setting, drum, &ends[0], &ends[1]);
-    Ok(index.map(|index| LACEY.measured(index, None, count)))
+    Ok(index.map(|index| Measurement::of("lacey_mixing_index", index, None, count)))
 }
 
 /// Velocity down the slope against depth below a surface, in bins of half a mean diameter.

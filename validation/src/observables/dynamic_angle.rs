@@ -16,17 +16,33 @@
 //! surface less.
 
 use super::bed_surface::{BedFields, BedSurface, MeanField, surface};
+use super::catalogue::{Group, define, nothing_of_a_frame};
 use super::field::Field;
-use super::measurement::{Measurement, Quantity};
+use super::measurement::Measurement;
 use super::setting::{Properties, Setting};
+use crate::plan::Observable;
 use crate::statistics::standard_error;
 use makadam::snapshot::Snapshot;
 
-/// Name of the angle that is compared between codes.
-pub const ANGLE: &str = "dynamic_angle_of_repose";
-
-const CIRCLE: Quantity = Quantity::mean(ANGLE, "degree");
-const LEAST_SQUARES: Quantity = Quantity::mean("surface_line_angle", "degree");
+pub(super) const GROUP: Group = Group {
+    observable: Observable::DynamicAngleOfRepose,
+    name: "dynamic-angle-of-repose",
+    read: nothing_of_a_frame,
+    definitions: &[
+        define(
+            ["dynamic_angle_of_repose", "θ", "degree"],
+            "inclination of the line through the two points at which the outline of the bed (half of the largest \
+             time-averaged solid fraction) crosses a circle of a fifth of the drum's diameter about the middle of the \
+             surface; positive in the sense of rotation",
+        )
+        .of_span(),
+        define(
+            ["surface_line_angle", "θ_l", "degree"],
+            "inclination of the total-least-squares line through the middle half of the surface of the bed",
+        )
+        .of_span(),
+    ],
+};
 
 /// Frames averaged, centred, into one point of the angle over time.
 const WINDOW: usize = 5;
@@ -40,8 +56,8 @@ pub fn measure(setting: &Setting<'_>, bed: &BedFields, frames: usize) -> Vec<Mea
     let parts: Vec<BedSurface> = bed.fields.iter().filter_map(of).collect();
     let error = |angle: fn(&BedSurface) -> f64| standard_error(&parts.iter().map(angle).collect::<Vec<f64>>());
     vec![
-        CIRCLE.measured(whole.circle_angle, error(|part| part.circle_angle), frames),
-        LEAST_SQUARES.measured(whole.line_angle, error(|part| part.line_angle), frames),
+        Measurement::of("dynamic_angle_of_repose", whole.circle_angle, error(|part| part.circle_angle), frames),
+        Measurement::of("surface_line_angle", whole.line_angle, error(|part| part.line_angle), frames),
     ]
 }
 

@@ -1,4 +1,4 @@
-//! How much work a measure may be: in proportion to the number of grains, whatever their sizes and places.
+//! Limits on the work of a measure, in proportion to the number of grains, whatever their sizes and places.
 //!
 //! Grids are laid over extents that frames give, in cells of a grain's size. One grain far off, or one much larger than the
 //! mean, would make a grid of any size from a few numbers. A measure that would need more than this is left out, as one is
@@ -15,7 +15,7 @@ pub fn most(grains: usize) -> usize {
     ANYWAY.saturating_add(EACH.saturating_mul(grains))
 }
 
-/// Whether a grain is too large for its volume in one cell to be told: that is a difference of parts of the whole sphere, each
+/// Returns true for a grain whose volume in one cell is lost to rounding: that is a difference of parts of the whole sphere, each
 /// rounded to some 1e-15 of it, and a cubic cell of a thousandth of the radius holds 1e-9 of that.
 pub fn too_large(radius: f64, cell: f64) -> bool {
     radius > 1e3 * cell

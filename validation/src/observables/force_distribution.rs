@@ -30,8 +30,7 @@ const LARGEST: f64 = 20.0;
 
 /// Counts of normal forces of one code, over the mean force of their own frame.
 ///
-/// Recordings are added one by one and need not be kept. Distances between two pools are exact but for the width of
-/// the bins, a hundredth of the mean force.
+/// Recordings are added one by one and need not be stored.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ForcePool {
     /// The code.
@@ -51,9 +50,6 @@ impl ForcePool {
     }
 
     /// Adds the bulk contacts between grains of these frames of one run.
-    ///
-    /// # Errors
-    /// Where a frame cannot be shown.
     pub fn add_frames<F: Frames + ?Sized>(&mut self, scene: &Scene, frames: &F) -> Result<(), F::Error> {
         let (frames, properties) = (Wrapped::new(frames, &scene.domain), Properties::new(scene));
         frames.each(&mut |frame| {
@@ -100,25 +96,6 @@ impl ForcePool {
         let density = counts.into_iter().map(|count| density(count, samples, width)).collect();
         let force = (0..bins).map(|bin| (bin as f64 + 0.5) * width).collect();
         ForceDistribution { code: self.code.clone(), force, density, samples }
-    }
-
-    /// Kolmogorov-Smirnov distance from another pool: the largest difference of the cumulative shares.
-    pub fn kolmogorov_smirnov(&self, other: &ForcePool) -> f64 {
-        self.gaps(other).fold(0.0, f64::max)
-    }
-
-    /// Wasserstein-1 distance from another pool, in mean forces: the area between the cumulative shares.
-    pub fn wasserstein(&self, other: &ForcePool) -> f64 {
-        self.gaps(other).sum::<f64>() * FINE
-    }
-
-    /// Difference of the cumulative shares at the upper border of each bin.
-    fn gaps<'a>(&'a self, other: &'a ForcePool) -> impl Iterator<Item = f64> + 'a {
-        let (here, there) = (self.samples().max(1) as f64, other.samples().max(1) as f64);
-        self.counts.iter().zip(&other.counts).scan((0, 0), move |sums, (a, b)| {
-            *sums = (sums.0 + a, sums.1 + b);
-            Some((sums.0 as f64 / here - sums.1 as f64 / there).abs())
-        })
     }
 }
 

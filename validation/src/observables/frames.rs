@@ -11,7 +11,7 @@ use std::ops::Range;
 
 /// Frames in the order of time.
 pub trait Frames {
-    /// Why a frame could not be shown.
+    /// Error of a frame that cannot be shown.
     type Error;
 
     /// Number of frames.
@@ -27,9 +27,6 @@ pub trait Frames {
     fn visit(&self, range: Range<usize>, look: &mut dyn FnMut(&Snapshot)) -> Result<(), Self::Error>;
 
     /// Shows all frames.
-    ///
-    /// # Errors
-    /// As [`Frames::visit`].
     fn each(&self, look: &mut dyn FnMut(&Snapshot)) -> Result<(), Self::Error> {
         self.visit(0..self.count(), look)
     }

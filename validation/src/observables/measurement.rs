@@ -1,7 +1,9 @@
-//! A measured number, and how readings of single frames become one.
+//! Measured numbers, and their averages over frames.
 
+use super::catalogue::definition;
 use crate::plan::Observable;
 use crate::statistics::block_average;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// One measured quantity of one run.
@@ -21,29 +23,27 @@ pub struct Measurement {
     pub frames: usize,
 }
 
-/// What a reading is of, and how readings of many frames are put together.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Quantity {
-    name: &'static str,
-    unit: &'static str,
-    largest: bool,
+impl Measurement {
+    /// A measurement in the unit of its definition.
+    pub(super) fn of(name: &str, value: f64, standard_error: Option<f64>, frames: usize) -> Measurement {
+        let unit = definition(name).map_or("", |definition| definition.unit);
+        Measurement { observable: name.into(), unit: unit.into(), value, standard_error, frames }
+    }
 }
 
-impl Quantity {
-    /// A quantity that is averaged over frames; `unit` is empty where it has none.
-    pub const fn mean(name: &'static str, unit: &'static str) -> Self {
-        Self { name, unit, largest: false }
-    }
-
-    /// A quantity of which the largest value over frames counts.
-    pub const fn largest(name: &'static str, unit: &'static str) -> Self {
-        Self { name, unit, largest: true }
-    }
-
-    /// A measurement of this quantity.
-    pub fn measured(self, value: f64, standard_error: Option<f64>, frames: usize) -> Measurement {
-        Measurement { observable: self.name.into(), unit: self.unit.into(), value, standard_error, frames }
-    }
+/// An observable over time in one run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Series {
+    /// The code.
+    pub code: String,
+    /// Seed of the run.
+    pub seed: u64,
+    /// Name of the observable.
+    pub observable: String,
+    /// Times, s.
+    pub time: Vec<f64>,
+    /// Values at these times.
+    pub value: Vec<f64>,
 }
 
 /// Numbers measured of frames, and reasons why groups of numbers have none.
@@ -64,34 +64,39 @@ impl Measured {
     }
 }
 
-/// Readings of single frames, kept by quantity in the order in which they first came.
-#[derive(Clone, Debug, Default)]
-pub struct Readings(Vec<(Quantity, Vec<f64>)>);
+/// Readings of single frames by observable and unit, in the order in which they first came.
+#[derive(Default)]
+pub(super) struct Readings(Vec<(&'static str, &'static str, Vec<f64>)>);
 
 impl Readings {
-    /// Adds one frame's value; what is not finite is left out.
-    pub fn add(&mut self, quantity: Quantity, value: f64) {
+    /// Adds one frame's value; a value that is not finite is left out.
+    pub fn add(&mut self, name: &'static str, value: f64) {
+        self.add_in(name, definition(name).map_or("", |definition| definition.unit), value);
+    }
+
+    /// Adds one frame's value in one of the units of its observable.
+    pub fn add_in(&mut self, name: &'static str, unit: &'static str, value: f64) {
         if !value.is_finite() {
             return;
         }
-        match self.0.iter_mut().find(|(known, _)| *known == quantity) {
-            Some((_, values)) => values.push(value),
-            None => self.0.push((quantity, vec![value])),
+        match self.0.iter_mut().find(|(known, its_unit, _)| *known == name && *its_unit == unit) {
+            Some((_, _, values)) => values.push(value),
+            None => self.0.push((name, unit, vec![value])),
         }
     }
 
-    /// One measurement a quantity: the mean with its standard error over blocks of time, or the maximum.
-    pub fn averages(self) -> Vec<Measurement> {
-        let measured = |(quantity, values): (Quantity, Vec<f64>)| {
+    /// One measurement per observable: the mean with its standard error over blocks of time, or the maximum.
+    pub fn averages(self) -> impl Iterator<Item = Measurement> {
+        self.0.into_iter().map(|(name, unit, values)| {
             let frames = values.len();
-            match quantity.largest {
-                true => quantity.measured(values.into_iter().fold(f64::NEG_INFINITY, f64::max), None, frames),
+            let (value, standard_error) = match definition(name).is_some_and(|definition| definition.largest) {
+                true => (values.into_iter().fold(f64::NEG_INFINITY, f64::max), None),
                 false => {
                     let average = block_average(&values);
-                    quantity.measured(average.mean, average.standard_error, frames)
+                    (average.mean, average.standard_error)
                 }
-            }
-        };
-        self.0.into_iter().map(measured).collect()
+            };
+            Measurement { observable: name.into(), unit: unit.into(), value, standard_error, frames }
+        })
     }
 }

@@ -1,16 +1,36 @@
-//! How well two kinds of grains are mixed: by where they came from, by size, or by population.
+//! Mixing of two kinds of grains: by origin, by size, or by population.
 
-use super::measurement::{Quantity, Readings};
+use super::catalogue::{Group, define};
+use super::measurement::Readings;
 use super::view::View;
+use crate::plan::Observable;
 use makadam::snapshot::Particle;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 
-/// Mixing index and ratio of distances by size, and by population.
-const BY_SIZE: [Quantity; 2] =
-    [Quantity::mean("size_mixing_index", ""), Quantity::mean("small_over_large_distance", "")];
-const BY_POPULATION: [Quantity; 2] =
-    [Quantity::mean("population_mixing_index", ""), Quantity::mean("first_over_other_distance", "")];
+pub(super) const GROUP: Group = Group {
+    observable: Observable::SizeMixing,
+    name: "size-mixing",
+    read,
+    definitions: &[
+        define(
+            ["size_mixing_index", "M_d", ""],
+            "Lacey's index of the small grains in cells of three mean diameters: 0 apart, 1 mixed at random",
+        )
+        .source("Lacey, J. Appl. Chem. 4, 257 (1954)"),
+        define(
+            ["small_over_large_distance", "R_d", ""],
+            "root mean square distance of small grains from the middle of the bed over that of large ones; below 1 \
+             where they form a core",
+        ),
+        define(["population_mixing_index", "M_p", ""], "Lacey's index of the first population")
+            .source("Lacey, J. Appl. Chem. 4, 257 (1954)"),
+        define(
+            ["first_over_other_distance", "R_p", ""],
+            "root mean square distance of the first population from the middle of the bed over that of the others",
+        ),
+    ],
+};
 
 /// Cells of the mixing index, mean diameters wide.
 pub(super) const MIXING_CELL: f64 = 3.0;
@@ -45,29 +65,30 @@ pub fn lacey_index(places: impl Iterator<Item = ([f64; 3], bool)>, cell: f64) ->
 /// Adds a frame's readings, by size where some grains are far larger than others, by population where there are several.
 ///
 /// Small grains are those below the middle of the smallest and the largest radius. By population the same is measured of grains
-/// that do not differ in size, so that what size does can be told from what the drum does.
-///
-/// - `size_mixing_index`, `population_mixing_index`: [`lacey_index`] of the small grains, or of the first population, in cells of
-///   three mean diameters.
-/// - `small_over_large_distance`, `first_over_other_distance`, in drums: root mean square distance of these grains from the middle
-///   of the bed, across the axis, over that of the others: below 1 where they gather in a core.
-pub fn read(view: &View<'_>, readings: &mut Readings) {
+/// that do not differ in size, which tells the effect of size from that of the drum.
+fn read(view: &View<'_>, readings: &mut Readings) -> Result<(), String> {
     let radii = || view.frame.particles.iter().map(|grain| grain.radius);
     let (smallest, largest) = (radii().fold(f64::INFINITY, f64::min), radii().fold(0.0, f64::max));
     if largest >= TWO_SIZES * smallest {
         let middle = 0.5 * (smallest + largest);
-        read_kinds(view, BY_SIZE, &|grain| grain.radius < middle, readings);
+        read_kinds(view, ["size_mixing_index", "small_over_large_distance"], &|grain| grain.radius < middle, readings);
     }
     if view.setting.scene().population.len() > 1 {
         let population = |grain: &Particle| view.setting.properties.roster.kind(view.frame, grain.id).population;
-        read_kinds(view, BY_POPULATION, &|grain| population(grain) == Some(0), readings);
+        read_kinds(
+            view,
+            ["population_mixing_index", "first_over_other_distance"],
+            &|grain| population(grain) == Some(0),
+            readings,
+        );
     }
+    Ok(())
 }
 
 /// Adds the mixing index of marked grains and, in drums, how far they are from the middle of the bed over how far the others are.
 fn read_kinds(
     view: &View<'_>,
-    [index, distance]: [Quantity; 2],
+    [index, distance]: [&'static str; 2],
     is_marked: &dyn Fn(&Particle) -> bool,
     readings: &mut Readings,
 ) {

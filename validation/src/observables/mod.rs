@@ -17,21 +17,7 @@
 //! walls; a contact across an end lies there, between a grain and the nearest image of the other one. A bed that has none of the known free
 //! surfaces has no bulk, and is not measured.
 //!
-//! | quantity | where |
-//! | --- | --- |
-//! | `dynamic_angle_of_repose`, `surface_line_angle` | [`dynamic_angle`] |
-//! | `static_angle_of_repose` | [`static_angle`] |
-//! | `packing_fraction` | [`packing_fraction`] |
-//! | `coordination_number` and its kin | [`coordination`] |
-//! | `share_below_mean`, `gini`, `friction_mobilisation`, ... | [`contact_forces`] |
-//! | `wall_force_over_weight`, `largest_overlap`, ... | [`balances`] |
-//! | `shell_layer_speed_ratio`, `wall_torque`, ... | [`drum_flow`] |
-//! | `size_mixing_index`, `population_mixing_index`, ... | [`mixing`] |
-//! | `driven_wall_displacement` | [`driven_wall`] |
-//! | `mass_flow_rate`, `discharged_mass` | [`discharge`] |
-//! | `intruder_height`, `intruder_speed` | [`intruder`] |
-//!
-//! [`catalogue::definitions`] says of each what it is; `makadam print observables` prints it.
+//! [`catalogue::definitions`] defines each number; `makadam print observables` prints it.
 //!
 //! ```
 //! use makadam_validation::{observables, plan::Scene, scenes};
@@ -49,48 +35,45 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-pub mod balances;
-pub mod bed_surface;
-pub mod bulk;
+mod balances;
+mod bed_surface;
+mod bulk;
 pub mod catalogue;
-pub mod contact_forces;
+mod contact_forces;
 pub mod contour;
-pub mod coordination;
-mod definitions;
-pub mod discharge;
-pub mod driven_wall;
-pub mod drum;
-pub mod drum_flow;
-pub mod dynamic_angle;
-pub mod effort;
+mod coordination;
+mod discharge;
+mod driven_wall;
+mod drum;
+mod drum_flow;
+mod dynamic_angle;
+mod effort;
 pub mod field;
-pub mod force_distribution;
-pub mod frames;
+mod force_distribution;
+pub(crate) mod frames;
 mod holes;
-pub mod intruder;
+mod intruder;
 pub mod line;
-pub mod literature;
-pub mod measurement;
-pub mod mixing;
+mod measurement;
+mod mixing;
 pub mod neighbours;
 pub mod packing_fraction;
-pub mod possible;
-mod series;
-pub mod setting;
+mod possible;
+pub(crate) mod setting;
 pub mod sphere_volume;
-pub mod static_angle;
-pub mod view;
+pub(crate) mod static_angle;
+mod view;
 pub mod walls;
 
 pub use force_distribution::{ForceDistribution, ForcePool, force_distribution};
-pub use measurement::{Measured, Measurement};
+pub use measurement::{Measured, Measurement, Series};
 pub use neighbours::close_pairs;
 pub use possible::{Unmeasured, impossible, unmeasured};
-pub use series::Series;
 
 use crate::plan::{Observable, Scene};
 use crate::recording::Recording;
 use bed_surface::BedFields;
+use catalogue::GROUPS;
 use frames::{Frames, Wrapped};
 use makadam::snapshot::Snapshot;
 use measurement::Readings;
@@ -118,9 +101,6 @@ pub fn measured_in(scene: &Scene, recording: &Recording) -> Measured {
 /// A quantity that cannot be measured (no bulk, no drum, no contacts, grains too far apart or too unlike for a grid of
 /// [`effort::most`] cells) is left out of the list; none is NaN. A quantity of single frames depends on nothing but the frame and the
 /// scene: its value over several frames is the mean of what [`measure_frames`] gives of each.
-///
-/// # Errors
-/// Where a frame cannot be shown.
 pub fn measure_frames<F: Frames + ?Sized>(scene: &Scene, frames: &F) -> Result<Option<Measured>, F::Error> {
     let (frames, properties) = (Wrapped::new(frames, &scene.domain), Properties::new(scene));
     let Some(span) = Span::new(&properties, &frames)? else {
@@ -134,32 +114,14 @@ pub fn measure_frames<F: Frames + ?Sized>(scene: &Scene, frames: &F) -> Result<O
         let setting = Setting::new(&properties, frame);
         let view = View::new(&setting, frame);
         for &group in &scene.measure.observables {
-            if let Err(why) = read(group, &view, &mut readings) {
-                measured.refuse(group, &why);
+            let registered = GROUPS.iter().find(|registered| registered.observable == group);
+            if let Some(Err(reason)) = registered.map(|registered| (registered.read)(&view, &mut readings)) {
+                measured.refuse(group, &reason);
             }
         }
     })?;
     measured.measurements.extend(readings.averages());
     Ok(Some(measured))
-}
-
-/// Adds what a group has of a single frame.
-///
-/// # Errors
-/// Why the frame has nothing of it.
-fn read(group: Observable, view: &View<'_>, readings: &mut Readings) -> Result<(), String> {
-    match group {
-        Observable::PackingFraction => packing_fraction::read(view, readings)?,
-        Observable::CoordinationNumber => coordination::read(view, readings)?,
-        Observable::ContactForces => contact_forces::read(view, readings)?,
-        Observable::DrumFlow => drum_flow::read(view, readings)?,
-        Observable::SizeMixing => mixing::read(view, readings),
-        Observable::DrivenWall => driven_wall::read(view, readings),
-        Observable::Intruder => intruder::read(view, readings),
-        Observable::Balances => balances::read(view, readings),
-        Observable::DynamicAngleOfRepose | Observable::StaticAngleOfRepose | Observable::Discharge => {}
-    }
-    Ok(())
 }
 
 /// All measured frames together: quantities that rest on fields averaged over time, or on how grains got on.
@@ -248,8 +210,8 @@ pub fn series(scene: &Scene, recording: &Recording) -> Vec<Series> {
         let (code, seed) = (recording.code.clone(), recording.seed);
         (!time.is_empty()).then(|| Series { code, seed, observable: observable.into(), time, value })
     };
-    let angle = || one(dynamic_angle::ANGLE, dynamic_angle::over_time(&properties, &recording.frames));
-    let height = || one(intruder::HEIGHT_NAME, intruder::over_time(&properties, &recording.frames));
+    let angle = || one("dynamic_angle_of_repose", dynamic_angle::over_time(&properties, &recording.frames));
+    let height = || one("intruder_height", intruder::over_time(&properties, &recording.frames));
     let asked = [
         asks(Observable::DynamicAngleOfRepose).then(angle).flatten(),
         asks(Observable::Intruder).then(height).flatten(),

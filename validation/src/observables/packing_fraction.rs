@@ -4,28 +4,37 @@
 //! surface. In any other container it is made of cubes of half a diameter whose eight corners all lie in the bulk.
 
 use super::bulk::Bulk;
+use super::catalogue::{Group, define};
 use super::effort;
-use super::measurement::{Quantity, Readings};
+use super::measurement::Readings;
 use super::sphere_volume::{sphere, sphere_in_box};
 use super::view::View;
+use crate::plan::Observable;
 use makadam::scene::{Motion, Shape};
 use makadam::snapshot::Particle;
 use nalgebra::Vector3;
 use std::collections::HashSet;
 
-const PACKING_FRACTION: Quantity = Quantity::mean("packing_fraction", "");
+pub(super) const GROUP: Group = Group {
+    observable: Observable::PackingFraction,
+    name: "packing-fraction",
+    read,
+    definitions: &[define(
+        ["packing_fraction", "φ", ""],
+        "volume of the grains inside the bulk region over the volume of the region, spheres cut exactly by its \
+             border; the region is a box in a fixed box without other walls, elsewhere the cubes of half a diameter, \
+             on a lattice from the middle of the domain, whose corners lie in the bulk. The position of the lattice \
+             changes the value, by 0.003 in `vibrated-bed` and by 0.03 in a shallow bed of 500 grains",
+    )],
+};
 
-/// Adds the packing fraction of a frame.
-///
-/// # Errors
-/// Why it has none.
-pub fn read(view: &View<'_>, readings: &mut Readings) -> Result<(), String> {
+fn read(view: &View<'_>, readings: &mut Readings) -> Result<(), String> {
     let bulk = view.bulk()?;
     let fraction = match box_region(view, bulk) {
         Some((min, max)) => fraction_in_box(&view.frame.particles, min, max),
         None => fraction_in_cubes(view, bulk),
     };
-    readings.add(PACKING_FRACTION, fraction.ok_or("no cube of half a diameter lies in the bulk")?);
+    readings.add("packing_fraction", fraction.ok_or("no cube of half a diameter lies in the bulk")?);
     Ok(())
 }
 
@@ -139,7 +148,7 @@ fn in_range(low: [i64; 3], high: [i64; 3]) -> impl Iterator<Item = [i64; 3]> {
     (low[2]..=high[2]).flat_map(move |z| (low[1]..=high[1]).flat_map(move |y| row(y, z)))
 }
 
-/// Those of the cubes that lie from `low` to `high`, in the order of [`in_range`], so that sums have one order.
+/// Returns the cubes that lie from `low` to `high`, in the order of [`in_range`], so that sums have one order.
 fn among(cubes: &HashSet<[i64; 3]>, low: [i64; 3], high: [i64; 3]) -> Vec<[i64; 3]> {
     let inside = |cube: &&[i64; 3]| (0..3).all(|axis| (low[axis]..=high[axis]).contains(&cube[axis]));
     let mut inside: Vec<[i64; 3]> = cubes.iter().filter(inside).copied().collect();

@@ -1,4 +1,4 @@
-//! What a scene asks to be measured and cannot have: told before it runs, and afterwards of what has no value.
+//! Requested observables without a value: reported before a run, and after it with the reason.
 
 use super::catalogue::{definitions, group_of, missing};
 use super::drum::Drum;
@@ -13,7 +13,7 @@ use serde::Serialize;
 pub struct Unmeasured {
     /// Its name.
     pub observable: &'static str,
-    /// Why.
+    /// The reason.
     pub reason: String,
 }
 

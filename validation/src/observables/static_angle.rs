@@ -8,22 +8,41 @@
 //! upright or lean outwards are those of grains that a wall still holds, and have no angle of repose. The standard error
 //! is over six sectors of azimuth, measured one by one: unlike a flow, a heap at rest has no blocks of time.
 
+use super::catalogue::{Group, define, nothing_of_a_frame};
 use super::contour::{self, Loop, Segment};
 use super::effort;
 use super::field::Field;
 use super::frames::Frames;
 use super::line::{Line, clip};
-use super::measurement::{Measurement, Quantity};
+use super::measurement::Measurement;
 use super::setting::Setting;
 use super::walls::PlacedWalls;
+use crate::plan::Observable;
 use crate::statistics::{ranked, standard_error};
 use makadam::scene::Shape;
 use makadam::snapshot::Snapshot;
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
 
-const ANGLE: Quantity = Quantity::mean("static_angle_of_repose", "degree");
-const HEIGHT: Quantity = Quantity::mean("heap_height", "m");
+pub(super) const GROUP: Group = Group {
+    observable: Observable::StaticAngleOfRepose,
+    name: "static-angle-of-repose",
+    read: nothing_of_a_frame,
+    definitions: &[
+        define(
+            ["static_angle_of_repose", "α", "degree"],
+            "inclination of the total-least-squares line through the outline of the heap, averaged over azimuth, \
+             between 20% and 80% of its height; standard error over six sectors",
+        )
+        .of_span(),
+        define(
+            ["heap_height", "H", "m"],
+            "height of the outline of the heap above its foot: the highest level plane or disc below the median \
+             height of the grains, else the lowest grain",
+        )
+        .of_span(),
+    ],
+};
 
 /// Sectors of azimuth for the standard error.
 const SECTORS: usize = 6;
@@ -131,9 +150,6 @@ fn median_along(frame: &Snapshot, axis: &Vector3<f64>) -> f64 {
 }
 
 /// Measures angle (degrees) and height (m) of a heap.
-///
-/// # Errors
-/// Why there is no heap.
 pub fn measure(setting: &Setting<'_>, fields: &HeapFields) -> Result<Vec<Measurement>, &'static str> {
     let outline = fields.outline().ok_or("the grains form no heap")?;
     let angle = flank_angle(&outline, setting.diameter)
@@ -141,8 +157,8 @@ pub fn measure(setting: &Setting<'_>, fields: &HeapFields) -> Result<Vec<Measure
     let of_sector = |field: &Field| flank_angle(&self::outline(field)?, setting.diameter);
     let sectors: Vec<f64> = fields.sectors.iter().filter_map(of_sector).collect();
     Ok(vec![
-        ANGLE.measured(angle, standard_error(&sectors), fields.frames),
-        HEIGHT.measured(top(&outline), None, fields.frames),
+        Measurement::of("static_angle_of_repose", angle, standard_error(&sectors), fields.frames),
+        Measurement::of("heap_height", top(&outline), None, fields.frames),
     ])
 }
 
@@ -157,9 +173,6 @@ pub struct HeapFields {
 impl HeapFields {
     /// Averages the frames, of which there is at least one. The inner error says why there is no mean: the heap has no axis, or grains lie
     /// so far apart that it would take more cells than [`effort::most`].
-    ///
-    /// # Errors
-    /// Where a frame cannot be shown.
     pub fn new<F: Frames + ?Sized>(setting: &Setting<'_>, frames: &F) -> Result<Result<Self, String>, F::Error> {
         let (count, cell) = (frames.count(), 0.5 * setting.diameter);
         let mut heap = Err(String::new());

@@ -33,9 +33,6 @@ impl<'a> View<'a> {
     }
 
     /// The bulk of the frame's bed.
-    ///
-    /// # Errors
-    /// Why the bed has none.
     pub fn bulk(&self) -> Result<&Bulk, &str> {
         self.bulk.get_or_init(|| Bulk::of(self.setting, self.frame, &self.walls)).as_ref().map_err(String::as_str)
     }

@@ -23,9 +23,6 @@ pub fn cache_folder() -> Result<PathBuf, WriteError> {
 
 /// Path for the files of one run of a code in [`cache_folder`], which no other run has while this process lives: not of another process,
 /// and not of this one, where several may be made of the same scene and seed. Nothing is created.
-///
-/// # Errors
-/// Those of [`cache_folder`].
 pub fn run_folder(name: &str) -> Result<PathBuf, WriteError> {
     static RUNS: AtomicU64 = AtomicU64::new(1);
     let number = RUNS.fetch_add(1, Ordering::Relaxed);

@@ -3,9 +3,6 @@
 use serde::Serialize;
 
 /// Rows of a table as CSV.
-///
-/// # Errors
-/// [`csv::Error`] if a row is none.
 pub(crate) fn csv(rows: &[impl Serialize]) -> Result<Vec<u8>, csv::Error> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     for row in rows {
@@ -15,9 +12,6 @@ pub(crate) fn csv(rows: &[impl Serialize]) -> Result<Vec<u8>, csv::Error> {
 }
 
 /// Rows below their head, which stands there even if there is no row.
-///
-/// # Errors
-/// [`csv::Error`] if a row is none.
 pub(crate) fn csv_below(head: &[&str], rows: impl Iterator<Item = impl Serialize>) -> Result<Vec<u8>, csv::Error> {
     let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
     writer.write_record(head)?;

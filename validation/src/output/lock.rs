@@ -20,13 +20,13 @@ const TRIES: usize = 100;
 /// A folder that no other run writes into.
 pub struct FolderLock {
     folder: PathBuf,
-    /// Whether the folder was not there before.
+    /// True if the lock has made the folder.
     made: bool,
     /// Absent where the file system knows no locks.
     file: Option<File>,
 }
 
-/// Why a folder could not be taken.
+/// Error of a folder that cannot be locked.
 #[derive(Debug, thiserror::Error)]
 pub enum LockError {
     /// Another run writes there.
@@ -44,9 +44,6 @@ pub enum LockError {
 
 impl FolderLock {
     /// Takes a folder; makes it where it is missing.
-    ///
-    /// # Errors
-    /// [`LockError`].
     pub fn take(folder: &Path) -> Result<FolderLock, LockError> {
         let made = !folder.exists();
         create_folder(folder)?;
@@ -82,7 +79,7 @@ impl FolderLock {
         Err(refused(busy).into())
     }
 
-    /// Whether the file system keeps others out.
+    /// Returns false where the file system knows no locks.
     pub fn holds(&self) -> bool {
         self.file.is_some()
     }
@@ -99,7 +96,7 @@ impl Drop for FolderLock {
     }
 }
 
-/// What the holder of a lock has written about itself.
+/// Reads the account of the holder of a lock.
 fn holder(file: &mut File) -> String {
     let mut account = Vec::new();
     let read = file.rewind().and_then(|()| Read::by_ref(file).take(ACCOUNT).read_to_end(&mut account));

@@ -8,7 +8,6 @@ mod names;
 mod record;
 mod run_files;
 mod shown;
-mod summary;
 mod table;
 pub(crate) mod vtk;
 mod vtk_read;
@@ -21,30 +20,32 @@ pub use names::file_stem;
 pub use record::record_folder;
 pub use run_files::RunFiles;
 pub(crate) use shown::shown;
-pub use summary::{AlarmSummary, JSON_VERSION, Measured, PhaseTimes, RunSummary, SolveSummary};
 pub(crate) use table::open_to_grow;
 pub use table::{TableWritten, TimeTable};
 pub(crate) use vtk_read::{FIELD_DATA, outline as outline_vtk};
 pub(crate) use wall_mesh::WallMesh;
 
-/// How every HDF5 file begins.
+/// Version of the JSON documents, raised when a field changes its meaning or goes away.
+pub const JSON_VERSION: u32 = 1;
+
+/// First bytes of every HDF5 file.
 pub(crate) const HDF5: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
 
 use makadam::checkpoint::{replace_with, write_atomically};
 use std::io::Write;
 use std::path::Path;
 
-/// Why something could not be written.
+/// Error of a file that cannot be written.
 #[derive(Debug, thiserror::Error)]
 #[error("{path}: {source}{}", remedy(source))]
 pub struct WriteError {
-    /// What was being written.
+    /// The file or folder.
     pub path: String,
-    /// What the system said.
+    /// Error of the system.
     pub source: std::io::Error,
 }
 
-/// What to do about it. Data that do not fit say so themselves.
+/// Returns the remedy; messages about invalid data hold their own.
 fn remedy(source: &std::io::Error) -> &'static str {
     match source.kind() {
         std::io::ErrorKind::InvalidData => "",
@@ -60,17 +61,11 @@ impl WriteError {
 }
 
 /// Makes a folder and those above it.
-///
-/// # Errors
-/// [`WriteError`] if the system refuses.
 pub fn create_folder(path: &Path) -> Result<(), WriteError> {
     std::fs::create_dir_all(path).map_err(|source| WriteError::new(path, source))
 }
 
 /// Creates the folder of a file and those above, if it names one.
-///
-/// # Errors
-/// [`WriteError`] if the system refuses.
 pub fn create_folder_of(file: &Path) -> Result<(), WriteError> {
     match file.parent().filter(|folder| !folder.as_os_str().is_empty()) {
         Some(folder) => create_folder(folder),
@@ -79,17 +74,11 @@ pub fn create_folder_of(file: &Path) -> Result<(), WriteError> {
 }
 
 /// Writes a file through a draft, so that what stood there before stays whole until the new one is.
-///
-/// # Errors
-/// [`WriteError`] if the system refuses; the half-written file is removed then.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     replace_with(path, |draft| draft.write_all(bytes)).map_err(|source| WriteError::new(path, source))
 }
 
 /// Writes a file as [`write_whole`] does, and to the disk: it outlasts a cut of power.
-///
-/// # Errors
-/// [`WriteError`] if the system refuses.
 pub fn write_durably(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     write_atomically(path, bytes).map_err(|source| WriteError::new(path, source))
 }

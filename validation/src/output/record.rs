@@ -1,4 +1,4 @@
-//! Where tables that belong to one machine are kept beside their scene.
+//! Folders for tables of one machine, next to their scene.
 
 use crate::output::file_stem;
 use makadam::lanes::InstructionSet;

@@ -41,18 +41,12 @@ impl<'a> RunFiles<'a> {
     }
 
     /// Removes the results and drafts; the summary stays, to be replaced.
-    ///
-    /// # Errors
-    /// [`WriteError`] if the system refuses.
     pub fn remove(&self) -> Result<(), WriteError> {
         self.remove_drafts()?;
         Self::RESULTS.iter().try_for_each(|name| remove(&self.output.join(name)))
     }
 
     /// Removes unfinished files of processes that were killed. The caller holds the lock of the folder.
-    ///
-    /// # Errors
-    /// [`WriteError`] if the system refuses.
     pub fn remove_drafts(&self) -> Result<(), WriteError> {
         let refused = |source| WriteError::new(self.output, source);
         let entries = match std::fs::read_dir(self.output) {

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-/// What the program itself writes between colours, behind an escape character.
+/// Colour codes of the program, behind an escape character.
 const COLOURS: [&str; 6] = ["[0m", "[31m", "[31;1m", "[32m", "[33m", "[34m"];
 
 /// A text as it may go to a terminal: names, and words of other programs, can hold characters that a terminal obeys. They are spelt

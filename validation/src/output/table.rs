@@ -19,7 +19,7 @@ pub struct TimeTable {
     written: TableWritten,
 }
 
-/// How far a [`TimeTable`] has come, for a checkpoint.
+/// Extent of a [`TimeTable`], for a checkpoint.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TableWritten {
     /// Names of the columns.
@@ -32,9 +32,6 @@ pub struct TableWritten {
 
 impl TimeTable {
     /// A table without rows in `path`, with these columns first.
-    ///
-    /// # Errors
-    /// [`WriteError`] if the system refuses.
     pub fn create(path: &Path, columns: &[&str]) -> Result<TimeTable, WriteError> {
         let names = line(columns);
         write_whole(path, &names)?;
@@ -69,15 +66,12 @@ impl TimeTable {
         Ok(table)
     }
 
-    /// How far it has come.
+    /// Returns the extent.
     pub fn written(&self) -> &TableWritten {
         &self.written
     }
 
     /// Adds a row of named values. What a row does not name stays empty.
-    ///
-    /// # Errors
-    /// [`WriteError`] if the system refuses; the rows before it stay.
     pub fn push(&mut self, values: impl IntoIterator<Item = (String, f64)>) -> Result<(), WriteError> {
         let known = self.written.columns.len();
         let mut row = vec![None; known];
@@ -131,9 +125,6 @@ impl TimeTable {
     }
 
     /// Writes it to the disk.
-    ///
-    /// # Errors
-    /// [`WriteError`] if the system refuses.
     pub fn sync(&self) -> Result<(), WriteError> {
         sync_file(&self.path).map_err(|source| WriteError::new(&self.path, source))
     }

@@ -1,4 +1,4 @@
-//! What a run writes of its frames, and how often.
+//! Content and interval of the frames on disk.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -1,4 +1,4 @@
-//! What two scenes have in common that simulate the same.
+//! Hashes of the physics of a scene.
 
 use super::Scene;
 use makadam::checkpoint::checksum;

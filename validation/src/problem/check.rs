@@ -2,6 +2,7 @@
 
 use super::siconos::{self, SiconosError};
 use super::{BodyVelocities, ProblemFile};
+use clap::ValueEnum;
 use makadam::direct::DirectError;
 use makadam::problem::{ContactProblem, ContactState, LocalProblem, Reference};
 use nalgebra::{DMatrix, Vector3};
@@ -9,16 +10,16 @@ use serde::Serialize;
 use std::time::Instant;
 
 /// A solver of problems from files.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
-    /// Projected Gauss-Seidel on the plain data, one contact after another.
+    /// Projected Gauss-Seidel, one contact after another.
     Reference,
-    /// Newton's method with dense matrices.
+    /// Newton's method with dense matrices, up to 500 contacts.
     Direct,
-    /// The simulation's own sweeps, whose answer the file carries.
+    /// The simulation's own sweeps: their result when the file was written.
     Lanes,
-    /// Siconos' projected Gauss-Seidel (NSGS) on FCLIB's local problem.
+    /// Siconos' projected Gauss-Seidel.
     Siconos,
 }
 
@@ -41,14 +42,12 @@ pub const AGREEMENT: f64 = 1e-5;
 
 /// Answer of a solver.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "validation/docs/json.md describes the fields of documents")]
 pub struct Answer {
-    /// The solver.
     pub method: Method,
     /// Sweeps, iterations or Newton steps; unknown where the answer is on record.
     pub iterations: Option<u32>,
-    /// True if it ended at its tolerance.
     pub converged: bool,
-    /// Wall time, s; unknown where the answer is on record.
     pub seconds: Option<f64>,
     /// Largest residual of any contact, m/s: the natural map. Unknown where impulses are.
     pub residual: Option<f64>,
@@ -59,7 +58,6 @@ pub struct Answer {
     /// Velocities at the contacts in their frames, m/s.
     #[serde(skip)]
     pub contact_velocities: Vec<Vector3<f64>>,
-    /// Velocities of bodies.
     #[serde(skip)]
     pub bodies: Option<BodyVelocities>,
     /// Impulses in the frames of the contacts that may bear something, N s.
@@ -69,8 +67,8 @@ pub struct Answer {
 
 /// A problem by several solvers.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "validation/docs/json.md describes the fields of documents")]
 pub struct Check {
-    /// Title of the problem.
     pub title: String,
     /// Contacts that may bear something.
     pub contacts: usize,
@@ -80,9 +78,7 @@ pub struct Check {
     pub unit: f64,
     /// True if W is positive definite, so that velocities determine impulses.
     pub unique_impulses: bool,
-    /// The answers.
     pub answers: Vec<Answer>,
-    /// Solvers that were left out, and why.
     pub left_out: Vec<String>,
 }
 
@@ -111,9 +107,6 @@ const DEFINITE: f64 = 1e-6;
 const MOST_FACTORED: usize = makadam::direct::MOST_CONTACTS;
 
 /// Solves a problem by one solver.
-///
-/// # Errors
-/// Why that solver cannot.
 pub fn solve(file: &ProblemFile, method: Method, settings: &Settings) -> Result<Answer, String> {
     let torques = || "contacts bear torques, which it leaves out".to_string();
     let no_bodies = || "the file has FCLIB's local problem alone, without bodies".to_string();

@@ -7,6 +7,7 @@
 //! The layout of files is documented in `solver/docs/problem.md`.
 
 mod check;
+mod layout;
 mod read;
 mod siconos;
 mod write;

@@ -1,12 +1,12 @@
-//! Files into problems. Whatever is wrong with a file is an error that names it.
+//! Reader of problem files. Every fault of a file is an error that names it.
 
-use super::write::{
-    CHECKSUM, CONTACT_PROBLEM, Datasets, Kind, LANES, LOCAL, Numbers, SOLUTION, SPRINGS, TITLE, VERSION,
-    VERSION_WITH_SPRINGS, checksum,
+use super::layout::{
+    BODY, CHECKSUM, CONTACT, Datasets, Described, ENDS, Field, Kind, LANES, LOCAL, Numbers, SOLUTION, SPRINGS, TITLE,
+    VERSION, VERSION_WITH_SPRINGS, checksum, contact_problem,
 };
 use super::{BodyVelocities, ProblemFile};
 use hdf5_pure::File;
-use makadam::problem::{Body, Contact, ContactImpulse, ContactProblem, LocalProblem, MatrixBlock};
+use makadam::problem::{Body, Contact, ContactProblem, LocalProblem, MatrixBlock};
 use nalgebra::{Matrix3, Vector3};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -45,9 +45,6 @@ pub fn read(path: &Path) -> Result<ProblemFile, ProblemFileError> {
 }
 
 /// Takes the bytes of a file apart.
-///
-/// # Errors
-/// What is wrong, in words.
 pub fn parse(bytes: Vec<u8>) -> Result<ProblemFile, String> {
     let length = bytes.len() as u64;
     let file = File::from_bytes(bytes).map_err(|error| format!("it is no HDF5 file, or not all of one ({error})"))?;
@@ -62,25 +59,25 @@ pub fn parse(bytes: Vec<u8>) -> Result<ProblemFile, String> {
     }
     let mut datasets = Datasets::new();
     if has("makadam") {
-        reader.all(&CONTACT_PROBLEM, &mut datasets)?;
+        reader.all(contact_problem(), &mut datasets)?;
         if integer(&datasets, "makadam/version")? == VERSION_WITH_SPRINGS as usize {
-            reader.all(&SPRINGS, &mut datasets)?;
+            reader.all(SPRINGS.iter().map(Field::described), &mut datasets)?;
         }
         let within =
             reader.file.group("makadam").and_then(|group| group.groups()).map_err(|error| error.to_string())?;
         if within.iter().any(|name| name == "lanes") {
-            reader.all(&LANES, &mut datasets)?;
+            reader.all(LANES, &mut datasets)?;
         }
     }
     if has("fclib_local") {
-        reader.all(&LOCAL, &mut datasets)?;
+        reader.all(LOCAL, &mut datasets)?;
     }
     let contact = if has("makadam") {
         let sum = reader.file.dataset(CHECKSUM).and_then(|dataset| dataset.read_u64());
         if sum.ok() != Some(vec![checksum(&datasets)]) {
             return Err("its numbers do not have the checksum that it carries".into());
         }
-        Some(contact_problem(&datasets)?)
+        Some(problem_with_bodies(&datasets)?)
     } else {
         None
     };
@@ -102,9 +99,6 @@ pub fn parse(bytes: Vec<u8>) -> Result<ProblemFile, String> {
 }
 
 /// The impulses of the solution that a file holds, in the frames of the contacts, N s: FCLIB's `solution/r`.
-///
-/// # Errors
-/// What is wrong, in words.
 pub fn solution(bytes: Vec<u8>) -> Result<Vec<Vector3<f64>>, String> {
     let file = File::from_bytes(bytes).map_err(|error| format!("it is no HDF5 file, or not all of one ({error})"))?;
     let numbers = file.dataset(SOLUTION).and_then(|dataset| dataset.read_f64());
@@ -119,8 +113,8 @@ struct Reader {
 }
 
 impl Reader {
-    fn all(&self, described: &[(&'static str, usize, Kind)], datasets: &mut Datasets) -> Result<(), String> {
-        for &(path, columns, kind) in described {
+    fn all(&self, described: impl IntoIterator<Item = Described>, datasets: &mut Datasets) -> Result<(), String> {
+        for (path, columns, kind) in described {
             let numbers = self.one(path, columns, kind).map_err(|problem| format!("{path}: {problem}"))?;
             datasets.insert(path, numbers);
         }
@@ -175,76 +169,28 @@ fn integer(datasets: &Datasets, path: &str) -> Result<usize, String> {
     usize::try_from(*number).map_err(|_| format!("{path} is {number}"))
 }
 
-fn contact_problem(datasets: &Datasets) -> Result<ContactProblem, String> {
+fn problem_with_bodies(datasets: &Datasets) -> Result<ContactProblem, String> {
     let version = integer(datasets, "makadam/version")?;
     let known = [VERSION, VERSION_WITH_SPRINGS];
     if known.iter().all(|&known| version != known as usize) {
         let [first, second] = known;
         return Err(format!("makadam/version is {version}; this program reads versions {first} and {second}"));
     }
-    let springs = version == VERSION_WITH_SPRINGS as usize;
-    // As many rows in every dataset of a group.
-    for group in ["makadam/bodies/", "makadam/contacts/"] {
-        let mut rows = CONTACT_PROBLEM
-            .iter()
-            .chain(SPRINGS.iter().filter(|_| springs))
-            .filter(|(path, ..)| path.starts_with(group))
-            .map(|(path, columns, _)| (*path, real(datasets, path).len().max(whole(datasets, path).len()) / columns));
-        if let Some((first, count)) = rows.next()
-            && let Some((path, other)) = rows.find(|(_, rows)| *rows != count)
-        {
-            return Err(format!("{path} has {other} rows, {first} has {count}"));
-        }
+    let mut bodies = vec![Body::default(); real(datasets, BODY[2].0).len() / 3];
+    fill(datasets, &BODY, &mut bodies)?;
+    let [firsts, seconds] = ENDS.map(|path| whole(datasets, path));
+    let mut contacts = vec![Contact::default(); firsts.len()];
+    if seconds.len() != firsts.len() {
+        return Err(format!("{} has {} rows, {} has {}", ENDS[1], seconds.len(), ENDS[0], firsts.len()));
     }
-    let body_vectors = ["velocity", "spin"].map(|name| vectors(datasets, &format!("makadam/bodies/{name}")));
-    let blocks = ["inverse_mass", "inverse_inertia"].map(|name| {
-        let numbers = real(datasets, &format!("makadam/bodies/{name}"));
-        numbers.chunks_exact(9).map(Matrix3::from_column_slice).collect::<Vec<_>>()
-    });
-    let body = |number: usize| Body {
-        inverse_mass: blocks[0][number],
-        inverse_inertia: blocks[1][number],
-        velocity: body_vectors[0][number],
-        spin: body_vectors[1][number],
-    };
-    let bodies = (0..body_vectors[0].len()).map(body).collect();
-    let of_contacts = |name: &str| format!("makadam/contacts/{name}");
-    let [normals, first_arms, second_arms, wall_velocities, wall_spins, tangential, angular] =
-        ["normal", "first_arm", "second_arm", "wall_velocity", "wall_spin", "tangential_impulse", "angular_impulse"]
-            .map(|name| vectors(datasets, &of_contacts(name)));
-    let [bias, compliance, friction, rolling, twisting, pull, normal_impulse] =
-        ["bias", "compliance", "friction", "rolling_lever", "twisting_lever", "pull", "normal_impulse"]
-            .map(|name| real(datasets, &of_contacts(name)));
-    let tangential_compliance = real(datasets, SPRINGS[0].0);
-    let tangential_bias = vectors(datasets, SPRINGS[1].0);
-    let tangents = vectors(datasets, &of_contacts("tangents"));
-    let [firsts, seconds] = ["first", "second"].map(|name| whole(datasets, &of_contacts(name)));
-    let mut contacts = Vec::with_capacity(normals.len());
-    for number in 0..normals.len() {
-        let first =
-            usize::try_from(firsts[number]).map_err(|_| format!("contact {number} names body {}", firsts[number]))?;
-        contacts.push(Contact {
-            first,
-            second: usize::try_from(seconds[number]).ok(),
-            normal: normals[number],
-            tangents: [tangents[2 * number], tangents[2 * number + 1]],
-            arms: [first_arms[number], second_arms[number]],
-            wall_velocity: wall_velocities[number],
-            wall_spin: wall_spins[number],
-            bias: bias[number],
-            compliance: compliance[number],
-            tangential_compliance: tangential_compliance.get(number).copied().unwrap_or_default(),
-            tangential_bias: tangential_bias.get(number).copied().unwrap_or_default(),
-            friction: friction[number],
-            rolling_lever: rolling[number],
-            twisting_lever: twisting[number],
-            pull: pull[number],
-            impulse: ContactImpulse {
-                normal: normal_impulse[number],
-                tangential: tangential[number],
-                angular: angular[number],
-            },
-        });
+    for (number, contact) in contacts.iter_mut().enumerate() {
+        let first = firsts[number];
+        contact.first = usize::try_from(first).map_err(|_| format!("contact {number} names body {first}"))?;
+        contact.second = usize::try_from(seconds[number]).ok();
+    }
+    fill(datasets, &CONTACT, &mut contacts)?;
+    if version == VERSION_WITH_SPRINGS as usize {
+        fill(datasets, &SPRINGS, &mut contacts)?;
     }
     let problem = ContactProblem {
         time: scalar(datasets, "makadam/time")?,
@@ -256,6 +202,21 @@ fn contact_problem(datasets: &Datasets) -> Result<ContactProblem, String> {
     };
     problem.check()?;
     Ok(problem)
+}
+
+/// Sets the fields of all rows; every dataset must have as many rows.
+fn fill<T: Copy + Default>(datasets: &Datasets, fields: &[Field<T>], rows: &mut [T]) -> Result<(), String> {
+    for field in fields {
+        let (path, columns, _) = field.described();
+        let (numbers, count) = (real(datasets, path), rows.len());
+        if numbers.len() != columns * count {
+            return Err(format!("{path} has {} rows, where its group has {count}", numbers.len() / columns));
+        }
+        for (row, numbers) in rows.iter_mut().zip(numbers.chunks_exact(columns)) {
+            (field.1)(row).into_iter().zip(numbers).for_each(|(slot, number)| *slot = *number);
+        }
+    }
+    Ok(())
 }
 
 /// FCLIB's local problem; what it starts from is known where there are bodies.

@@ -169,25 +169,16 @@ pub const RECORDED: [Recorded; 4] = [
 
 impl Recorded {
     /// The scene whose step it is.
-    ///
-    /// # Errors
-    /// [`SceneError`] if the scene is refused.
     pub fn scene(&self) -> Result<Scene, SceneError> {
         Scene::parse(self.scene)
     }
 
     /// The problem.
-    ///
-    /// # Errors
-    /// The fault as text.
     pub fn problem(&self) -> Result<ProblemFile, String> {
         parse(self.file.to_vec())
     }
 
     /// The impulses that Siconos found, in the frames of the contacts, N s.
-    ///
-    /// # Errors
-    /// The fault as text.
     pub fn siconos(&self) -> Result<Vec<Vector3<f64>>, String> {
         solution(self.file.to_vec())
     }

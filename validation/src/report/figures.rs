@@ -7,7 +7,7 @@ use crate::draw::names;
 use crate::draw::numbers::{Rounding, compact, count};
 use crate::draw::plot::{Axis, Key, Plot};
 use crate::draw::svg::{Anchor, Drawing};
-use crate::observables::{ForceDistribution, Series, intruder};
+use crate::observables::{ForceDistribution, Series};
 use serde::Serialize;
 
 /// A figure of the page.
@@ -183,7 +183,7 @@ fn over_time(comparison: &Comparison, observable: &str) -> Option<Drawn> {
     let end = values().map(|(t, _)| t).filter(|t| t.is_finite()).fold(0.0, f64::max);
     let from = comparison.scene.measure.from;
     // The start-up of a flow may lie far away and would flatten the rest: the range is the window's. An intruder's way is shown whole.
-    let shown_from = from.filter(|_| observable != intruder::HEIGHT_NAME).unwrap_or(0.0);
+    let shown_from = from.filter(|_| observable != "intruder_height").unwrap_or(0.0);
     let (low, high) = values()
         .filter(|&(t, v)| v.is_finite() && t >= shown_from)
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (_, v)| (low.min(v), high.max(v)));

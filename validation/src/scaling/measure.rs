@@ -83,7 +83,7 @@ pub struct Measurement {
     pub timings: Vec<Timing>,
     /// Traces of the serial configurations, in the order of `timings`.
     pub traces: Vec<Traces>,
-    /// Whether traced and untraced steps gave the same bits.
+    /// True if traced and untraced steps gave the same bits.
     pub traces_same_bits: bool,
 }
 
@@ -105,9 +105,6 @@ impl Plan {
     }
 
     /// Measures from a state; `progress` receives the completed fraction.
-    ///
-    /// # Errors
-    /// [`MeasureError`].
     pub fn measure(&self, start: &Simulation, progress: &dyn Fn(f64)) -> Result<Measurement, MeasureError> {
         let mut timings: Vec<Timing> = (self.configurations().into_iter())
             .map(|configuration| Timing { configuration, repetitions: Vec::new(), hashes: Vec::new() })
@@ -275,9 +272,6 @@ const TRIAD_LENGTH: usize = 16 << 20;
 
 impl Bandwidth {
     /// Measures with a triad, a = b + s c, counted as three arrays (the fetch of the overwritten array is not counted).
-    ///
-    /// # Errors
-    /// [`MeasureError`] if the system starts no threads.
     pub fn measure(threads: usize) -> Result<Bandwidth, MeasureError> {
         let (b, c) = (vec![1.0; TRIAD_LENGTH], vec![2.0; TRIAD_LENGTH]);
         let mut a = vec![0.0; TRIAD_LENGTH];
@@ -347,9 +341,6 @@ const LONG_TASK: f64 = 50e-6;
 
 impl Costs {
     /// Measures on up to `threads` threads, about two seconds.
-    ///
-    /// # Errors
-    /// [`MeasureError`] if the system starts no threads.
     pub fn measure(threads: usize) -> Result<Costs, MeasureError> {
         let empty = |count: usize| {
             (0..count).into_par_iter().with_max_len(1).for_each(|task| {

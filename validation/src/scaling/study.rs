@@ -5,7 +5,7 @@ use super::measure::{Bandwidth, Measurement, Plan, Timing, WARM_UP, cache_bytes,
 use super::replay::{Costs, MOST_WORKERS, Machine, curves};
 use super::{Check, MachineRow, MeasuredRow, ReplayedRow};
 use crate::draw::figure::Figure;
-use crate::draw::numbers::{count, two_digits};
+use crate::draw::numbers::{count, short_time as time, two_digits};
 use crate::execution::{MeasureError, cores};
 use crate::output::JSON_VERSION;
 use crate::provenance::Provenance;
@@ -20,45 +20,32 @@ use serde::Serialize;
 
 /// Output of `makadam lab scaling --json` and content of `scaling.json`; documented in `validation/docs/json.md`.
 #[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "validation/docs/json.md describes the fields of documents")]
 pub struct Study {
-    /// [`JSON_VERSION`].
     pub version: u32,
-    /// Always "scaling".
     pub command: String,
-    /// Name of the scene.
     pub scene: String,
-    /// Simulated time of the initial state, s.
     pub start_seconds: f64,
     /// Properties of machine and scene.
     #[serde(flatten)]
     pub machine: MachineRow,
-    /// Contact sweeps per step, mean over the timed steps.
     pub contact_sweeps: f64,
-    /// Timed steps of each repetition.
     pub steps: u64,
     /// Number of these steps, from the first, that were traced and replayed.
     pub traced_steps: u64,
-    /// Steps before the timed ones.
     pub warm_up_steps: u64,
-    /// Repetitions of all measurements.
     pub repetitions: usize,
-    /// Memory bandwidth, measured.
     pub bandwidth: Bandwidth,
-    /// Whether all configurations ended in the same state, bit for bit.
+    /// True if all configurations ended in the same state, bit for bit.
     pub same_bits: bool,
-    /// Configurations whose final state differs from that of the first.
     pub differing: Vec<String>,
-    /// Measured configurations.
     pub measured: Vec<MeasuredRow>,
     /// Machines of the replay.
     pub machines: Vec<Machine>,
-    /// Replayed configurations.
     pub replayed: Vec<ReplayedRow>,
-    /// Replay compared with measurement.
     pub checks: Vec<Check>,
     /// Findings, one sentence each.
     pub findings: Vec<String>,
-    /// Provenance.
     pub provenance: Provenance,
 }
 
@@ -329,16 +316,6 @@ fn answer(study: &Study) -> Answer {
         (true, false) => "undecided",
     };
     Answer { class, word, sentence: measured + &bits }
-}
-
-/// A time in a unit that suits it.
-fn time(seconds: f64) -> String {
-    match seconds {
-        s if s >= 1.0 => format!("{} s", two_digits(s)),
-        s if s >= 1e-3 => format!("{} ms", two_digits(1e3 * s)),
-        s if s >= 1e-6 => format!("{} µs", two_digits(1e6 * s)),
-        s => format!("{} ns", two_digits(1e9 * s)),
-    }
 }
 
 /// Name of a machine in sentences.

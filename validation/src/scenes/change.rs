@@ -20,13 +20,13 @@ pub struct Change {
     written: String,
 }
 
-/// Why a change cannot be made.
+/// Error of a change that cannot be made.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{change}: {problem}")]
 pub struct ChangeError {
     /// The change, as it was written.
     pub change: String,
-    /// What is wrong, and what would be right.
+    /// The problem and its remedy.
     pub problem: String,
 }
 
@@ -229,7 +229,7 @@ fn place_in(list: &Item, step: &str, length: usize) -> Option<usize> {
     by_name.or_else(|| step.parse().ok().filter(|place| *place < length))
 }
 
-/// What an entry is called: its name, or that of the observable that it speaks of.
+/// Returns the name of an entry, or that of its observable.
 fn name_of(list: &Item, place: usize) -> Option<String> {
     let text = |key: &str| match list {
         Item::ArrayOfTables(tables) => tables.get(place)?.get(key)?.as_str().map(String::from),

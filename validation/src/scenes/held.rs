@@ -28,12 +28,12 @@ pub fn names() -> impl Iterator<Item = &'static str> {
     HELD.iter().filter_map(|(path, _)| path.strip_suffix("/scene.toml"))
 }
 
-/// Whether a path is that of something that the program holds.
+/// Returns true for a path into the program.
 pub fn is_built_in(path: &Path) -> bool {
     path.starts_with(BUILT_IN)
 }
 
-/// What the program holds at a path.
+/// Returns the bytes that the program holds at a path.
 pub(super) fn bytes_of(path: &Path) -> Option<&'static [u8]> {
     let path = path.strip_prefix(BUILT_IN).ok()?.to_str()?;
     HELD.iter().find(|(held, _)| *held == path).map(|(_, bytes)| *bytes)
@@ -46,7 +46,7 @@ pub(super) fn give(path: PathBuf, text: String, origin: Option<PathBuf>) {
     given.push(Given { path, text, origin });
 }
 
-/// Whether a path is that of a text that was given, which no file holds.
+/// Returns true for the path of a text that was given, which no file holds.
 pub fn is_given(path: &Path) -> bool {
     given(path).is_some()
 }

@@ -1,4 +1,4 @@
-//! Where scenes come from: files, or the reference scenes that the program itself holds.
+//! Sources of scenes: files, or the reference scenes that the program itself holds.
 //!
 //! A folder `reference-scenes` here or above goes before what the program holds. What it holds are the scenes and the references
 //! recorded on them, as they were when it was built; no path of the machine that built it is looked at.
@@ -18,10 +18,10 @@ pub use schema::{page, schema};
 use std::io::{Error, ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
-/// What stands for the scene on standard input.
+/// Name of the scene on standard input.
 pub const STANDARD_INPUT: &str = "-";
 
-/// Why there is no scene to run.
+/// Error of a missing or invalid scene.
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
     /// The name is neither a file nor a known scene.
@@ -34,7 +34,7 @@ pub enum SceneError {
         )
     )]
     Unknown {
-        /// What was asked for.
+        /// The requested name.
         name: String,
         /// Scenes that exist.
         known: Vec<String>,
@@ -52,7 +52,7 @@ pub fn in_file(file: &Path) -> impl Fn(makadam::scene::SceneError) -> SceneError
     move |error| error.in_file(file, text(file).ok().as_deref()).into()
 }
 
-/// The same for a scene that was made in code and has a name alone.
+/// Turns an error of a scene that was made in code into one that names it.
 pub fn named(name: &str) -> impl Fn(makadam::scene::SceneError) -> SceneError + '_ {
     move |error| error.in_file(Path::new(name), None).into()
 }
@@ -160,17 +160,11 @@ fn standard_input() -> Result<String, SceneError> {
 }
 
 /// Reads and checks a scene: also that what it compares is what it measures.
-///
-/// # Errors
-/// [`SceneError`].
 pub fn load(file: &Path) -> Result<Scene, SceneError> {
     parse(&text(file)?, file)
 }
 
 /// Reads and checks the text of a scene that is said to be in a file.
-///
-/// # Errors
-/// [`SceneError`].
 pub fn parse(text: &str, file: &Path) -> Result<Scene, SceneError> {
     let scene = Scene::parse(text).map_err(|error| error.in_file(file, Some(text)))?;
     catalogue::check(&scene, text, file)?;

@@ -98,7 +98,7 @@ fn shown(value: &Value) -> String {
     }
 }
 
-/// What a value is, with links to the tables.
+/// Returns the type of a value, with links to the tables.
 fn type_of(schema: &Map<String, Value>) -> String {
     if let Some(reference) = schema.get("$ref").and_then(Value::as_str) {
         let name = reference.rsplit('/').next().unwrap_or(reference);
@@ -132,7 +132,7 @@ fn type_of(schema: &Map<String, Value>) -> String {
     }
 }
 
-/// What a type or a key means, on one line.
+/// Returns the description of a type or a key, on one line.
 fn description(schema: &Map<String, Value>) -> String {
     let text = schema.get("description").and_then(Value::as_str).unwrap_or_default();
     without_links(&text.split_whitespace().collect::<Vec<_>>().join(" ")).replace('|', "\\|")

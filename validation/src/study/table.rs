@@ -5,6 +5,7 @@ use crate::draw::columns;
 use crate::draw::svg::escape;
 use crate::output::cells::csv_below;
 use serde::Serialize;
+use serde_json::{Map, Value};
 use std::fmt::Write;
 
 /// A row of a table: whatever cells can be made from.
@@ -124,6 +125,19 @@ impl Table {
     /// The table with a row of each.
     pub(crate) fn of<T>(mut self, items: impl IntoIterator<Item = T>, cells: impl Fn(T) -> Vec<Cell>) -> Table {
         items.into_iter().for_each(|item| self.row(cells(item)));
+        self
+    }
+
+    /// The table with a row of the fields with the names of its columns; absent fields are empty cells.
+    pub(crate) fn of_fields(mut self, items: impl IntoIterator<Item = Map<String, Value>>) -> Table {
+        for fields in items {
+            let cells: Vec<Cell> = self
+                .heads
+                .iter()
+                .map(|head| fields.get(head.long.plain()).map_or_else(Cell::default, Cell::from))
+                .collect();
+            self.row(cells);
+        }
         self
     }
 
@@ -291,6 +305,20 @@ impl From<Raw> for Cell {
             Raw::Truth(truth) => if truth { "yes" } else { "no" }.into(),
         };
         Cell { raw: Some(raw), ..text.into() }
+    }
+}
+
+impl From<&Value> for Cell {
+    fn from(value: &Value) -> Cell {
+        match value {
+            Value::String(text) => text.into(),
+            Value::Bool(truth) => (*truth).into(),
+            Value::Number(number) => match number.as_u64() {
+                Some(count) => count.into(),
+                None => number.as_f64().into(),
+            },
+            Value::Null | Value::Array(_) | Value::Object(_) => Cell::default(),
+        }
     }
 }
 

@@ -52,28 +52,26 @@ impl Configuration {
         }
     }
 
-    /// Time step, s; explicit codes have theirs from the grains.
-    pub fn step(&self) -> Option<f64> {
+    fn solver(&self) -> Option<(&SolverSettings, Option<&str>)> {
         match &self.knobs {
-            Knobs::Solver { settings, .. } => Some(settings.step),
+            Knobs::Solver { settings, variation } => Some((settings, variation.as_deref())),
             Knobs::Explicit { .. } => None,
         }
     }
 
-    /// Most iterations of a solve, for Makadam: sweeps, with Gauss-Seidel.
+    /// Time step of Makadam, s; explicit codes derive theirs from the grains.
+    pub fn step(&self) -> Option<f64> {
+        self.solver().map(|(settings, _)| settings.step)
+    }
+
+    /// Most iterations of a solve of Makadam: sweeps, with Gauss-Seidel.
     pub fn sweeps(&self) -> Option<u32> {
-        match &self.knobs {
-            Knobs::Solver { settings, .. } => Some(settings.stop.max_sweeps()),
-            Knobs::Explicit { .. } => None,
-        }
+        self.solver().map(|(settings, _)| settings.stop.max_sweeps())
     }
 
     /// The axis that is varied in addition to step and sweeps, and its value, for Makadam.
     pub fn variation(&self) -> Option<&str> {
-        match &self.knobs {
-            Knobs::Solver { variation, .. } => variation.as_deref(),
-            Knobs::Explicit { .. } => None,
-        }
+        self.solver().and_then(|(_, variation)| variation)
     }
 
     /// The knobs in a few words: "0.5 ms × 10 sweeps, warm start 0", or "20% of the Rayleigh step".

@@ -25,7 +25,7 @@ mod study;
 
 pub use campaign::{Campaign, CampaignError, KeptRun, Outcome, Progress, run_key};
 pub use configuration::{Configuration, Knobs};
-pub use plan::{Plan, QUICK_TIME_LIMIT, Refinement, STIFFNESS_FACTORS, Scope};
+pub use plan::{Plan, QUICK_TIME_LIMIT, Refinement, STIFFNESS_FACTORS};
 pub use ranking::pareto_front;
 pub use rows::{Bound, Convergence, Deviation, Fastest, Point, Reference, Varied};
 pub use study::{Study, Terms};

@@ -7,18 +7,7 @@ use makadam::scene::{SolverSettings, Stop};
 /// Wall time at which a run of few configurations is cut short where no other is given, s.
 pub const QUICK_TIME_LIMIT: f64 = 60.0;
 
-/// Extent of a plan.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Scope {
-    /// Few configurations.
-    Quick,
-    /// Few configurations, and methods, precision, warm start and the settings of the sweeps.
-    QuickAndVaried,
-    /// Everything.
-    Full,
-}
-
-/// Values of the settings. Steps are over the scene's own step.
+/// Values of the settings of a plan. Steps are over the scene's own step.
 struct Extent {
     /// Steps of Makadam's grid.
     steps: &'static [f64],
@@ -82,7 +71,7 @@ const QUICK: Extent = Extent {
     rayleigh_fractions_elsewhere: &[0.5, 0.3, 0.2],
 };
 
-/// Variations of the quick scope and their iterations.
+/// Variations of a quick plan and their iterations.
 const QUICK_VARIATIONS: [(&str, u32); 6] = [
     ("single precision", 10),
     ("Anderson", 5),
@@ -123,13 +112,10 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// The plan for a scene: `codes` by name, `factors` on every Young's modulus. Makadam's references are a part of it
+    /// The plan for a scene, with few configurations if `quick`: `codes` by name, `factors` on every Young's modulus. Makadam's references are a part of it
     /// whether or not Makadam is among the codes, and so is the scene's own stiffness.
-    pub fn new(scene: &Scene, scope: Scope, codes: &[&str], factors: &[f64]) -> Plan {
-        let extent = match scope {
-            Scope::Quick | Scope::QuickAndVaried => &QUICK,
-            Scope::Full => &FULL,
-        };
+    pub fn new(scene: &Scene, quick: bool, codes: &[&str], factors: &[f64]) -> Plan {
+        let extent = if quick { &QUICK } else { &FULL };
         let mut plan = Plan { configurations: Vec::new(), refinements: Vec::new() };
         let mut factors: Vec<f64> = std::iter::once(1.0).chain(factors.iter().copied()).collect();
         factors.sort_by(f64::total_cmp);
@@ -141,7 +127,7 @@ impl Plan {
             let own = factor == 1.0;
             if codes.contains(&"Makadam") {
                 match own {
-                    true => plan.own_stiffness(scene, scope, extent, grid),
+                    true => plan.own_stiffness(scene, quick, extent, grid),
                     false => plan.other_stiffness(scene, extent, factor, grid),
                 }
                 plan.vary_at(scene, factor, CALM, LONG_STEPS);
@@ -158,13 +144,7 @@ impl Plan {
     }
 
     /// Makadam at the scene's stiffness.
-    fn own_stiffness(
-        &mut self,
-        scene: &Scene,
-        scope: Scope,
-        extent: &Extent,
-        grid: impl Fn(f64, u32) -> Configuration,
-    ) {
+    fn own_stiffness(&mut self, scene: &Scene, quick: bool, extent: &Extent, grid: impl Fn(f64, u32) -> Configuration) {
         self.place(makadam(1.0, scene.solver.clone(), None));
         for &step in extent.steps {
             for &sweeps in extent.sweeps {
@@ -175,9 +155,8 @@ impl Plan {
             if extent.about_own {
                 self.vary(scene, 1.0, variation, &scene.solver);
             }
-            for (place, &step) in extent.varied_steps.iter().enumerate() {
-                let all = scope == Scope::Full || scope == Scope::QuickAndVaried && place == 0;
-                let planned = |count: &&u32| all || QUICK_VARIATIONS.contains(&(variation.name, **count));
+            for &step in extent.varied_steps {
+                let planned = |count: &&u32| !quick || QUICK_VARIATIONS.contains(&(variation.name, **count));
                 for &sweeps in variation.iterations.iter().filter(planned) {
                     self.vary(scene, 1.0, variation, &settings_of(scene, step, sweeps));
                 }

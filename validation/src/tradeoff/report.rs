@@ -9,6 +9,8 @@ use crate::draw::numbers::{compact, count, duration, two_digits};
 use crate::study::{
     Answer, Cell, Document, DocumentError, File, Medium, Report, Section, Table, cells, json, table as csv,
 };
+use serde::Serialize;
+use serde_json::{Map, Value};
 
 /// Share of a core below which a run was disturbed.
 const QUIET: f64 = 0.9;
@@ -390,8 +392,16 @@ pub(super) fn titled(name: &str, of: &str) -> String {
 /// Rows of `points.csv`, one per point and observable; a point without deviations has one row.
 fn point_rows(points: &[Point]) -> Table {
     let rows = points.iter().flat_map(|point| {
-        let none = point.deviations.is_empty().then_some((point, None));
-        none.into_iter().chain(point.deviations.iter().map(move |deviation| (point, Some(deviation))))
+        let none = point.deviations.is_empty().then_some(None);
+        none.into_iter().chain(point.deviations.iter().map(Some)).map(move |deviation| {
+            let mut fields = fields_of(point);
+            fields.insert("seeds".into(), point.seeds.len().into());
+            if let Some(deviation) = deviation {
+                fields.extend(fields_of(deviation).into_iter().filter(|(name, _)| name != "seeds"));
+                spread(&mut fields, deviation.interval90, ["interval90_low", "interval90_high"]);
+            }
+            fields
+        })
     });
     Table::named(
         "code version setting stiffness_factor youngs_modulus time_step rayleigh_fraction sweeps variation seeds \
@@ -400,78 +410,37 @@ fn point_rows(points: &[Point]) -> Table {
          observable unit mean standard_error deviation deviation_standard_error interval90_low interval90_high \
          deviation_from_scene bound within interval_within on_front",
     )
-    .of(rows, |(point, deviation)| {
-        let interval = deviation.and_then(|d| d.interval90);
-        cells![
-            &point.code,
-            &point.version,
-            &point.setting,
-            point.stiffness_factor,
-            point.youngs_modulus,
-            point.time_step,
-            point.rayleigh_fraction,
-            point.sweeps,
-            point.variation.as_deref(),
-            point.seeds.len(),
-            point.wall_seconds_per_simulated_second,
-            point.wall_seconds_per_simulated_second_least,
-            point.wall_seconds_per_simulated_second_most,
-            point.core_share_least,
-            point.simulated_seconds,
-            point.extrapolated,
-            point.failed,
-            point.reference,
-            point.within_bounds,
-            point.intervals_within_bounds,
-            deviation.map(|d| &d.observable),
-            deviation.map(|d| &d.unit),
-            deviation.map(|d| d.mean),
-            deviation.and_then(|d| d.standard_error),
-            deviation.map(|d| d.deviation),
-            deviation.and_then(|d| d.deviation_standard_error),
-            interval.map(|[low, _]| low),
-            interval.map(|[_, high]| high),
-            deviation.and_then(|d| d.deviation_from_scene),
-            deviation.and_then(|d| d.bound),
-            deviation.and_then(|d| d.within),
-            deviation.and_then(|d| d.interval_within),
-            deviation.map(|d| d.on_front),
-        ]
-    })
+    .of_fields(rows)
 }
 
 /// Rows of `references.csv`, one per stiffness and observable.
 fn reference_rows(references: &[Reference]) -> Table {
+    let rows = references.iter().map(|reference| {
+        let mut fields = fields_of(reference);
+        spread(&mut fields, Some(reference.steps), ["coarse_step", "middle_step", "fine_step"]);
+        spread(&mut fields, reference.grid_means, ["coarse_mean", "middle_mean", "fine_mean"]);
+        fields.extend(reference.convergence.iter().flat_map(fields_of));
+        fields
+    });
     Table::named(
         "stiffness_factor youngs_modulus setting observable unit seeds mean standard_deviation standard_error \
          coarse_step middle_step fine_step coarse_mean middle_mean fine_mean \
          observed_order richardson safety_factor grid_convergence_index shift shift_standard_error",
     )
-    .of(references, |reference| {
-        let mean = |grid: usize| reference.grid_means.map(|means| means[grid]);
-        let convergence = reference.convergence.as_ref();
-        cells![
-            reference.stiffness_factor,
-            reference.youngs_modulus,
-            &reference.setting,
-            &reference.observable,
-            &reference.unit,
-            reference.seeds,
-            reference.mean,
-            reference.standard_deviation,
-            reference.standard_error,
-            reference.steps[0],
-            reference.steps[1],
-            reference.steps[2],
-            mean(0),
-            mean(1),
-            mean(2),
-            convergence.and_then(|c| c.observed_order),
-            convergence.and_then(|c| c.richardson),
-            convergence.map(|c| c.safety_factor),
-            convergence.map(|c| c.grid_convergence_index),
-            reference.shift,
-            reference.shift_standard_error,
-        ]
-    })
+    .of_fields(rows)
+}
+
+/// Fields of a row as JSON.
+fn fields_of(row: &impl Serialize) -> Map<String, Value> {
+    match serde_json::to_value(row) {
+        Ok(Value::Object(fields)) => fields,
+        _ => unreachable!("a row has named fields"),
+    }
+}
+
+/// Adds the numbers of an array under names of their own.
+fn spread<const N: usize>(fields: &mut Map<String, Value>, numbers: Option<[f64; N]>, names: [&str; N]) {
+    for (name, number) in names.into_iter().zip(numbers.into_iter().flatten()) {
+        fields.insert(name.into(), number.into());
+    }
 }

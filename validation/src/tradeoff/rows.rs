@@ -38,30 +38,23 @@ impl Bound {
 
 /// One observable of a converged reference of Makadam.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "validation/docs/json.md describes the fields of documents")]
 pub struct Reference {
-    /// Factor on every Young's modulus.
     pub stiffness_factor: f64,
-    /// Young's modulus of the grains, Pa.
     pub youngs_modulus: f64,
     /// The finest grid's setting.
     pub setting: String,
-    /// Name of the observable.
     pub observable: String,
-    /// Its unit; empty where it has none.
     pub unit: String,
-    /// Seeds that have it.
     pub seeds: usize,
     /// Mean over seeds on the finest grid: what deviations are taken from.
     pub mean: f64,
-    /// Standard deviation over seeds.
     pub standard_deviation: f64,
-    /// Standard error of the mean; absent for a single seed.
     pub standard_error: Option<f64>,
     /// Steps of the three grids, coarse to fine, s.
     pub steps: [f64; 3],
     /// Means on the three grids; absent where a grid has not run with all seeds.
     pub grid_means: Option<[f64; 3]>,
-    /// Estimate of the limit from the three grids.
     pub convergence: Option<Convergence>,
     /// Mean minus the mean of the reference at the scene's stiffness; absent there.
     pub shift: Option<f64>,
@@ -71,30 +64,23 @@ pub struct Reference {
 
 /// One observable of one configuration against the reference at the same stiffness, seed by seed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "validation/docs/json.md describes the fields of documents")]
 pub struct Deviation {
-    /// Name of the observable.
     pub observable: String,
-    /// Its unit; empty where it has none.
     pub unit: String,
     /// Seeds that the reference has too.
     pub seeds: usize,
-    /// Mean over these seeds.
     pub mean: f64,
-    /// Its standard error; absent for a single seed.
     pub standard_error: Option<f64>,
     /// Mean of the differences from the reference: the error.
     pub deviation: f64,
-    /// Standard error of the deviation; absent for a single seed.
     pub deviation_standard_error: Option<f64>,
     /// 90% interval of the deviation (Student's t over seeds); absent for a single seed.
     pub interval90: Option<[f64; 2]>,
     /// Deviation from the reference at the scene's own stiffness; absent for configurations at that stiffness.
     pub deviation_from_scene: Option<f64>,
-    /// Tolerated deviation, if there is one.
     pub bound: Option<f64>,
-    /// True if the deviation lies within the bound.
     pub within: Option<bool>,
-    /// True if its 90% interval does.
     pub interval_within: Option<bool>,
     /// True if no other setting of the code at this stiffness is both faster and nearer.
     pub on_front: bool,
@@ -102,20 +88,15 @@ pub struct Deviation {
 
 /// A configuration once it has run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "validation/docs/json.md describes the fields of documents")]
 pub struct Point {
-    /// The code.
     pub code: String,
-    /// Its version.
     pub version: String,
     /// Its knobs in words.
     pub setting: String,
-    /// Short form of the settings.
     pub short_setting: String,
-    /// Factor on every Young's modulus.
     pub stiffness_factor: f64,
-    /// Young's modulus of the grains, Pa.
     pub youngs_modulus: f64,
-    /// Time step, s.
     pub time_step: f64,
     /// Time step over the Rayleigh step, for explicit codes.
     pub rayleigh_fraction: Option<f64>,
@@ -123,18 +104,14 @@ pub struct Point {
     pub sweeps: Option<u32>,
     /// Variation in addition to step and sweeps, for Makadam, such as "single precision".
     pub variation: Option<String>,
-    /// Seeds that were run.
     pub seeds: Vec<u64>,
     /// Wall time of the stepping over simulated time on a core of its own, median over seeds
     /// ([`KeptRun::pace`](super::KeptRun::pace)).
     pub wall_seconds_per_simulated_second: f64,
-    /// The fastest seed.
     pub wall_seconds_per_simulated_second_least: f64,
-    /// The slowest seed.
     pub wall_seconds_per_simulated_second_most: f64,
     /// Smallest share of a core that a run got; absent where the system does not tell.
     pub core_share_least: Option<f64>,
-    /// Simulated time of a run, s.
     pub simulated_seconds: f64,
     /// True if runs were cut short after that time, so that the wall time is extrapolated and there are no deviations.
     pub extrapolated: bool,
@@ -142,11 +119,9 @@ pub struct Point {
     pub failed: bool,
     /// True if this is the reference itself, whose deviation is zero by definition.
     pub reference: bool,
-    /// Its observables.
     pub deviations: Vec<Deviation>,
     /// True if all bounds are kept; absent where a bounded observable was not measured or there are no bounds.
     pub within_bounds: Option<bool>,
-    /// True if all 90% intervals lie within the bounds.
     pub intervals_within_bounds: Option<bool>,
 }
 
@@ -159,18 +134,14 @@ impl Point {
 
 /// The fastest setting of a code that keeps all bounds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "validation/docs/json.md describes the fields of documents")]
 pub struct Fastest {
-    /// The code.
     pub code: String,
-    /// Factor on every Young's modulus.
     pub stiffness_factor: f64,
-    /// Young's modulus of the grains, Pa.
     pub youngs_modulus: f64,
     /// The setting; absent if none keeps them.
     pub setting: Option<String>,
-    /// Its wall time over simulated time.
     pub wall_seconds_per_simulated_second: Option<f64>,
-    /// True if its 90% intervals lie within the bounds too.
     pub intervals_within_bounds: Option<bool>,
     /// Its wall time over that of Makadam's fastest setting at the same stiffness.
     pub ratio_to_makadam: Option<f64>,
@@ -183,16 +154,14 @@ pub struct Fastest {
 
 /// Best result of a variation of the solver, at the scene's stiffness.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "validation/docs/json.md describes the fields of documents")]
 pub struct Varied {
-    /// The axis and its value, such as "single precision".
     pub variation: String,
     /// Settings with it that were run.
     pub settings: usize,
     /// The fastest of them that keeps all bounds; absent if none does or there are no bounds.
     pub setting: Option<String>,
-    /// Its wall time over simulated time.
     pub wall_seconds_per_simulated_second: Option<f64>,
-    /// True if its 90% intervals lie within the bounds too.
     pub intervals_within_bounds: Option<bool>,
     /// Its wall time over that of the fastest setting within the bounds that varies step and sweeps alone.
     pub ratio_to_plain: Option<f64>,

@@ -28,38 +28,27 @@ pub struct Terms {
 
 /// Accuracy and wall time of the settings of each code on one scene; its fields are documented in `validation/docs/json.md`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "validation/docs/json.md describes the fields of documents")]
 pub struct Study {
-    /// [`JSON_VERSION`].
     pub version: u32,
-    /// Always "tradeoff".
     pub command: String,
-    /// Name of the scene.
     pub scene: String,
-    /// Number of grains.
     pub particles: usize,
     /// True if everything that was planned has run; what failed counts as run.
     pub complete: bool,
-    /// True if few configurations were asked for.
     pub quick: bool,
-    /// Number of seeds, counted from 1.
     pub seeds: u64,
     /// Wall time beyond which a run was cut short, s.
     pub time_limit: f64,
-    /// Tolerated deviations of observables that were measured.
     pub bounds: Vec<Bound>,
     /// Converged references of Makadam, an observable after the other, by stiffness.
     pub references: Vec<Reference>,
-    /// Configurations that have run.
     pub points: Vec<Point>,
     /// The fastest setting within the bounds of each code at each stiffness; empty without bounds.
     pub fastest: Vec<Fastest>,
-    /// Variations of Makadam's solver (method, precision, warm start, sweeps) at the scene's stiffness.
     pub variations: Vec<Varied>,
-    /// Findings, one sentence each.
     pub findings: Vec<String>,
-    /// Notes: failed runs, damaged files.
     pub notes: Vec<String>,
-    /// Provenance.
     pub provenance: BTreeMap<String, String>,
 }
 

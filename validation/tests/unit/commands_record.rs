@@ -1,7 +1,7 @@
-//! Unit tests of `src/commands/record.rs`.
+//! Unit tests of `src/commands/compare.rs`.
 
 use super::*;
-use crate::commands::arguments::{Arguments, Command};
+use crate::commands::{Arguments, Command};
 use crate::compare::Reference;
 use crate::peers::{CodeError, Job};
 use crate::recording::Recording;

@@ -1,6 +1,7 @@
 //! Unit tests of `src/commands/run/measured.rs`.
 
 use super::*;
+use crate::observables::Measured;
 use makadam::Simulation;
 
 const SCENE: &str = "../tests/scenes/smoke.toml";

@@ -3,19 +3,19 @@
 use super::*;
 use std::collections::BTreeSet;
 
-/// The names that a source file gives to quantities.
+/// Names of the readings and measurements that a source file makes.
 fn names_in(source: &str) -> BTreeSet<&str> {
-    let marks = ["Quantity::mean(\"", "Quantity::largest(\"", "ANGLE: &str = \"", "_NAME: &str = \""];
-    let after = |mark: &'static str| source.split(mark).skip(1).filter_map(|rest| rest.split('"').next());
-    marks.into_iter().flat_map(after).collect()
+    let after = |mark: &'static str| source.split(mark).skip(1).filter_map(|rest| rest.trim_start().split('"').nth(1));
+    let starts = |mark: &'static str| source.split(mark).skip(1).map(|rest| rest.trim_start().starts_with('"'));
+    let named = |mark| after(mark).zip(starts(mark)).filter_map(|(name, is_text)| is_text.then_some(name));
+    ["readings.add(", "readings.add_in(", "Measurement::of("].into_iter().flat_map(named).collect()
 }
 
 #[test]
-fn the_catalogue_names_what_the_sources_measure() {
+fn each_file_measures_what_it_registers() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/observables");
-    let mut seen = BTreeSet::new();
-    for (group, name, quantities) in GROUPS {
-        let file = match group {
+    for Group { observable, name, definitions, .. } in GROUPS {
+        let file = match observable {
             Observable::DynamicAngleOfRepose => "dynamic_angle".into(),
             Observable::StaticAngleOfRepose => "static_angle".into(),
             Observable::CoordinationNumber => "coordination".into(),
@@ -23,16 +23,11 @@ fn the_catalogue_names_what_the_sources_measure() {
             _ => name.replace('-', "_"),
         };
         let source = std::fs::read_to_string(folder.join(format!("{file}.rs"))).unwrap();
-        assert_eq!(names_in(&source), quantities.iter().map(|quantity| quantity.name).collect(), "{name}");
-        seen.insert(format!("{file}.rs"));
-    }
-    for entry in std::fs::read_dir(folder).unwrap() {
-        let entry = entry.unwrap();
-        let name = entry.file_name().into_string().unwrap();
-        if !seen.contains(&name) && name != "catalogue.rs" && entry.path().is_file() {
-            let source = std::fs::read_to_string(entry.path()).unwrap();
-            assert!(names_in(&source).is_empty(), "{name} measures something that no group holds");
-        }
+        let defined: BTreeSet<&str> = definitions.iter().map(|definition| definition.name).collect();
+        assert!(names_in(&source).is_subset(&defined), "{name}: {:?}", names_in(&source));
+        // Once in its definition, once where it is measured.
+        let is_measured = |name: &&&str| source.matches(&format!("\"{name}\"")).count() > 1;
+        assert_eq!(defined.iter().find(|name| !is_measured(name)), None, "{name}");
     }
 }
 
@@ -45,7 +40,7 @@ fn the_page_is_what_the_definitions_say() {
 
 #[test]
 fn names_of_groups_are_those_that_scenes_say() {
-    for (group, name, _) in GROUPS {
-        assert_eq!(serde_json::to_value(group).unwrap(), name);
+    for Group { observable, name, .. } in GROUPS {
+        assert_eq!(serde_json::to_value(observable).unwrap(), name);
     }
 }

@@ -1,31 +1,116 @@
-//! What an output folder holds before a run begins, and what may be done with it.
+//! Output folder of a run: its checkpoint, the summary of an earlier run, and the task that follows from both.
 
-use super::kept::Place;
+use super::RunArguments;
+use super::progress::Progress;
 use crate::commands::Failure;
-use crate::output::RunFiles;
+use crate::output::{RunFiles, WriteError};
 use crate::plan::Scene;
+use crate::prepared::Label;
 use crate::provenance::scene_hash;
+use makadam::BUILD;
+use makadam::checkpoint::{open, seal, sync_folder, write_atomically};
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use std::path::Path;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
 
-/// What the summary of an earlier run says.
+/// First bytes of a run's checkpoint; the last one is the version of the format.
+const RUN: [u8; 8] = *b"mkd-run\x05";
+
+/// Content of a checkpoint.
+#[derive(Serialize, Deserialize)]
+pub(super) struct Checkpoint {
+    pub simulation: Vec<u8>,
+    pub progress: Progress,
+}
+
+/// The checkpoint of a run in its output folder.
+pub(super) struct CheckpointFile(PathBuf);
+
+impl CheckpointFile {
+    pub fn inside(output: &Path) -> CheckpointFile {
+        CheckpointFile(output.join(RunFiles::CHECKPOINT))
+    }
+
+    pub fn path(&self) -> &Path {
+        &self.0
+    }
+
+    pub fn exists(&self) -> bool {
+        self.0.is_file()
+    }
+
+    /// Removes the checkpoint durably, before the files that it describes change.
+    pub fn withdraw(&self) -> Result<(), WriteError> {
+        match std::fs::remove_file(&self.0) {
+            Err(error) if error.kind() != ErrorKind::NotFound => Err(WriteError::new(&self.0, error)),
+            Err(_) => Ok(()),
+            Ok(()) => {
+                let folder = self.0.parent().unwrap_or(Path::new(""));
+                sync_folder(folder).map_err(|error| WriteError::new(folder, error))
+            }
+        }
+    }
+
+    /// Writes the bytes of a checkpoint, whose frames are on the disk already.
+    pub fn write(&self, sealed: &[u8]) -> Result<(), WriteError> {
+        write_atomically(&self.0, sealed).map_err(|source| WriteError::new(&self.0, source))
+    }
+
+    /// Removes the checkpoint of a finished run.
+    pub fn clear(&self) {
+        // One that cannot be removed is out of date by its seal and scene, or is resumed again.
+        let _ = std::fs::remove_file(&self.0);
+    }
+
+    /// Reads the checkpoint of a run of this scene and seed.
+    pub fn read(&self, scene: &Scene, seed: u64) -> Result<Checkpoint, Failure> {
+        let failed =
+            |what: String| Failure::Running(format!("{} {what}; give --restart to start anew", self.0.display()));
+        let bytes = std::fs::read(&self.0).map_err(|error| failed(format!("cannot be read: {error}")))?;
+        let body = open(RUN, &bytes).map_err(failed)?;
+        let unfit = |error| failed(format!("does not hold what it should ({error})"));
+        let (label, rest) = postcard::take_from_bytes::<Label>(body).map_err(unfit)?;
+        let refuse = |what: String| Err(Failure::Usage(format!("{}: {what}", self.0.display())));
+        if label.build != BUILD {
+            return refuse(format!(
+                "was written by build {}, and this is build {BUILD}, which may give other bits; go on with the former, or give \
+                 --restart to start anew with this one",
+                label.build
+            ));
+        }
+        if label != Label::of(scene, seed) {
+            return refuse(format!(
+                "belongs to {} with seed {} and other settings than {} with seed {seed} now has; give the same scene, seed and \
+                 settings, or --restart",
+                label.scene, label.seed, scene.name
+            ));
+        }
+        postcard::from_bytes(rest).map_err(unfit)
+    }
+}
+
+impl Checkpoint {
+    /// Returns the bytes of a checkpoint.
+    pub fn seal(scene: &Scene, seed: u64, simulation: Vec<u8>, progress: Progress) -> Vec<u8> {
+        let label = Label::of(scene, seed);
+        let parts = (label, Checkpoint { simulation, progress });
+        seal(RUN, &postcard::to_stdvec(&parts).expect("a checkpoint holds only numbers, names and lists"))
+    }
+}
+
+/// Summary of an earlier run.
 pub(super) struct Record {
-    /// Whether it reached its last step.
-    pub complete: bool,
-    /// Steps taken.
-    pub steps: u64,
-    /// Name of the scene.
-    pub scene: String,
-    /// Whether it kept a ledger.
-    pub ledger: bool,
-    /// The summary itself.
+    complete: bool,
+    steps: u64,
+    scene: String,
     pub text: String,
     document: Value,
 }
 
 impl Record {
-    /// The summary in a folder; none where there is none that can be read.
-    pub fn read(output: &Path) -> Option<Record> {
+    /// Reads the summary in a folder, if there is a readable one.
+    fn read(output: &Path) -> Option<Record> {
         let text = std::fs::read_to_string(output.join(RunFiles::SUMMARY)).ok()?;
         let document: Value = serde_json::from_str(&text).ok()?;
         (document["command"] == "run").then_some(())?;
@@ -33,19 +118,17 @@ impl Record {
             complete: document["complete"].as_bool()?,
             steps: document["steps"].as_u64()?,
             scene: document["scene"].as_str()?.to_string(),
-            ledger: !document["balance"].is_null(),
             text,
             document,
         })
     }
 
-    /// Whether it is of this scene with these settings and this seed.
-    pub fn is_of(&self, scene: &Scene, seed: u64) -> bool {
+    /// Returns true for a run of this scene with these settings and this seed.
+    fn is_of(&self, scene: &Scene, seed: u64) -> bool {
         let provenance = &self.document["provenance"];
         provenance["scene_hash"] == format!("{:016x}", scene_hash(scene)) && provenance["seed"] == seed
     }
 
-    /// Its end in a line or two, for people.
     pub fn describe(&self) -> String {
         let text = |field: &str| self.document[field].as_str().unwrap_or("unknown").to_string();
         format!(
@@ -58,36 +141,29 @@ impl Record {
     }
 }
 
-/// What is done in a folder.
+/// Task of a run in its folder.
 pub(super) enum Task {
-    /// A run begins; what an earlier one has left is removed.
+    /// Begin, and remove the files of an earlier run.
     Begin,
-    /// A run goes on from its checkpoint.
-    GoOn,
-    /// The run has ended already.
+    /// Resume from the checkpoint.
+    Resume,
+    /// Report the complete run.
     Ended(Record),
 }
 
-/// How the command is to treat what it finds.
-#[derive(Clone, Copy)]
-pub(super) struct Wish {
-    /// Go on from what is there.
-    pub resume: bool,
-    /// Remove what is there.
-    pub restart: bool,
-    /// Keep a ledger.
-    pub ledger: bool,
-    /// Steps of the run.
-    pub steps: u64,
-}
-
-/// What to do in a folder that nobody else writes into: nothing that a run has left is touched unless that was asked for.
-pub(super) fn task(output: &Path, scene: &Scene, seed: u64, wish: Wish) -> Result<Task, Failure> {
+/// Decides on the task in a locked folder: files of an earlier run are not touched unless that was requested.
+pub(super) fn task(
+    output: &Path,
+    scene: &Scene,
+    seed: u64,
+    wish: &RunArguments,
+    last_step: u64,
+) -> Result<Task, Failure> {
     let shown = output.display();
     let refuse = |what: String| Err(Failure::Usage(what));
-    let (record, place) = (Record::read(output), Place::inside(output));
+    let (record, checkpoint) = (Record::read(output), CheckpointFile::inside(output));
     let ended = record.as_ref().is_some_and(|record| record.complete);
-    if wish.restart || !(place.is_taken() || RunFiles::inside(output).any()) {
+    if wish.restart || !(checkpoint.exists() || RunFiles::inside(output).any()) {
         return Ok(Task::Begin);
     }
     let other = format!("{shown} holds a run of another scene, or with another seed or other settings");
@@ -98,29 +174,28 @@ pub(super) fn task(output: &Path, scene: &Scene, seed: u64, wish: Wish) -> Resul
             if !record.is_of(scene, seed) {
                 return refuse(format!("{other} ({name}), which has ended: {WAYS}"));
             }
-            if wish.ledger && !record.ledger {
+            if wish.ledger && record.document["balance"].is_null() {
                 return refuse(format!("{shown} holds this run without a ledger, and it has ended: {WAYS}"));
             }
-            if *steps != wish.steps {
+            if *steps != last_step {
                 return refuse(format!(
-                    "{shown} holds this run, which has ended after {steps} steps, not {}; one that has ended cannot be made longer \
-                     or shorter: {WAYS}",
-                    wish.steps
+                    "{shown} holds this run, which has ended after {steps} steps, not {last_step}; one that has ended cannot be made \
+                     longer or shorter: {WAYS}"
                 ));
             }
-            // A kill between the last word of the summary and the end of the program leaves them.
-            place.clear();
+            // A kill after the summary was written leaves them.
+            checkpoint.clear();
             let _ = std::fs::remove_file(output.join(RunFiles::MEASURED));
             Ok(Task::Ended(record))
         }
         Some(Record { steps, scene: name, .. }) if ended => {
             refuse(format!("{shown} holds a run of {name} that has ended after {steps} steps: {WAYS}"))
         }
-        _ if place.is_taken() && wish.resume => Ok(Task::GoOn),
-        _ if place.is_taken() => refuse(format!(
+        _ if checkpoint.exists() && wish.resume => Ok(Task::Resume),
+        _ if checkpoint.exists() => refuse(format!(
             "{} is left of a run that did not end: --resume goes on from there, --restart throws it away, --output writes \
              elsewhere",
-            place.file().display()
+            checkpoint.path().display()
         )),
         Some(record) if wish.resume && record.is_of(scene, seed) => Ok(Task::Begin),
         Some(record) if wish.resume => refuse(format!("{other} ({}), which left no checkpoint: {WAYS}", record.scene)),

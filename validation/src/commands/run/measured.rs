@@ -5,12 +5,13 @@
 
 use crate::commands::Failure;
 use crate::observables::frames::Frames;
-use crate::observables::{Measured, measure_frames};
+use crate::observables::{self, measure_frames, unmeasured};
 use crate::output::{RunFiles, WriteError};
 use crate::plan::Scene;
 use crate::run_frames::{Store, StoreMark, StoreWriter};
 use makadam::snapshot::Snapshot;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -38,16 +39,13 @@ fn needs_own_store(scene: &Scene) -> bool {
 
 impl MeasuredFrames {
     /// Starts without frames.
-    ///
-    /// # Errors
-    /// [`WriteError`] if the system refuses.
     pub fn begin(output: &Path, scene: &Scene) -> Result<MeasuredFrames, WriteError> {
         let path = output.join(RunFiles::MEASURED);
         let own = needs_own_store(scene).then(|| StoreWriter::create(&path, scene)).transpose()?;
         Ok(MeasuredFrames { path, own, last: None })
     }
 
-    /// Resumes after the frames that a checkpoint knows.
+    /// Resumes after the frames of a checkpoint.
     ///
     /// # Errors
     /// [`WriteError`] if they are not there as they were written.
@@ -58,9 +56,6 @@ impl MeasuredFrames {
     }
 
     /// Takes a frame that is due to be measured.
-    ///
-    /// # Errors
-    /// [`WriteError`] if the system refuses; the frames before it stay readable.
     pub fn push(&mut self, scene: &Scene, frame: Snapshot) -> Result<(), WriteError> {
         if scene.measure.from.is_none() {
             self.last = Some(frame);
@@ -73,9 +68,6 @@ impl MeasuredFrames {
     }
 
     /// Flushes all frames to the disk, before a checkpoint that knows them.
-    ///
-    /// # Errors
-    /// [`WriteError`] if the system refuses.
     pub fn sync(&self) -> Result<(), WriteError> {
         self.own.as_ref().map_or(Ok(()), StoreWriter::sync)
     }
@@ -87,10 +79,7 @@ impl MeasuredFrames {
 
     /// Measures the frames from `scene.measure.from` on, or the last one where the scene gives no such time; `None` if the run has not
     /// reached it. `written` are the frames of the run's store.
-    ///
-    /// # Errors
-    /// [`Failure`] if a frame cannot be read back.
-    pub fn measure(&self, scene: &Scene, written: &StoreWriter) -> Result<Option<Measured>, Failure> {
+    pub fn measure(&self, scene: &Scene, written: &StoreWriter) -> Result<Option<observables::Measured>, Failure> {
         if scene.measure.from.is_none() {
             let last: Vec<&Snapshot> = self.last.iter().filter(|last| !last.particles.is_empty()).collect();
             let Ok(measured) = measure_frames(scene, &last[..]);
@@ -147,6 +136,69 @@ impl Frames for StoredFrames<'_> {
     fn visit(&self, range: Range<usize>, look: &mut dyn FnMut(&Snapshot)) -> Result<(), String> {
         self.store.visit(self.numbers[range].iter().copied(), look)
     }
+}
+
+/// Numbers of a run, as `run.json` holds them.
+#[derive(Default, Serialize)]
+pub(super) struct Measurements {
+    pub observables: BTreeMap<String, Measured>,
+    pub not_measured: Option<String>,
+    pub without_value: BTreeMap<String, String>,
+}
+
+#[derive(Serialize)]
+pub(super) struct Measured {
+    pub value: f64,
+    pub standard_error: Option<f64>,
+    pub unit: String,
+}
+
+impl Measurements {
+    /// Nothing is measured, for this reason.
+    pub fn none(reason: String) -> Measurements {
+        Measurements { not_measured: Some(reason), ..Measurements::default() }
+    }
+
+    /// Measures the frames of a run that is `complete` or not, and `ended` after so many seconds.
+    pub fn of(
+        scene: &Scene,
+        frames: &MeasuredFrames,
+        written: &StoreWriter,
+        complete: bool,
+        ended: f64,
+    ) -> Result<Measurements, Failure> {
+        let from = scene.measure.from;
+        let measured = match from.is_some() || complete {
+            true => frames.measure(scene, written)?,
+            false => None,
+        };
+        let Some(measured) = measured else {
+            // A run without grains has nothing to measure, however far it came.
+            if complete && from.is_none_or(|from| ended >= from) {
+                return Ok(Measurements::none("there are no grains".into()));
+            }
+            let before = from.map_or("its last step".into(), |from| format!("measure.from = {from} s"));
+            return Ok(Measurements::none(format!("the run ended after {ended:.4} s, before {before}")));
+        };
+        let without = unmeasured(scene, &[], &measured).into_iter();
+        let finite = measured.measurements.into_iter().filter(|one| one.value.is_finite());
+        let observables = finite.map(|one| {
+            (one.observable, Measured { value: one.value, standard_error: one.standard_error, unit: one.unit })
+        });
+        Ok(Measurements {
+            observables: observables.collect(),
+            not_measured: None,
+            without_value: without.map(|one| (one.observable.to_string(), one.reason)).collect(),
+        })
+    }
+}
+
+/// Measures a single frame.
+pub(super) fn instant(scene: &Scene, frame: &Snapshot) -> Vec<(String, f64)> {
+    let filled: Vec<&Snapshot> = [frame].into_iter().filter(|frame| !frame.particles.is_empty()).collect();
+    let Ok(measured) = measure_frames(scene, &filled[..]);
+    let measured = measured.into_iter().flat_map(|measured| measured.measurements);
+    measured.filter(|one| one.value.is_finite()).map(|one| (one.observable, one.value)).collect()
 }
 
 #[cfg(test)]

@@ -1,44 +1,88 @@
-//! `makadam run`: one simulation, and everything it leaves on disk.
+//! `makadam run`: one simulation and its files.
 
-mod account;
-mod describe;
 mod folder;
-mod kept;
 mod measured;
-mod measuring;
-mod plan;
 mod progress;
 mod session;
+mod summary;
 mod writer;
 
-use super::arguments::RunArguments;
-use super::beforehand::tell_findings;
+use super::arguments::{OutputArguments, SceneArguments, accuracy, one_of, seconds};
+use super::beforehand::{begin, tell_findings};
 use super::export::export_frames;
-use super::{Console, Failure, begin, json};
+use super::{Console, Failure};
 use crate::execution::{Execution, threads_for};
 use crate::export::Format;
 use crate::forecast::chosen;
-use crate::output::file_stem;
-use crate::output::{FolderLock, LockError, RunFiles};
+use crate::output::{FolderLock, RunFiles, file_stem};
 use crate::plan::Scene;
 use crate::provenance::Provenance;
 use crate::run_frames::RunFrames;
 use crate::stepping::steps_in;
-use describe::describe;
-use folder::{Task, Wish, task};
-use kept::Place;
+use clap::Args;
+use folder::{CheckpointFile, Task, task};
 use makadam::Simulation;
 use makadam::checkpoint::CheckpointError;
 use makadam::lanes::InstructionSet;
-use makadam::scene::Finding;
-use plan::Plan;
-use progress::Progress;
+use makadam::scene::{Accuracy, Precision};
+use makadam::schedule::Scheduler;
+use progress::{Plan, Progress};
 use session::Session;
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;
 
-/// Simulates a scene.
+#[derive(Debug, Args)]
+pub(super) struct RunArguments {
+    #[command(flatten)]
+    pub scene: SceneArguments,
+    /// Number of threads; if absent, all cores, but at most one thread per 1,000 grains. The result does not depend on it.
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Scheduler that distributes the work over threads. The result does not depend on it.
+    #[arg(long, default_value = "work-stealing", value_parser = one_of(Scheduler::ALL, Scheduler::name))]
+    pub scheduler: Scheduler,
+    /// Instruction set of the kernels; if absent, the widest of this processor. The result does not depend on it.
+    #[arg(long, value_parser = one_of(InstructionSet::ALL, InstructionSet::name))]
+    pub isa: Option<InstructionSet>,
+    /// Number of lane groups by which a sweep prefetches bodies ahead; 0 leaves it to the processor. If absent, 0 in scenes that fit into
+    /// the cache, and 4 in others.
+    #[arg(long, value_parser = clap::value_parser!(u16).range(..=1024))]
+    pub prefetch: Option<u16>,
+    /// Target accuracy, which replaces the scene's step and stopping rule: a share such as 1%, or deviations such as
+    /// angle=0.5,packing_fraction=0.002,overlap=1e-3 (units: degrees, none, mean radii).
+    #[arg(long, value_parser = accuracy)]
+    pub accuracy: Option<Accuracy>,
+    /// Precision of the sweeps; if absent, the scene's. The result depends on it.
+    #[arg(long, value_parser = one_of([Precision::Double, Precision::Single], precision_name))]
+    pub precision: Option<Precision>,
+    /// Number of steps, instead of the scene's duration.
+    #[arg(long)]
+    pub steps: Option<u64>,
+    /// Print the energy and momentum budget with its closure error; costs about a sixth of a step's time.
+    #[arg(long)]
+    pub ledger: bool,
+    /// Continue an unfinished run from its checkpoint, if there is one; the result is the same to the last bit. A finished run is
+    /// left as it is.
+    #[arg(long, conflicts_with = "restart")]
+    pub resume: bool,
+    /// Start again in the folder of an earlier run: removes its frames, tables and checkpoint, and nothing else.
+    #[arg(long)]
+    pub restart: bool,
+    /// Wall time between checkpoints, s; 0 writes one after every step.
+    #[arg(long, value_name = "SECONDS", default_value_t = 60.0, value_parser = seconds)]
+    pub checkpoint_interval: f64,
+    #[command(flatten)]
+    pub output: OutputArguments,
+}
+
+fn precision_name(precision: Precision) -> &'static str {
+    match precision {
+        Precision::Double => "double",
+        Precision::Single => "single",
+    }
+}
+
 pub(super) fn run(arguments: &RunArguments, console: &Console) -> Result<ExitCode, Failure> {
     let (file, mut scene, seed) = arguments.scene.load()?;
     if let Some(accuracy) = arguments.accuracy {
@@ -48,35 +92,40 @@ pub(super) fn run(arguments: &RunArguments, console: &Console) -> Result<ExitCod
     let findings = tell_findings(&scene, &file, console);
     let start = scene.clone();
     if let Some(precision) = arguments.precision {
-        scene.solver.precision = precision.into();
-        // Said before a flow is prepared for minutes.
+        scene.solver.precision = precision;
+        // Refused before a flow is prepared for minutes.
         scene
             .goes_with(scene.solver.method, scene.solver.precision)
             .map_err(|error| Failure::Usage(format!("--precision single: {}: {error}; leave it out", scene.name)))?;
     }
     let output = arguments.output.folder(&file_stem(&scene.name));
     let execution = Execution {
-        scheduler: arguments.scheduler.into(),
+        scheduler: arguments.scheduler,
         threads: arguments.threads.map_or_else(|| threads_for(scene.grain_count()), usize::from),
-        instruction_set: arguments.isa.map_or_else(InstructionSet::detect, InstructionSet::from),
+        instruction_set: arguments.isa.unwrap_or_else(InstructionSet::detect),
         prefetch: arguments.prefetch.map(usize::from),
         ..Execution::serial()
     };
-    let asked = Asked { arguments, file: &file, seed, output: &output, execution: &execution, findings, console };
-    let _lock = asked.take_folder()?;
-    let steps = asked.steps(&scene);
-    let wish = Wish { resume: arguments.resume, restart: arguments.restart, ledger: arguments.ledger, steps };
-    let mut session = match task(&output, &scene, seed, wish)? {
+    let last_step = arguments.steps.unwrap_or_else(|| steps_in(scene.duration, scene.solver.step));
+    let plan = || Plan {
+        scene: &scene,
+        seed,
+        output: output.clone(),
+        interval: Duration::from_secs_f64(arguments.checkpoint_interval),
+        findings: findings.clone(),
+        provenance: Provenance::of_run(&scene, &file, seed, &execution),
+    };
+    let _lock = lock(&output, console)?;
+    let mut session = match task(&output, &scene, seed, arguments, last_step)? {
         Task::Ended(record) => {
-            // What a process that was killed at its very end has not removed.
-            Place::inside(&output).clear();
+            // A process that was killed at its very end has not removed it, or not exported all.
+            CheckpointFile::inside(&output).clear();
             console.note(&format!("nothing to do: {} holds this run, which has ended", output.display()));
-            // An earlier process may have ended during the exports.
             export_formats(&scene, &output, console)?;
             console.result(&if arguments.output.json { record.text } else { record.describe() })?;
             return Ok(ExitCode::SUCCESS);
         }
-        Task::GoOn => asked.go_on(&scene, steps)?,
+        Task::Resume => resume(arguments, last_step, plan(), &execution, console)?,
         Task::Begin => {
             if arguments.resume && RunFiles::inside(&output).any() {
                 console.note(&format!("{} holds no checkpoint: beginning anew", output.display()));
@@ -87,13 +136,13 @@ pub(super) fn run(arguments: &RunArguments, console: &Console) -> Result<ExitCod
             if arguments.ledger {
                 simulation.open_ledger();
             }
-            Session::begin(asked.plan(&scene), simulation)?
+            Session::begin(plan(), simulation)?
         }
     };
-    let played = session.play(steps, console);
+    let played = session.play(last_step, console);
     let (summary, ended) = session.finish(played);
     let ended = ended.and_then(|()| export_formats(&scene, &output, console));
-    console.result(&if arguments.output.json { json(&summary) } else { describe(&summary) })?;
+    console.document(&summary, arguments.output.json, || summary.text())?;
     ended?;
     Ok(ExitCode::SUCCESS)
 }
@@ -107,76 +156,51 @@ fn export_formats(scene: &Scene, output: &Path, console: &Console) -> Result<(),
     })
 }
 
-/// What was asked for.
-struct Asked<'a> {
-    arguments: &'a RunArguments,
-    file: &'a Path,
-    seed: u64,
-    output: &'a Path,
-    execution: &'a Execution,
-    findings: Vec<Finding>,
-    console: &'a Console,
+/// Locks the output folder, and removes the drafts of killed processes.
+fn lock(output: &Path, console: &Console) -> Result<FolderLock, Failure> {
+    let lock = FolderLock::take(output)?;
+    if !lock.holds() {
+        console.warn(&format!(
+            "{}: the file system knows no locks; see to it that no other run writes there",
+            output.display()
+        ));
+    }
+    RunFiles::inside(output).remove_drafts()?;
+    Ok(lock)
 }
 
-impl<'a> Asked<'a> {
-    /// Takes the output folder for this run alone and clears away what runs that were killed had not finished.
-    fn take_folder(&self) -> Result<FolderLock, Failure> {
-        let lock = FolderLock::take(self.output).map_err(|error| match error {
-            LockError::Taken { .. } => Failure::Usage(error.to_string()),
-            LockError::Write(error) => error.into(),
-        })?;
-        if !lock.holds() {
-            self.console.warn(&format!(
-                "{}: the file system knows no locks; see to it that no other run writes there",
-                self.output.display()
-            ));
-        }
-        RunFiles::inside(self.output).remove_drafts()?;
-        Ok(lock)
+/// Resumes from the checkpoint in the output folder, if the arguments are possible from there.
+fn resume<'s>(
+    arguments: &RunArguments,
+    last_step: u64,
+    plan: Plan<'s>,
+    execution: &Execution,
+    console: &Console,
+) -> Result<Session<'s>, Failure> {
+    let file = CheckpointFile::inside(&plan.output);
+    let shown = file.path().display();
+    let checkpoint = file.read(plan.scene, plan.seed)?;
+    let Progress { steps: taken, framed_at, .. } = checkpoint.progress;
+    // The forces of a last frame are those of the step before it, which a checkpoint does not hold.
+    let least = if framed_at == Some(taken) { taken } else { taken + 1 };
+    if last_step < least {
+        return Err(Failure::Usage(format!(
+            "{shown} is {taken} steps into the run, too far for one of {last_step}; it stays: give --steps {least} or more, or \
+             --restart"
+        )));
     }
-
-    fn steps(&self, scene: &Scene) -> u64 {
-        self.arguments.steps.unwrap_or_else(|| steps_in(scene.duration, scene.solver.step))
+    let mut simulation = Simulation::resume(plan.scene, &checkpoint.simulation).map_err(|error| {
+        Failure::Running(match error {
+            CheckpointError::Format { problem } => format!("{shown} {problem}; delete it and start anew"),
+            other => other.to_string(),
+        })
+    })?;
+    if arguments.ledger && simulation.balance().is_none() {
+        return Err(Failure::Usage(format!(
+            "{shown} is of a run without a ledger, which cannot be opened on the way: leave --ledger out, or give --restart"
+        )));
     }
-
-    fn plan<'s>(&self, scene: &'s Scene) -> Plan<'s> {
-        Plan {
-            scene,
-            seed: self.seed,
-            output: self.output.into(),
-            interval: Duration::from_secs_f64(self.arguments.checkpoint_interval),
-            findings: self.findings.clone(),
-            provenance: Provenance::of_run(scene, self.file, self.seed, self.execution),
-        }
-    }
-
-    /// Goes on from the checkpoint in the output folder; what is asked for must be possible from there.
-    fn go_on<'s>(&self, scene: &'s Scene, steps: u64) -> Result<Session<'s>, Failure> {
-        let place = Place::inside(self.output);
-        let shown = place.file().display();
-        let kept = place.read(scene, self.seed)?;
-        let Progress { steps: taken, framed_at, .. } = kept.progress;
-        // The forces of a last frame are those of the step before it, which a checkpoint does not hold.
-        let least = if framed_at == Some(taken) { taken } else { taken + 1 };
-        if steps < least {
-            return Err(Failure::Usage(format!(
-                "{shown} is {taken} steps into the run, too far for one of {steps}; it stays: give --steps {least} or more, or \
-                 --restart"
-            )));
-        }
-        let mut simulation = Simulation::resume(scene, &kept.simulation).map_err(|error| {
-            Failure::Running(match error {
-                CheckpointError::Format { problem } => format!("{shown} {problem}; delete it and start anew"),
-                other => other.to_string(),
-            })
-        })?;
-        if self.arguments.ledger && simulation.balance().is_none() {
-            return Err(Failure::Usage(format!(
-                "{shown} is of a run without a ledger, which cannot be opened on the way: leave --ledger out, or give --restart"
-            )));
-        }
-        self.execution.apply(&mut simulation)?;
-        self.console.note(&format!("going on from step {} of {shown}", simulation.steps_taken()));
-        Session::go_on(self.plan(scene), simulation, kept.progress)
-    }
+    execution.apply(&mut simulation)?;
+    console.note(&format!("going on from step {} of {shown}", simulation.steps_taken()));
+    Session::resume(plan, simulation, checkpoint.progress)
 }

@@ -1,16 +1,32 @@
-//! A run's account of itself: what its summary needs and a simulation does not know. It travels in the checkpoint.
+//! Plan and progress of a run.
 
 use super::measured::Mark;
 use crate::output::TableWritten;
+use crate::plan::Scene;
+use crate::provenance::Provenance;
 use crate::run_frames::StoreMark;
 use makadam::StepReport;
+use makadam::scene::Finding;
 use makadam::solve::StopReason;
 use makadam::watch::Alarm;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 use std::time::Duration;
 
-/// How far a run has come. Its size does not grow with the number of frames.
+/// A run, and where it is stored.
+pub(super) struct Plan<'a> {
+    pub scene: &'a Scene,
+    pub seed: u64,
+    pub output: PathBuf,
+    /// Wall time between checkpoints.
+    pub interval: Duration,
+    /// Preflight warnings.
+    pub findings: Vec<Finding>,
+    pub provenance: Provenance,
+}
+
+/// Progress of a run, which its checkpoint holds. Its size does not grow with the number of frames.
 #[derive(Clone, Default, Serialize, Deserialize)]
 pub(super) struct Progress {
     /// Simulated time at the start, s.
@@ -19,21 +35,18 @@ pub(super) struct Progress {
     pub contact_sweeps_before: u64,
     /// Wall time of the phases before the run was continued, s.
     pub phases: [f64; 4],
-    /// Steps taken.
     pub steps: u64,
     /// Wall time of the steps.
     pub wall: Duration,
     /// Wall time of measuring and writing.
     pub output_time: Duration,
-    /// The last step.
     pub last: Option<StepReport>,
     /// Largest root mean square residual of the normal direction, m/s.
     pub worst_normal_rms: f64,
-    /// What the solves took.
     pub solves: Solves,
-    /// Frames on disk, as far as a checkpoint speaks of them.
+    /// Frames on disk, for the checkpoint.
     pub frames: StoreMark,
-    /// Rows on disk, as far as a checkpoint speaks of them.
+    /// Rows on disk, for the checkpoint.
     pub table: TableWritten,
     /// Steps that were taken before the last frame; absent before the first one.
     pub framed_at: Option<u64>,
@@ -41,26 +54,25 @@ pub(super) struct Progress {
     pub particles: usize,
     /// Contacts of the last frame.
     pub contacts: usize,
-    /// How far the frames that are measured at the end have come.
+    /// Frames that are measured at the end.
     pub measured: Mark,
     /// Steps at which the run was continued.
     pub continued_at: Vec<u64>,
-    /// What was noticed, by kind.
-    pub alarms: BTreeMap<String, AlarmCount>,
+    /// Violations by kind.
+    pub alarms: BTreeMap<String, AlarmSummary>,
 }
 
-/// Alarms of one kind.
-#[derive(Clone, Default, Serialize, Deserialize)]
-pub(super) struct AlarmCount {
-    /// The first one.
+/// Violations of one kind; `grave` ones invalidate the numbers of the run.
+#[derive(Clone, Serialize, Deserialize)]
+pub(super) struct AlarmSummary {
+    pub kind: String,
     pub first: String,
-    /// Number of looks that found it.
+    /// Number of checks that found one.
     pub count: u64,
-    /// Whether it makes the numbers of the run worthless.
     pub grave: bool,
 }
 
-/// What the solves of a run took.
+/// Effort of the solves of a run.
 #[derive(Clone, Default, Serialize, Deserialize)]
 pub(super) struct Solves {
     /// Solves with a contact.
@@ -69,12 +81,11 @@ pub(super) struct Solves {
     pub sweeps: u64,
     /// Sweeps of the longest one.
     pub most: u32,
-    /// Those that ended before their residual was as small as asked for.
+    /// Solves that ended before the requested residual.
     pub unconverged: u64,
 }
 
 impl Progress {
-    /// Takes note of a step.
     pub fn note(&mut self, report: StepReport) {
         self.worst_normal_rms = self.worst_normal_rms.max(report.solve.residuals.normal.rms);
         self.solves.count += u64::from(report.solve.reason != StopReason::NoContacts);
@@ -84,15 +95,16 @@ impl Progress {
         self.last = Some(report);
     }
 
-    /// Counts an alarm; says it in words if it is the first of its kind.
+    /// Counts an alarm; returns its text if it is the first of its kind.
     pub fn count(&mut self, alarm: &Alarm) -> Option<&str> {
-        let known = self.alarms.entry(alarm.trouble.kind().into()).or_default();
+        let kind = alarm.trouble.kind();
+        let known = self.alarms.entry(kind.into()).or_insert_with(|| AlarmSummary {
+            kind: kind.into(),
+            first: alarm.to_string(),
+            count: 0,
+            grave: alarm.trouble.is_grave(),
+        });
         known.count += 1;
-        if known.count > 1 {
-            return None;
-        }
-        known.first = alarm.to_string();
-        known.grave = alarm.trouble.is_grave();
-        Some(&known.first)
+        (known.count == 1).then_some(&known.first)
     }
 }

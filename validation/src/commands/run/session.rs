@@ -1,18 +1,16 @@
-//! A run under way: steps, frames, what is watched, and the checkpoints that it can be continued from.
+//! A run under way: steps, frames, watchdog, and the checkpoints from which it can be resumed.
 //!
-//! What stands in the output folder is written in an order that no kill and no cut of power can turn into a lie. The summary says
-//! `complete: false` before anything else of the run is there, and `complete: true` after all else is on the disk; a checkpoint
-//! takes the place of the one before after the frames and rows that it speaks of are on the disk.
+//! The output folder is consistent after a kill or a cut of power at any time. The summary says `complete: false` before any other file of
+//! the run exists, and `complete: true` after all others are on the disk; a checkpoint replaces the one before after the frames and rows
+//! that it describes are on the disk.
 
-use super::account::Account;
-use super::kept::{Kept, Place};
-use super::measured::MeasuredFrames;
-use super::measuring::measure;
-use super::plan::Plan;
-use super::progress::Progress;
+use super::folder::{Checkpoint, CheckpointFile};
+use super::measured::{MeasuredFrames, Measurements};
+use super::progress::{Plan, Progress};
+use super::summary::RunSummary;
 use super::writer::{FrameToWrite, Marks, MarksToCome, Outputs, Writer};
 use crate::commands::{Console, Failure, json};
-use crate::output::{RunFiles, RunSummary, TimeTable, WriteError, create_folder, write_durably};
+use crate::output::{RunFiles, TimeTable, WriteError, create_folder, write_durably};
 use crate::run_frames::StoreWriter;
 use crate::stepping::frame_is_due;
 use makadam::Simulation;
@@ -22,7 +20,7 @@ use makadam::solve::StopReason;
 use makadam::watch::{Alarm, Watchdog};
 use std::time::Instant;
 
-/// First columns of `observables.csv`; what is measured of each frame follows.
+/// First columns of `observables.csv`; the observables of a frame follow.
 const COLUMNS: [&str; 8] = [
     "time",
     "step",
@@ -34,20 +32,22 @@ const COLUMNS: [&str; 8] = [
     "residual_normal_rms",
 ];
 
-/// Steps from one state that is held ready, in case of trouble, to the next.
+/// Steps between states that are held for a stop by the watchdog.
 const HELD_EVERY: u64 = 512;
 
-/// What `run.json` says from the beginning of a run to its end.
+/// Failure in `run.json` until the run ends.
 const UNDER_WAY: &str = "the run is under way, or was killed: then --resume goes on from its last checkpoint";
 
-/// A state that is held ready, from before anything was noticed.
+/// Reason for no measurements before the end.
+const NOT_ENDED: &str = "the run is not at its end";
+
+/// A state without a violation.
 struct Held {
     simulation: Vec<u8>,
     progress: Progress,
     marks: MarksToCome,
 }
 
-/// What is done with the state after a step.
 #[derive(Clone, Copy)]
 struct Due {
     measured: bool,
@@ -67,22 +67,21 @@ pub(super) struct Session<'a> {
     progress: Progress,
     writer: Writer,
     watchdog: Watchdog,
-    place: Place,
+    checkpoint: CheckpointFile,
     held: Option<Held>,
     phases_before: [f64; 4],
 }
 
 impl<'a> Session<'a> {
-    /// A run that begins: what an earlier one has left in the folder is withdrawn first, then removed.
+    /// Begins a run; the checkpoint of an earlier one in the folder is removed first, then its other files.
     pub fn begin(plan: Plan<'a>, simulation: Simulation) -> Result<Session<'a>, Failure> {
         let progress = Progress {
             started: simulation.time(),
             contact_sweeps_before: simulation.contact_sweeps(),
             ..Progress::default()
         };
-        let place = Place::inside(&plan.output);
-        // While the frames that it speaks of are there: nobody may go on from it once they are not.
-        place.withdraw()?;
+        let checkpoint = CheckpointFile::inside(&plan.output);
+        checkpoint.withdraw()?;
         announce(&plan, &simulation, &progress)?;
         RunFiles::inside(&plan.output).remove()?;
         create_folder(&plan.output)?;
@@ -90,22 +89,28 @@ impl<'a> Session<'a> {
         let table = TimeTable::create(&plan.output.join(RunFiles::TABLE), &COLUMNS)?;
         let measured = MeasuredFrames::begin(&plan.output, plan.scene)?;
         let outputs = Outputs { folder: plan.output.clone(), frames, table, measured };
-        Ok(Session::new(plan, simulation, progress, place, outputs))
+        Ok(Session::new(plan, simulation, progress, checkpoint, outputs))
     }
 
-    /// A run that goes on.
-    pub fn go_on(plan: Plan<'a>, simulation: Simulation, mut progress: Progress) -> Result<Session<'a>, Failure> {
-        let place = Place::inside(&plan.output);
+    /// Resumes a run.
+    pub fn resume(plan: Plan<'a>, simulation: Simulation, mut progress: Progress) -> Result<Session<'a>, Failure> {
+        let checkpoint = CheckpointFile::inside(&plan.output);
         let measured = MeasuredFrames::resume(&plan.output, std::mem::take(&mut progress.measured))?;
         let frames = StoreWriter::resume(&plan.output.join(RunFiles::FRAMES), progress.frames)?;
         let table = TimeTable::go_on(&plan.output.join(RunFiles::TABLE), progress.table.clone())?;
         progress.continued_at.push(progress.steps);
         announce(&plan, &simulation, &progress)?;
         let outputs = Outputs { folder: plan.output.clone(), frames, table, measured };
-        Ok(Session::new(plan, simulation, progress, place, outputs))
+        Ok(Session::new(plan, simulation, progress, checkpoint, outputs))
     }
 
-    fn new(plan: Plan<'a>, simulation: Simulation, progress: Progress, place: Place, outputs: Outputs) -> Session<'a> {
+    fn new(
+        plan: Plan<'a>,
+        simulation: Simulation,
+        progress: Progress,
+        checkpoint: CheckpointFile,
+        outputs: Outputs,
+    ) -> Session<'a> {
         Session {
             watchdog: Watchdog::new(&plan.scene.watch, &simulation),
             phases_before: phases(&simulation),
@@ -114,7 +119,7 @@ impl<'a> Session<'a> {
             plan,
             simulation,
             progress,
-            place,
+            checkpoint,
         }
     }
 
@@ -146,13 +151,13 @@ impl<'a> Session<'a> {
             let last = self.progress.steps == last_step;
             let due = due(self.progress.steps);
             let mut alarms = self.watchdog.observe(&self.simulation, &report);
-            // What is measured or left behind is looked at too.
+            // States of frames are checked too.
             if last || interrupted {
                 alarms.extend(self.watchdog.last(&self.simulation));
             } else if due.any() {
                 alarms.extend(self.watchdog.look(&self.simulation));
             }
-            self.heed(&alarms, console)?;
+            self.react(&alarms, console)?;
             if due.any() {
                 self.frame(due)?;
             }
@@ -170,11 +175,11 @@ impl<'a> Session<'a> {
     }
 
     fn interrupted(&self) -> Failure {
-        Failure::Interrupted(format!("in {}; --resume goes on from there", self.plan.output.display()))
+        Failure::interrupted(&format!("in {}; --resume goes on from there", self.plan.output.display()))
     }
 
-    /// Heeds what was noticed; holds a state from before it ready.
-    fn heed(&mut self, alarms: &[Alarm], console: &Console) -> Result<(), Failure> {
+    /// Reports violations and stops at fatal ones; holds a state without any.
+    fn react(&mut self, alarms: &[Alarm], console: &Console) -> Result<(), Failure> {
         for alarm in alarms {
             if let Some(first) = self.progress.count(alarm) {
                 console.warn(first);
@@ -185,17 +190,17 @@ impl<'a> Session<'a> {
             if let Some(held) = self.held.take() {
                 self.writer.sync()?;
                 let marks = held.marks.wait().expect("all before the marks is written");
-                self.place.write(&self.seal(held.simulation, held.progress, marks))?;
+                self.checkpoint.write(&self.seal(held.simulation, held.progress, marks))?;
                 left = format!(
                     "; the state before is in {}: --resume goes on from there with another [watch], but what else the scene says \
                      must stay, and a change of it wants --restart",
-                    self.place.file().display()
+                    self.checkpoint.path().display()
                 );
             }
             return Err(Failure::Running(format!("{alarm}{left}")));
         }
         let every = u64::from(self.plan.scene.watch.every);
-        // A look has just found nothing wrong.
+        // A check has just found no violation.
         if alarms.is_empty() && every > 0 && self.progress.steps.is_multiple_of(every * HELD_EVERY.div_ceil(every)) {
             self.held = Some(Held {
                 simulation: self.simulation.checkpoint(),
@@ -211,13 +216,13 @@ impl<'a> Session<'a> {
     }
 
     fn seal(&self, simulation: Vec<u8>, progress: Progress, marks: Marks) -> Vec<u8> {
-        Kept::seal(self.plan.scene, self.plan.seed, simulation, marks.put_into(progress))
+        Checkpoint::seal(self.plan.scene, self.plan.seed, simulation, marks.put_into(progress))
     }
 
     fn write_checkpoint(&mut self) -> Result<(), Failure> {
         let clock = Instant::now();
         let marks = self.writer.sync()?;
-        self.place.write(&self.seal(self.simulation.checkpoint(), self.progress_now(), marks))?;
+        self.checkpoint.write(&self.seal(self.simulation.checkpoint(), self.progress_now(), marks))?;
         self.progress.output_time += clock.elapsed();
         Ok(())
     }
@@ -228,7 +233,7 @@ impl<'a> Session<'a> {
         std::array::from_fn(|phase| self.progress.phases[phase] + now[phase] - self.phases_before[phase])
     }
 
-    /// Makes a frame, which is written, measured for a row of the table, or both, and hands it over.
+    /// Hands a frame to the writer.
     fn frame(&mut self, due: Due) -> Result<(), Failure> {
         let clock = Instant::now();
         self.writer.wait_for_room()?;
@@ -247,7 +252,6 @@ impl<'a> Session<'a> {
         Ok(())
     }
 
-    /// First cells of a row of the table.
     fn row(&self, frame: &Snapshot) -> Vec<(String, f64)> {
         let energy = self.simulation.energy();
         let (sweeps, residual) = self
@@ -267,35 +271,30 @@ impl<'a> Session<'a> {
         COLUMNS.iter().map(ToString::to_string).zip(values).collect()
     }
 
-    /// Ends the run: writes all that waits and the summary to the disk, and removes the checkpoint of a run that reached its last
-    /// step.
+    /// Ends the run: writes waiting frames and the summary to the disk, and removes the checkpoint of a complete run.
     pub fn finish(self, played: Result<(), Failure>) -> (RunSummary, Result<(), Failure>) {
         let clock = Instant::now();
         let phases = self.phases();
-        let Session { plan, simulation, mut progress, writer, place, .. } = self;
+        let Session { plan, simulation, mut progress, writer, checkpoint, .. } = self;
         let (mut outputs, written) = writer.end();
         let ended = played.and(written).and_then(|()| Ok(outputs.sync()?));
         let took = simulation.time() - progress.started;
-        let measured = measure(plan.scene, &outputs.measured, &outputs.frames, ended.is_ok(), took);
+        let measured = Measurements::of(plan.scene, &outputs.measured, &outputs.frames, ended.is_ok(), took);
         let (measured, ended) = match measured {
-            Ok(measured) => (Some(measured), ended),
-            // What failed before is told first.
-            Err(failure) => (None, ended.and(Err(failure))),
+            Ok(measured) => (measured, ended),
+            // An earlier failure is reported first.
+            Err(failure) => (Measurements::none(NOT_ENDED.into()), ended.and(Err(failure))),
         };
         progress.output_time += clock.elapsed();
-        let mut account = Account::new(&plan, &simulation, &progress);
-        (account.phases, account.frames) = (phases, outputs.frames.mark().frames);
-        let mut summary = account.summary(ended.as_ref().err().map(ToString::to_string));
-        if let Some(measured) = measured {
-            (summary.observables, summary.not_measured) = (measured.observables, measured.not_measured);
-            summary.without_value = measured.without_value;
-        }
+        (progress.phases, progress.frames) = (phases, outputs.frames.mark());
+        let failure = ended.as_ref().err().map(ToString::to_string);
+        let mut summary = RunSummary::new(&plan, &simulation, &progress, measured, failure);
         let file = plan.output.join(RunFiles::SUMMARY);
         let written = write_durably(&file, json(&summary).as_bytes());
         let ended = ended.and_then(|()| {
             written?;
-            // What cannot be removed is found out of date by the summary beside it.
-            place.clear();
+            // One that cannot be removed is out of date by the summary.
+            checkpoint.clear();
             outputs.measured.clear();
             Ok(())
         });
@@ -306,9 +305,10 @@ impl<'a> Session<'a> {
     }
 }
 
-/// Writes a summary that says that the run is not complete, to the disk.
+/// Writes the summary of an incomplete run to the disk.
 fn announce(plan: &Plan<'_>, simulation: &Simulation, progress: &Progress) -> Result<(), WriteError> {
-    let summary = Account::new(plan, simulation, progress).summary(Some(UNDER_WAY.into()));
+    let measured = Measurements::none(NOT_ENDED.into());
+    let summary = RunSummary::new(plan, simulation, progress, measured, Some(UNDER_WAY.into()));
     write_durably(&plan.output.join(RunFiles::SUMMARY), json(&summary).as_bytes())
 }
 

@@ -1,10 +1,9 @@
-//! The thread that measures and writes what a run leaves: frames, the table over time, the frames that are measured at the end.
+//! The thread that measures and writes: frames, the table over time, the frames that are measured at the end.
 //!
-//! The run makes a frame, hands it over and steps on. One frame is under way at a time, so that memory holds one and no more; a run
-//! that has the next one ready before waits for it. What fails here is told when the run next comes by.
+//! The run hands over a frame and continues. One frame is on its way at a time, which bounds the memory; a run with the next one waits.
+//! A failure of the thread is reported with the next order.
 
-use super::measured::{Mark, MeasuredFrames};
-use super::measuring::instant;
+use super::measured::{Mark, MeasuredFrames, instant};
 use super::progress::Progress;
 use crate::commands::Failure;
 use crate::output::{TableWritten, TimeTable, WriteError};
@@ -16,7 +15,6 @@ use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
 use std::thread::JoinHandle;
 
-/// What a run writes to, in its output folder.
 pub(super) struct Outputs {
     pub folder: PathBuf,
     pub frames: StoreWriter,
@@ -24,7 +22,7 @@ pub(super) struct Outputs {
     pub measured: MeasuredFrames,
 }
 
-/// How far all that is written has come.
+/// Extent of all outputs.
 #[derive(Clone)]
 pub(super) struct Marks {
     frames: StoreMark,
@@ -33,7 +31,6 @@ pub(super) struct Marks {
 }
 
 impl Marks {
-    /// The run's account of itself with these marks.
     pub fn put_into(self, progress: Progress) -> Progress {
         Progress { frames: self.frames, table: self.table, measured: self.measured, ..progress }
     }
@@ -71,10 +68,7 @@ impl Outputs {
         Marks { frames: frames.mark(), table: table.written().clone(), measured: measured.mark() }
     }
 
-    /// Writes frames, collections and table to the disk.
-    ///
-    /// # Errors
-    /// [`WriteError`] if the system refuses.
+    /// Flushes all outputs to the disk.
     pub fn sync(&mut self) -> Result<(), WriteError> {
         self.frames.sync()?;
         self.table.sync()?;
@@ -86,15 +80,15 @@ impl Outputs {
 /// A frame on its way to the disk.
 pub(super) struct FrameToWrite {
     pub frame: Snapshot,
-    /// Whether it is written.
+    /// True for a frame of the store.
     pub written: bool,
-    /// First cells of its row, where it is measured; those that are not finite are left empty.
+    /// First cells of its row of the table, if it is measured; values that are not finite stay empty.
     pub row: Option<Vec<(String, f64)>>,
 }
 
 enum Order {
     Frame(Box<FrameToWrite>),
-    /// Answered once all frames before it are written, and on the disk if asked for.
+    /// Answered once all frames before it are written, and on the disk if requested.
     Marks {
         on_disk: bool,
         answer: Sender<Marks>,
@@ -105,29 +99,28 @@ enum Order {
 pub(super) struct MarksToCome(Receiver<Marks>);
 
 impl MarksToCome {
-    /// Waits for them; `None` where writing has failed, which the writer tells.
+    /// Waits for them; `None` if writing has failed, which the writer reports.
     pub fn wait(self) -> Option<Marks> {
         self.0.recv().ok()
     }
 }
 
-/// The thread, as the run sees it.
+/// Handle of the thread.
 pub(super) struct Writer {
     /// Absent once it has ended.
     working: Option<Working>,
-    /// What it has given back then.
+    /// Outputs that the thread has returned.
     ended: Option<Outputs>,
 }
 
 struct Working {
     orders: Sender<Order>,
-    /// Takes one token: that of the frame that is under way.
+    /// Holds one token, that of the frame on its way.
     under_way: SyncSender<()>,
     thread: JoinHandle<(Outputs, Result<(), Failure>)>,
 }
 
 impl Writer {
-    /// Starts it.
     pub fn start(scene: Scene, outputs: Outputs) -> Writer {
         let (orders, taken) = channel();
         let (under_way, done) = sync_channel(1);
@@ -135,10 +128,7 @@ impl Writer {
         Writer { working: Some(Working { orders, under_way, thread }), ended: None }
     }
 
-    /// Waits until the frame before is written; the next one may be made then.
-    ///
-    /// # Errors
-    /// What failed since the run last came by.
+    /// Waits until the frame before is written.
     pub fn wait_for_room(&mut self) -> Result<(), Failure> {
         match self.working.as_ref().is_some_and(|working| working.under_way.send(()).is_ok()) {
             true => Ok(()),
@@ -147,34 +137,25 @@ impl Writer {
     }
 
     /// Hands a frame over, after [`Writer::wait_for_room`].
-    ///
-    /// # Errors
-    /// What failed since the run last came by.
     pub fn write(&mut self, frame: FrameToWrite) -> Result<(), Failure> {
         self.order(Order::Frame(Box::new(frame)))
     }
 
-    /// Asks how far all has come once the frames so far are written, and does not wait for it.
-    ///
-    /// # Errors
-    /// What failed since the run last came by.
+    /// Requests the marks after the frames so far, without waiting for them.
     pub fn ask_for_marks(&mut self) -> Result<MarksToCome, Failure> {
         let (answer, marks) = channel();
         self.order(Order::Marks { on_disk: false, answer })?;
         Ok(MarksToCome(marks))
     }
 
-    /// Waits until all is written and on the disk.
-    ///
-    /// # Errors
-    /// What failed.
+    /// Waits until all is on the disk.
     pub fn sync(&mut self) -> Result<Marks, Failure> {
         let (answer, marks) = channel();
         self.order(Order::Marks { on_disk: true, answer })?;
         MarksToCome(marks).wait().ok_or_else(|| self.failure())
     }
 
-    /// Ends it: what it wrote to, and what failed since the run last came by.
+    /// Ends the thread; returns the outputs and a failure since the last order.
     pub fn end(mut self) -> (Outputs, Result<(), Failure>) {
         let ended = self.join();
         (self.ended.take().expect("it has been joined"), ended)
@@ -187,7 +168,7 @@ impl Writer {
         }
     }
 
-    /// Why it no longer takes orders.
+    /// The failure that ended the thread.
     fn failure(&mut self) -> Failure {
         let unnamed = || Failure::Running("what the run leaves is no longer written".into());
         self.join().err().unwrap_or_else(unnamed)
@@ -195,7 +176,7 @@ impl Writer {
 
     fn join(&mut self) -> Result<(), Failure> {
         let Some(Working { orders, under_way, thread }) = self.working.take() else { return Ok(()) };
-        // Nothing more comes: what is under way is finished.
+        // Without senders the thread finishes its orders and ends.
         drop((orders, under_way));
         let (outputs, ended) = thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
         self.ended = Some(outputs);
@@ -203,7 +184,7 @@ impl Writer {
     }
 }
 
-/// What the thread does until there are no more orders, or one fails.
+/// Executes orders until there are no more, or one fails.
 fn work(
     scene: &Scene,
     mut outputs: Outputs,
@@ -219,7 +200,7 @@ fn work(
             Order::Marks { on_disk, answer } => {
                 let synced = if on_disk { outputs.sync() } else { Ok(()) };
                 synced.map_err(Failure::from).inspect(|()| {
-                    // Who no longer wants them has stopped.
+                    // The receiver may be gone.
                     let _ = answer.send(outputs.marks());
                 })
             }

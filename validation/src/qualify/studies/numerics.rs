@@ -19,7 +19,7 @@ use crate::report::{StudyOutcome, StudySection, StudyTest};
 use crate::statistics::Ensemble;
 use crate::stepping::{Stepping, steps_in};
 use crate::study::{Document, File, Key, RunCache};
-use crate::tradeoff::{self, Bound, Campaign, CampaignError, Outcome, Plan, QUICK_TIME_LIMIT, Scope, Terms};
+use crate::tradeoff::{self, Bound, Campaign, CampaignError, Outcome, Plan, QUICK_TIME_LIMIT, Terms};
 use makadam::{BUILD, Simulation};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -307,7 +307,7 @@ impl<'a> Tradeoff<'a> {
     }
 
     fn plan(scene: &Scene) -> Plan {
-        Plan::new(scene, Scope::Quick, &["Makadam"], &[1.0])
+        Plan::new(scene, true, &["Makadam"], &[1.0])
     }
 
     fn timed<'s>(&'s self, named: &'s Named) -> Job<'s> {
@@ -399,7 +399,7 @@ struct OwnSettings<'a> {
 
 impl<'a> OwnSettings<'a> {
     fn new(named: Named, seeds: u64, place: Place<'a>) -> OwnSettings<'a> {
-        let plan = Plan::new(&named.scene, Scope::Quick, &[], &[1.0]);
+        let plan = Plan::new(&named.scene, true, &[], &[1.0]);
         let finest = plan.refinement(1.0).map(|refinement| &plan.configurations[refinement.grids[2]]);
         let finest = finest.expect("a plan has a reference at the scene's stiffness");
         let versions = [named.scene.clone(), finest.scene(&named.scene)];

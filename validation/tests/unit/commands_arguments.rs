@@ -1,4 +1,4 @@
-//! Unit tests of `src/commands/arguments/values.rs`.
+//! Unit tests of `src/commands/arguments.rs`.
 
 use super::*;
 

@@ -52,5 +52,5 @@ fn option(unknown: &str, words: &[OsString]) -> Option<String> {
 }
 
 #[cfg(test)]
-#[path = "../../../tests/unit/commands_arguments_renamed.rs"]
+#[path = "../../tests/unit/commands_renamed.rs"]
 mod tests;

@@ -1,4 +1,4 @@
-//! Unit tests of `src/commands/arguments/renamed.rs`.
+//! Unit tests of `src/commands/renamed.rs`.
 
 use super::*;
 
