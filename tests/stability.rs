@@ -40,7 +40,7 @@ fn the_command_prints_a_study() {
     assert!(folder.path().join("results/stability/stability.json").is_file());
     let tables = std::fs::read_to_string(folder.path().join("results/stability/stability.md")).unwrap();
     assert!(
-        tables.contains("## Zero gravity\n\n| case | what is right | Makadam |\n| --- | --- | --- |\n| `drift` |"),
+        tables.contains("## Zero gravity\n\n| case | what is right | Makadam |\n| --- | --- | --- |\n| drift |"),
         "{tables}"
     );
     assert!(tables.contains("| as stated: end of the run "), "{tables}");

@@ -179,6 +179,13 @@ pub fn account(threads: usize, scenes: &[&Scene]) -> BTreeMap<String, String> {
     account
 }
 
+/// Processor and version of an account, for the head of a report.
+pub fn facts(account: &BTreeMap<String, String>) -> Vec<String> {
+    let of = |key: &str| account.get(key).cloned();
+    let version = of("version").map(|version| format!("version {version}"));
+    [of("processor"), version].into_iter().flatten().collect()
+}
+
 /// Hash of everything that a scene says of what is simulated (64-bit FNV-1a over its JSON form), the same on every machine. What a
 /// run watches for is left out: it changes when a run ends, and nothing of what came before.
 pub fn scene_hash(scene: &Scene) -> u64 {

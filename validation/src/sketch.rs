@@ -1,9 +1,9 @@
-//! A scene put together in a few words: what hard cases and laws have in common is said here once.
+//! Builder of the scenes of stress tests and laws.
 
 use crate::plan::{Measure, Scene};
 use makadam::scene::{
-    Domain, GrainEntry, Material, Motion, NormalLaw, Population, RadiusDistribution, Region, Shape, SolverMethod, Stop,
-    Wall,
+    Domain, GrainEntry, Material, Motion, NormalLaw, Population, RadiusDistribution, Reaction, Region, Shape,
+    SolverMethod, Stop, Wall,
 };
 
 /// Radius of a grain where a case says nothing else, m.
@@ -15,10 +15,13 @@ pub const GRAVITY: f64 = 9.81;
 /// Density of a grain where a case says nothing else, kg/m3.
 pub(crate) const DENSITY: f64 = 2500.0;
 
+/// Pitch of the lattice of polydisperse grains, over the largest grain's diameter.
+pub(crate) const SPACING: f64 = 1.04;
+
 /// Poisson's ratio of all materials.
 const POISSON_RATIO: f64 = 0.3;
 
-/// A scene in the making. Grains are of "grain" and walls of "wall", unless said otherwise.
+/// A scene under construction. Grains are of "grain" and walls of "wall", unless stated otherwise.
 pub struct Sketch(Scene);
 
 impl Sketch {
@@ -51,7 +54,6 @@ impl Sketch {
         self
     }
 
-    /// Changes all materials.
     pub fn materials(self, change: impl Fn(&mut Material)) -> Sketch {
         self.with(|scene| scene.material.values_mut().for_each(change))
     }
@@ -129,7 +131,6 @@ impl Sketch {
         self.moving_wall(shape, Motion::Fixed)
     }
 
-    /// Adds a wall.
     pub fn moving_wall(self, shape: Shape, motion: Motion) -> Sketch {
         self.with(|scene| {
             let name = format!("wall{}", scene.wall.len());
@@ -137,7 +138,6 @@ impl Sketch {
         })
     }
 
-    /// Adds a plane.
     pub fn plane(self, point: [f64; 3], normal: [f64; 3]) -> Sketch {
         self.wall(Shape::Plane { point, normal })
     }
@@ -165,7 +165,6 @@ impl Sketch {
         self.moving_grain(radius, position, [0.0; 3], [0.0; 3])
     }
 
-    /// Adds a grain.
     pub fn moving_grain(self, radius: f64, position: [f64; 3], velocity: [f64; 3], spin: [f64; 3]) -> Sketch {
         self.with(|scene| {
             scene.grain.push(GrainEntry { material: "grain".into(), radius, position, velocity, spin });
@@ -188,6 +187,35 @@ impl Sketch {
             let material = "grain".into();
             scene.population.push(Population { count, material, radius, region, spacing: 1.1, agitation: 0.0 });
         })
+    }
+
+    /// Adds grains with radii between (1 - spread) and (1 + spread) times the mean, a little off the lowest sites of a region.
+    pub fn polydisperse(self, count: usize, [mean, spread]: [f64; 2], region: Region, agitation: f64) -> Sketch {
+        self.with(|scene| {
+            let radius = RadiusDistribution::Uniform { mean, spread };
+            let material = "grain".into();
+            scene.population.push(Population { count, material, radius, region, spacing: SPACING, agitation });
+        })
+    }
+
+    /// Adds a wall with a name, of a material.
+    pub fn named_wall(self, name: &str, material: &str, shape: Shape, motion: Motion) -> Sketch {
+        self.with(|scene| scene.wall.push(Wall { name: name.into(), material: material.into(), shape, motion }))
+    }
+
+    /// Changes a material.
+    pub fn change_material(self, name: &str, change: impl FnOnce(&mut Material)) -> Sketch {
+        self.with(|scene| change(scene.material.get_mut(name).expect("a declared material")))
+    }
+
+    /// Description of the scene.
+    pub fn description(self, text: String) -> Sketch {
+        self.with(|scene| scene.description = text)
+    }
+
+    /// Lets grains leave the domain.
+    pub fn open_domain(self) -> Sketch {
+        self.with(|scene| scene.watch.on_escape = Reaction::Ignore)
     }
 
     /// The scene, checked as one from a file.

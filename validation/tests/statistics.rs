@@ -3,9 +3,8 @@
 use approx::assert_abs_diff_eq;
 use makadam_validation::statistics::Outcome;
 use makadam_validation::statistics::{
-    CONFIDENCE, Ensemble, block_average, confidence_of_each, equivalence, gini, inside_recorded_spread,
-    kolmogorov_smirnov, prediction_interval, second_moment, seeds_needed, share_below_mean, student_quantile,
-    wasserstein, weak_load_share,
+    CONFIDENCE, Ensemble, block_average, confidence_of_each, equivalence, gini, kolmogorov_smirnov,
+    prediction_interval, second_moment, seeds_needed, share_below_mean, student_quantile, wasserstein, weak_load_share,
 };
 
 fn ensemble(values: &[f64]) -> Ensemble {
@@ -143,9 +142,7 @@ fn one_more_seed() {
     let half = 2.776_445 * (2.5_f64 * 1.2).sqrt();
     assert_abs_diff_eq!(low, 3.0 - half, epsilon = 1e-5);
     assert_abs_diff_eq!(high, 3.0 + half, epsilon = 1e-5);
-    assert!(inside_recorded_spread(10.0, &recorded, 0.99).expect("seeds").inside);
-    assert!(!inside_recorded_spread(12.0, &recorded, 0.99).expect("seeds").inside);
-    assert_eq!(inside_recorded_spread(1.0, &[1.0], 0.99), None);
+    assert_eq!(prediction_interval(&[1.0], 1, 0.99), None);
 }
 
 #[test]
@@ -153,9 +150,8 @@ fn many_live_values_share_the_confidence() {
     assert_eq!(confidence_of_each(1), CONFIDENCE);
     assert_abs_diff_eq!(confidence_of_each(18), 1.0 - 0.01 / 18.0, epsilon = 1e-15);
     let recorded = [1.0, 2.0, 3.0, 4.0, 5.0];
-    let one = inside_recorded_spread(12.0, &recorded, CONFIDENCE).expect("seeds");
-    let of_many = inside_recorded_spread(12.0, &recorded, confidence_of_each(18)).expect("seeds");
-    assert!(!one.inside && of_many.inside);
+    let high = |confidence: f64| prediction_interval(&recorded, 1, confidence).expect("seeds")[1];
+    assert!(high(CONFIDENCE) < 12.0 && 12.0 < high(confidence_of_each(18)));
 }
 
 #[test]

@@ -3,11 +3,11 @@
 use super::arguments::{JobArguments, OutputArguments, SceneArguments, positive, time_limit};
 use super::beforehand::{flowing, settle};
 use super::{Console, Failure, within_tolerance};
-use crate::compare::KeptRuns;
-use crate::effects::{Ablation, Costs, Look, Plan, Study, table};
+use crate::effects::{Ablation, Costs, Look, Plan, Study};
 use crate::execution::Execution;
 use crate::provenance::Provenance;
 use crate::scenes;
+use crate::study::RunCache;
 use clap::Args;
 use std::process::ExitCode;
 use std::time::Duration;
@@ -67,7 +67,7 @@ pub(super) fn effects(arguments: &EffectsArguments, console: &Console) -> Result
             scene_file: &file,
             seeds: &seeds,
             time_limit: Duration::from_secs_f64(arguments.time_limit),
-            kept: &KeptRuns::open(&folder.join("runs"), arguments.restart)?,
+            cache: &RunCache::open(&folder.join("runs"), arguments.restart)?,
             announce: &console.bars(),
         };
         Some(Ablation::run(&plan)?)
@@ -76,8 +76,7 @@ pub(super) fn effects(arguments: &EffectsArguments, console: &Console) -> Result
     };
     let provenance = Provenance::of_run(&scene, &file, seed, &execution);
     let study = Study::new(&scene, &text, (look, costs), ablation, provenance);
-    study.write(&folder)?;
-    console.document(&study, arguments.output.json, || table(&study))?;
+    console.publish(&study, &folder, arguments.output.json)?;
     let lacking = study.ablation.iter().flat_map(|ablation| &ablation.rows).find(|row| row.mean.is_none());
     if let Some(row) = lacking {
         console.warn(&format!("{} was not measured in every seed of the unchanged scene", row.observable));

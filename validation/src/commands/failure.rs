@@ -1,23 +1,20 @@
 //! Failures of commands: messages and exit codes.
 
-use crate::compare::{KeptError, RecordError, ReferenceError};
+use crate::compare::RecordError;
 use crate::execution::MeasureError;
 use crate::export::ExportError;
 use crate::import::ImportError;
-use crate::laws::LawError;
 use crate::output::{LockError, WriteError};
 use crate::parameter_study::ParameterError;
 use crate::peers::CodeError;
 use crate::pictures::PictureError;
 use crate::prepared::StartError;
 use crate::problem::{ProblemFileError, SiconosError};
-use crate::qualify::{JudgeError, QualifyError};
+use crate::qualify::QualifyError;
 use crate::recording::RecordingError;
 use crate::run_frames::RunFolderError;
 use crate::scenes::SceneError;
-use crate::stability::StabilityError;
-use crate::study::DocumentError;
-use crate::tradeoff::CampaignError;
+use crate::study::{DocumentError, RunError};
 use crate::viewer::ViewerError;
 use makadam::SettingError;
 use makadam::scene::SceneFileError;
@@ -72,9 +69,6 @@ impl Failure {
     }
 }
 
-/// Results of an interrupted campaign.
-const STORED: &str = "stored run by run; the same command continues from there";
-
 /// Converts errors of the library by their variants; all others are failures while running.
 macro_rules! failures {
     ($($error:ident { $($variant:pat => $failure:expr,)* })*) => {
@@ -93,7 +87,6 @@ macro_rules! failures {
 failures! {
     WriteError {}
     RecordingError {}
-    ReferenceError {}
     DocumentError {}
     ImportError { error => Failure::Input(error.to_string()), }
     ProblemFileError { error => Failure::Input(error.to_string()), }
@@ -137,21 +130,17 @@ failures! {
         ExportError::Interrupted => Failure::interrupted("nothing: the file was not finished"),
     }
     ParameterError {
-        ParameterError::Interrupted => Failure::interrupted(STORED),
-        error @ ParameterError::Write(_) => Failure::Running(error.to_string()),
+        ParameterError::Usage(problem) => Failure::Usage(problem),
         ParameterError::Scene { error, values } => {
             let message = format!("{values}: {error}");
             Failure::from(*error).with_message(message)
         },
-        ParameterError::Run { error, values, seed } => {
-            let message = format!("{values}, seed {seed}: {error}");
-            Failure::from(*error).with_message(message)
-        },
-        error => Failure::Usage(error.to_string()),
+        ParameterError::Run(error) => error.into(),
     }
-    KeptError {
-        KeptError::Code(CodeError::Interrupted { .. }) => Failure::interrupted(STORED),
-        KeptError::Code(error) => error.into(),
+    RunError {
+        RunError::Scene(error) => error.into(),
+        RunError::Code(error) => error.into(),
+        RunError::Interrupted => Failure::interrupted("stored run by run; the same command continues from there"),
     }
     RecordError {
         RecordError::Code(CodeError::Interrupted { .. }) => {
@@ -159,24 +148,9 @@ failures! {
         },
         RecordError::Code(error) => error.into(),
     }
-    JudgeError {
-        error @ JudgeError::NothingToCompare { .. } => Failure::Usage(error.to_string()),
-        error @ JudgeError::NotRecorded { .. } => Failure::MissingCode(error.to_string()),
-        JudgeError::Code(error) => error.into(),
-    }
     QualifyError {
-        QualifyError::Scene(error) => error.into(),
-        QualifyError::Code(error) => error.into(),
+        error @ QualifyError::NothingToCompare(_) => Failure::Usage(error.to_string()),
         error @ QualifyError::NotRecorded { .. } => Failure::MissingCode(error.to_string()),
+        QualifyError::Run(error) => error.into(),
     }
-    StabilityError {
-        StabilityError::Scene(error) => error.into(),
-        StabilityError::Code(error) => error.into(),
-        StabilityError::Interrupted(stored) => Failure::interrupted(&stored),
-    }
-    CampaignError {
-        CampaignError::Scene(error) => error.into(),
-        CampaignError::Code(error) => error.into(),
-    }
-    LawError { LawError::Scene(error) => error.into(), }
 }

@@ -2,9 +2,10 @@
 
 use super::arguments::{JobArguments, OutputArguments};
 use super::{Console, Failure, within_tolerance};
-use crate::laws::{Law, LawError, LawResult, Plan, Study, all, run_cases, table, write, write_scenes};
+use crate::laws::{LAWS, Law, LawResult, Study, run_cases};
 use crate::output::JSON_VERSION;
 use crate::provenance::account;
+use crate::study::{Document, RunCache, write_scenes};
 use clap::Args;
 use std::path::Path;
 use std::process::ExitCode;
@@ -38,7 +39,7 @@ pub(super) struct LawsArguments {
 pub(super) fn laws(arguments: &LawsArguments, console: &Console) -> Result<ExitCode, Failure> {
     let laws = chosen(&arguments.names)?;
     if arguments.list {
-        let line = |law: &&dyn Law| format!("{}: {}\n  {}", law.name(), law.statement(), law.source());
+        let line = |law: &&Law| format!("{}: {}\n  {}", law.name, law.statement, law.source);
         console.result(&laws.iter().map(line).collect::<Vec<_>>().join("\n"))?;
         return Ok(ExitCode::SUCCESS);
     }
@@ -56,46 +57,41 @@ pub(super) fn laws(arguments: &LawsArguments, console: &Console) -> Result<ExitC
     };
     let mut results = Vec::new();
     for law in laws {
-        let result = measured(law, arguments, &seeds, &folder.join(law.name()), console)?;
-        write(law, &study(vec![result.clone()]), &folder.join(law.name()))?;
+        let folder = folder.join(law.name);
+        let result = measured(law, arguments, &seeds, &folder, console)?;
+        study(vec![result.clone()]).write(&folder)?;
         results.push(result);
     }
     let study = study(results);
-    console.document(&study, arguments.output.json, || table(&study))?;
+    console.document(&study, arguments.output.json, || study.report().text())?;
     Ok(within_tolerance(study.hold))
 }
 
 /// Returns the laws of these names, or all.
-fn chosen(names: &[String]) -> Result<Vec<&'static dyn Law>, Failure> {
+fn chosen(names: &[String]) -> Result<Vec<&'static Law>, Failure> {
     if names.is_empty() {
-        return Ok(all().to_vec());
+        return Ok(LAWS.iter().collect());
     }
-    let known = || all().map(Law::name).join(", ");
     let law = |name: &String| {
-        let found = all().into_iter().find(|law| law.name() == name);
-        found.ok_or_else(|| Failure::Usage(format!("there is no law '{name}'; name one of: {}", known())))
+        LAWS.iter().find(|law| law.name == name).ok_or_else(|| {
+            let known = LAWS.each_ref().map(|law| law.name).join(", ");
+            Failure::Usage(format!("there is no law '{name}'; name one of: {known}"))
+        })
     };
     names.iter().map(law).collect()
 }
 
 /// Runs the cases of a law.
 fn measured(
-    law: &'static dyn Law,
+    law: &Law,
     arguments: &LawsArguments,
     seeds: &[u64],
     folder: &Path,
     console: &Console,
 ) -> Result<LawResult, Failure> {
-    let cases = law.cases(arguments.quick);
-    write_scenes(&cases, folder)?;
-    let bar = console.bar(law.name());
-    let plan = Plan { seeds, again: arguments.restart, folder };
-    let rows = run_cases(law, &cases, &plan, &|fraction| bar.set(fraction)).map_err(|error| match error {
-        LawError::Interrupted => {
-            let runs = folder.join("runs");
-            Failure::interrupted(&format!("in {}; the same command continues from there", runs.display()))
-        }
-        other => other.into(),
-    })?;
-    Ok(LawResult::new(law, rows))
+    let cases = (law.cases)(arguments.quick);
+    write_scenes(cases.iter().map(|case| &case.scene), folder)?;
+    let bar = console.bar(law.name);
+    let cache = RunCache::open(&folder.join("runs"), arguments.restart)?;
+    Ok(LawResult::new(law, run_cases(law, &cases, seeds, &cache, &|fraction| bar.set(fraction))?))
 }

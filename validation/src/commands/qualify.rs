@@ -8,6 +8,7 @@ use crate::output::{JSON_VERSION, create_folder};
 use crate::qualify::{QualifyError, Settings, Tier, qualify as judge};
 use crate::report::{self, Changes, Qualification, Standing, StudySection, Test, Verdict};
 use crate::scenes;
+use crate::study::RunError;
 use clap::Args;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -78,7 +79,7 @@ pub(super) fn qualify(arguments: &QualifyArguments, console: &Console) -> Result
         say: &|text| console.note(text),
     };
     let qualification = judge(&extent, &settings).map_err(|error| match error {
-        QualifyError::Interrupted => Failure::interrupted(&format!(
+        QualifyError::Run(RunError::Interrupted) => Failure::interrupted(&format!(
             "stored run by run in {}; the same command continues from there",
             folder.display()
         )),

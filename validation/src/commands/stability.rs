@@ -4,7 +4,8 @@ use super::arguments::{JobArguments, OutputArguments, time_limit};
 use super::compare::installed;
 use super::{Console, Failure, within_tolerance};
 use crate::peers::CodeName;
-use crate::stability::{Campaign, Case, catalogue, table};
+use crate::stability::{Campaign, Case, catalogue};
+use crate::study::{Document, RunCache};
 use clap::Args;
 use makadam::scene::suggestion;
 use std::process::ExitCode;
@@ -44,36 +45,34 @@ pub(super) fn stability(arguments: &StabilityArguments, console: &Console) -> Re
     }
     let codes = installed(&arguments.codes)?;
     arguments.jobs.apply()?;
-    let time_limit = arguments.time_limit.unwrap_or(if arguments.quick { 60.0 } else { 600.0 });
     let folder = arguments.output.folder("stability");
-    let bar = console.bar("hard cases");
-    let study = Campaign {
+    let campaign = Campaign {
         cases: &cases,
         codes: &codes,
-        time_limit,
+        time_limit: arguments.time_limit.unwrap_or(if arguments.quick { 60.0 } else { 600.0 }),
         folder: &folder,
-        again: arguments.restart,
-        begins: &|case, code| bar.say(format!("{} in {}", case.name, code.name())),
-        ended: &|case, outcome, share| {
-            bar.set(share);
+        cache: &RunCache::open(&folder.join("outcomes"), arguments.restart)?,
+    };
+    let bar = console.bar("stress tests");
+    let study = campaign.run(
+        &|case, outcome| {
             let (words, seconds) = (outcome.verdict.words(), outcome.wall_seconds);
             console.detail(&format!("{} in {}: {words}, {seconds:.1} s", case.name, outcome.code));
         },
-    }
-    .carry_out()?;
+        &|fraction| bar.set(fraction),
+    )?;
     drop(bar);
-    console.document(&study, arguments.output.json, || table(&study))?;
+    console.document(&study, arguments.output.json, || study.report().text())?;
     Ok(within_tolerance(study.as_stated))
 }
 
 /// Returns the cases whose name or group contains one of the filters, or all.
 fn chosen(arguments: &StabilityArguments) -> Result<Vec<Case>, Failure> {
     const ALL: &str = "makadam stability --list shows all";
-    let matches = |case: &Case, filter: &str| case.name.contains(filter) || case.group.contains(filter);
     let is_short = |case: &Case| !(arguments.quick && case.long);
     let all = catalogue();
     for filter in &arguments.cases {
-        let mut matched = all.iter().filter(|case| matches(case, filter)).peekable();
+        let mut matched = all.iter().filter(|case| case.matches(filter)).peekable();
         if matched.peek().is_none() {
             let remedy = suggestion(filter, all.iter().map(|case| case.name.as_str()), ALL);
             return Err(Failure::Usage(format!("no case or group has '{filter}' in its name; {remedy}")));
@@ -83,6 +82,6 @@ fn chosen(arguments: &StabilityArguments) -> Result<Vec<Case>, Failure> {
         }
     }
     let filters = &arguments.cases;
-    let is_named = |case: &Case| filters.is_empty() || filters.iter().any(|filter| matches(case, filter));
+    let is_named = |case: &Case| filters.is_empty() || filters.iter().any(|filter| case.matches(filter));
     Ok(all.into_iter().filter(|case| is_named(case) && is_short(case)).collect())
 }

@@ -2,10 +2,9 @@
 
 use super::arguments::{JobArguments, OutputArguments, SourceArguments, observable};
 use super::beforehand::refuse_time_budget;
-use super::{Console, Failure, json, within_tolerance};
+use super::{Console, Failure, within_tolerance};
 use crate::observables::catalogue::group_of;
-use crate::output::write_whole;
-use crate::parameter_study::{DOCUMENT, Failed, Plan, Range, Study, take};
+use crate::parameter_study::{Failed, Plan, Range, Study, take};
 use crate::provenance::account;
 use clap::Args;
 use std::process::ExitCode;
@@ -61,15 +60,10 @@ pub(super) fn sweep(arguments: &SweepArguments, console: &Console) -> Result<Exi
         announce: &console.bars(),
     };
     let _lock = take(&plan, &scene)?;
-    let study = Study::make(&plan, &scene, account(1, &[&scene]))?;
-    write_whole(&folder.join("points.csv"), &study.points_csv())?;
-    write_whole(&folder.join("runs.csv"), &study.runs_csv())?;
-    write_whole(&folder.join(DOCUMENT), json(&study).as_bytes())?;
     let compared = || scene.compare.iter().map(|expectation| expectation.observable.clone()).collect();
     let shown = if arguments.observables.is_empty() { compared() } else { arguments.observables.clone() };
-    console.document(&study, arguments.output.json, || {
-        format!("{}\nmeans and standard deviations over seeds; tables: {}", study.text(&shown), folder.display())
-    })?;
+    let study = Study::make(&plan, &scene, account(1, &[&scene]), shown)?;
+    console.publish(&study, &folder, arguments.output.json)?;
     for point in &study.points {
         for (run, alarm) in point.runs.iter().flat_map(|run| run.alarms.iter().map(move |alarm| (run, alarm))) {
             console.warn(&format!("{}, seed {}: {}", point.values.join(", "), run.seed, alarm.words()));

@@ -60,7 +60,7 @@ pub(super) fn tradeoff(arguments: &TradeoffArguments, console: &Console) -> Resu
         provenance: account(1, &[&scene]),
     };
     let folder = arguments.output.folder_of("tradeoff", &scene);
-    let cache = RunCache::open(&folder.join("runs"))?;
+    let cache = RunCache::open(&folder.join("runs"), false)?;
     let outcome = {
         let bar = console.bar(&scene.name);
         let progress: Progress = Arc::new(move |label, share| {

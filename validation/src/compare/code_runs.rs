@@ -14,7 +14,7 @@ pub struct CodeRuns {
     pub code: String,
     /// Live or recorded.
     pub source: Source,
-    /// How the runs were timed.
+    /// Timing of the runs.
     pub timing: Timing,
     /// In a sentence, where the numbers came from.
     pub provenance: String,
@@ -22,7 +22,7 @@ pub struct CodeRuns {
     pub runs: Vec<MeasuredRun>,
     /// Seeds that were asked for and whose runs failed: what a code is measured by lacks their values.
     pub failed: Vec<u64>,
-    /// Why none of the runs counts, in words; absent where they do.
+    /// Reason for which none of the runs counts; absent where they do.
     pub discarded: Option<String>,
     /// Normal forces of all runs.
     pub forces: Option<ForceDistribution>,
@@ -56,7 +56,7 @@ impl CodeRuns {
         }
     }
 
-    /// The same code without any of its runs, and why none counts.
+    /// Removes the runs, for a reason.
     pub fn without_runs(self, why: String) -> CodeRuns {
         CodeRuns { discarded: Some(why), runs: Vec::new(), forces: None, series: Vec::new(), final_state: None, ..self }
     }
@@ -66,7 +66,7 @@ impl CodeRuns {
         self.runs.iter().filter_map(|run| run.value(observable)).collect()
     }
 
-    /// How the code was run; `None` without runs.
+    /// Summarises the runs; `None` without any.
     pub fn summary(&self) -> Option<CodeSummary> {
         let first = self.runs.first()?;
         let mut pace: Vec<f64> = self.runs.iter().map(MeasuredRun::pace).collect();

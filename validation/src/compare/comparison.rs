@@ -1,4 +1,4 @@
-//! What a comparison of one scene yields: the data that tables, JSON, CSV and the report are made from.
+//! Result of a comparison of one scene: the data of tables, JSON, CSV and the report.
 
 use crate::observables::{ForceDistribution, Series};
 use crate::plan::Scene;
@@ -7,7 +7,7 @@ use makadam::snapshot::Particle;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Where a code's numbers came from.
+/// Origin of a code's numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Source {
@@ -17,7 +17,7 @@ pub enum Source {
     Recorded,
 }
 
-/// How the times of a code's runs came about.
+/// Conditions under which a code's runs were timed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Timing {
@@ -76,22 +76,20 @@ impl Row {
     }
 }
 
-/// Whether references differ from each other by more than the margin of a row of the judged code: then it proves nothing. `rows`: those of
-/// its observable, or more.
+impl Comparison {
+    /// Returns true if the references differ from each other by more than the margin of a row of the code under test: then it proves nothing.
+    pub fn references_at_odds(&self, row: &Row) -> bool {
+        at_odds(&self.rows, &self.judged, row)
+    }
+}
+
 pub(super) fn at_odds(rows: &[Row], judged: &str, row: &Row) -> bool {
     let floor = |other: &&Row| other.code != judged && other.observable == row.observable;
     let beyond = |difference: f64| row.margin.is_some_and(|margin| difference.abs() > margin);
     rows.iter().filter(floor).filter_map(|floor| floor.difference).any(beyond)
 }
 
-impl Comparison {
-    /// Whether the references differ from each other by more than the margin of a row of the judged code: then it proves nothing.
-    pub fn references_at_odds(&self, row: &Row) -> bool {
-        at_odds(&self.rows, &self.judged, row)
-    }
-}
-
-/// How a code was run.
+/// Runs of a code in short.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct CodeSummary {
     /// The code.
@@ -108,7 +106,7 @@ pub struct CodeSummary {
     pub rayleigh_fraction: Option<f64>,
     /// Median over runs of the time of the stepping over simulated time, one core: processor time, or wall time of runs that do not tell it.
     pub wall_seconds_per_simulated_second: f64,
-    /// How that time came about.
+    /// Conditions of that time.
     #[serde(default)]
     pub timing: Timing,
     /// Processor on which these runs were timed.
@@ -147,7 +145,7 @@ pub struct Comparison {
     pub judged: String,
     /// The judged code against each other one, then the first of these against the next, an observable after the other.
     pub rows: Vec<Row>,
-    /// How each code was run.
+    /// Runs of each code in short.
     pub codes: Vec<CodeSummary>,
     /// Observables over time, one run a code.
     pub series: Vec<Series>,
@@ -155,6 +153,6 @@ pub struct Comparison {
     pub forces: Vec<ForceDistribution>,
     /// Final states, one a code, of the same seed.
     pub final_states: Vec<FinalState>,
-    /// What a reader must know: recorded numbers used, runs that failed, live runs outside the recorded spread.
+    /// Notes: recorded numbers used, runs that failed, live runs outside the recorded spread.
     pub notes: Vec<String>,
 }

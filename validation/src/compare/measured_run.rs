@@ -1,4 +1,4 @@
-//! What is kept of one run once its frames have been measured.
+//! Stored result of one run, once its frames have been measured.
 
 use super::FinalState;
 use crate::observables::Series;
@@ -39,7 +39,7 @@ pub struct MeasuredRun {
     pub date: String,
     /// Hash of the scene that was run ([`physics_hash`](crate::plan::physics_hash)); empty until the run is recorded.
     pub scene_hash: String,
-    /// What was measured; a line of `runs.csv` does not say it.
+    /// Measurements; a line of `runs.csv` does not hold them.
     #[serde(default)]
     pub measurements: Vec<Measurement>,
 }
@@ -77,11 +77,11 @@ pub struct Harvest {
     pub series: Vec<Series>,
     /// Its grains at the end.
     pub final_state: Option<FinalState>,
-    /// What was noticed on the way.
+    /// Violations that a watchdog found.
     pub alarms: Vec<Noticed>,
-    /// What its frames did not tell; what needs it was not measured.
+    /// Content that its frames lack; observables that need it were not measured.
     pub lacks: Vec<Content>,
-    /// What a reader must know of its frames, in sentences.
+    /// Notes on its frames, one sentence each.
     #[serde(default)]
     pub notes: Vec<String>,
 }
@@ -120,4 +120,31 @@ impl Harvest {
             }),
         }
     }
+}
+
+/// In sentences, what watchdogs noticed on the runs of a code, and what had to be assumed of their frames: each assumption once, with the
+/// seeds that it is of.
+pub fn noticed(code: &str, harvests: &[Harvest]) -> Vec<String> {
+    let alarms_of = |harvest: &Harvest| {
+        let seed = harvest.run.seed;
+        harvest.alarms.iter().map(|alarm| format!("{code}, seed {seed}: {}", alarm.words())).collect::<Vec<_>>()
+    };
+    let mut known: Vec<(&str, Vec<u64>)> = Vec::new();
+    for harvest in harvests {
+        for note in &harvest.notes {
+            match known.iter_mut().find(|(text, _)| text == note) {
+                Some((_, seeds)) => seeds.push(harvest.run.seed),
+                None => known.push((note, vec![harvest.run.seed])),
+            }
+        }
+    }
+    let sentence = |(note, seeds): (&str, Vec<u64>)| match &seeds[..] {
+        [seed] => format!("{code}, seed {seed}: {note}"),
+        all if all.len() == harvests.len() => format!("{code}, all {} seeds: {note}", all.len()),
+        some => {
+            let some: Vec<String> = some.iter().map(ToString::to_string).collect();
+            format!("{code}, seeds {}: {note}", some.join(", "))
+        }
+    };
+    harvests.iter().flat_map(alarms_of).chain(known.into_iter().map(sentence)).collect()
 }

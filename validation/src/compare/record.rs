@@ -1,6 +1,6 @@
 //! Recording: what is missing in a scene's references is measured or run, and taken in.
 
-use super::{Announce, CodeRuns, MergeError, Missing, Reference, ReferenceError, Runs, Simulated, Wanted};
+use super::{Announce, CodeRuns, Missing, Reference, ReferenceError, Runs, Simulated, Wanted};
 use crate::output::WriteError;
 use crate::peers::{Code, CodeError, Purpose};
 use crate::plan::{Scene, physics_hash};
@@ -12,11 +12,8 @@ use std::time::Duration;
 /// Seeds where nothing is recorded and none are asked for.
 pub const FEW_SEEDS: u64 = 3;
 
-/// What is to be recorded.
 pub struct Recorder<'a> {
-    /// The scene.
     pub scene: &'a Scene,
-    /// Its file.
     pub scene_file: &'a Path,
     /// Number of seeds, counted from 1; absent, those that the scene registers, else as many as are recorded, and [`FEW_SEEDS`] at least.
     pub seeds: Option<u64>,
@@ -24,7 +21,7 @@ pub struct Recorder<'a> {
     pub rayleigh_fraction: f64,
     /// Wall time after which a run is stopped.
     pub time_limit: Duration,
-    /// Whether all that is recorded is replaced.
+    /// True if all recorded runs are replaced.
     pub again: bool,
     /// Folder of raw recordings.
     pub recordings: PathBuf,
@@ -36,21 +33,20 @@ pub struct Recorder<'a> {
     pub warn: &'a dyn Fn(&str),
 }
 
-/// What came of it.
+/// Result of a recording.
 pub struct Recorded {
     /// Folder of the references.
     pub folder: PathBuf,
-    /// Whether anything changed.
     pub changed: bool,
-    /// Whether every recorded run has a value of all that is compared.
+    /// True if every recorded run has a value of all that is compared.
     pub whole: bool,
-    /// What is recorded now, a line a code and observable.
+    /// Recorded values, one line per code and observable.
     pub lines: Vec<String>,
     /// That the user asked to stop, else the first failure of a run, else why runs were not taken in; what ended well was.
     pub failure: Option<RecordError>,
 }
 
-/// Why not all was recorded.
+/// Error of a recording.
 #[derive(Debug, thiserror::Error)]
 pub enum RecordError {
     /// The references cannot be read.
@@ -62,13 +58,9 @@ pub enum RecordError {
     /// A run failed.
     #[error(transparent)]
     Code(#[from] CodeError),
-    /// New runs cannot stand beside the recorded ones.
-    #[error(transparent)]
-    Merge(#[from] MergeError),
-    /// Some seeds that were to replace recorded ones failed. Half a replacement would cost recorded runs, and the raw recordings
-    /// keep what was run.
-    #[error("some seeds that were to replace them failed; the runs that ended are kept, so try again")]
-    HalfReplaced,
+    /// New runs cannot be merged with the recorded ones.
+    #[error("{0}")]
+    Refused(String),
 }
 
 impl Recorder<'_> {
@@ -119,7 +111,7 @@ impl Recorder<'_> {
         Ok(recorded)
     }
 
-    /// What is recorded in a folder. Where all is replaced, what cannot be read makes way: nothing, and where the folder is moved to.
+    /// Reads the references of a folder. Where all is replaced, unreadable ones count as none, and the path to move them to is returned.
     fn known(&self, folder: &Path) -> Result<(Reference, Option<PathBuf>), RecordError> {
         match Reference::load(folder) {
             Ok(reference) => Ok((reference.unwrap_or_default(), None)),
@@ -151,7 +143,6 @@ impl Recorder<'_> {
         }
     }
 
-    /// What has to be measured or run of a code.
     fn missing(&self, code: &dyn Code, reference: &Reference, hash: &str, seeds: &[u64]) -> Missing {
         if self.again {
             let recorded = reference.of(code.name()).next();
@@ -204,14 +195,16 @@ impl Recorder<'_> {
         hash: &str,
     ) -> Result<bool, RecordError> {
         if missing.replaces.is_some() && !complete {
-            return Err(RecordError::HalfReplaced);
+            // Half a replacement would cost recorded runs, and the raw recordings keep what was run.
+            let problem = "some seeds that were to replace them failed; the runs that ended are kept, so try again";
+            return Err(RecordError::Refused(problem.into()));
         }
         if new.runs.is_empty() {
             return Ok(false);
         }
         match missing.replaces {
             Some(_) => reference.replace(new, hash),
-            None => reference.add(new, hash)?,
+            None => reference.add(new, hash).map_err(RecordError::Refused)?,
         }
         Ok(true)
     }
@@ -242,7 +235,7 @@ impl Recorder<'_> {
     }
 }
 
-/// Where damaged references are moved to: a place beside them that is free.
+/// Returns a free path next to damaged references, to move them to.
 fn aside(folder: &Path) -> PathBuf {
     let name = folder.file_name().unwrap_or_default().to_string_lossy();
     let numbered = (2..).map(|number| format!("{name}-damaged-{number}"));

@@ -4,8 +4,7 @@ use super::comparison::{MAKADAM, at_odds};
 use super::registered::{Settled, unregistered};
 use super::{CodeRuns, Comparison, MeasuredRun, Row};
 use crate::plan::{Expectation, Scene};
-use crate::statistics::Outcome;
-use crate::statistics::{Ensemble, equivalence, inside_recorded_spread};
+use crate::statistics::{Ensemble, Outcome, equivalence, prediction_interval};
 
 /// Puts together what was measured of several codes, the code under test first. Its agreement counts for the seeds alone that the scene
 /// has registered.
@@ -65,8 +64,8 @@ fn keep_to_registered(rows: &mut [Row], is_registered: bool) {
     }
 }
 
-/// Where the references differ from each other by more than the margin, agreement with one of them proves nothing, and more seeds decide
-/// nothing. `rows`: those of one observable, the judged code's first.
+/// Makes agreement undecided where the references differ from each other by more than the margin: it proves nothing, and more seeds
+/// decide nothing. `rows`: those of one observable, those of the code under test first.
 fn leave_open(rows: &mut [Row]) {
     let Some(judged) = rows.first().map(|row| row.code.clone()) else { return };
     for place in 0..rows.len() {
@@ -79,12 +78,12 @@ fn leave_open(rows: &mut [Row]) {
     }
 }
 
-/// What the runs of a code have of an observable that is asked for.
+/// Values of a requested observable in the runs of a code.
 struct Asked<'a> {
     code: &'a str,
     unit: &'a str,
     ensemble: Option<Ensemble>,
-    /// What they lack, in words; absent where every run has a value.
+    /// Missing values; absent where every run has one.
     missing: Option<String>,
 }
 
@@ -154,32 +153,34 @@ impl<'a> Asked<'a> {
     }
 }
 
-/// A live run of a code against what was recorded of it.
+/// A live value of an observable, and the interval that the recorded runs predict.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LiveCheck {
-    /// Observable.
     pub observable: String,
     /// Value of the live run, if it has one.
     pub value: Option<f64>,
-    /// Interval that the recorded runs predict, if there are enough of them.
+    /// Predicted interval, if there are enough recorded runs.
     pub interval: Option<[f64; 2]>,
-    /// Whether the value lies inside; absent where there is nothing to tell it from.
-    pub inside: Option<bool>,
 }
 
-/// Checks every observable that has a margin, each with `confidence`.
+impl LiveCheck {
+    /// Returns true if the value lies inside the interval; `None` without either.
+    pub fn inside(&self) -> Option<bool> {
+        self.value.zip(self.interval).map(|(value, [low, high])| (low..=high).contains(&value))
+    }
+}
+
+/// Checks every observable that has a margin, each with `confidence`. The seed of the live run is none of the recorded ones: a value
+/// always lies among values that include it.
 pub fn live_checks(scene: &Scene, live: &MeasuredRun, recorded: &CodeRuns, confidence: f64) -> Vec<LiveCheck> {
     let check = |expectation: &Expectation| {
-        let value = live.value(&expectation.observable);
         let values = recorded.values(&expectation.observable);
-        // A spread of some of the runs is none of all of them.
-        let whole = values.len() == recorded.runs.len() && recorded.discarded.is_none();
-        let spread = inside_recorded_spread(value.unwrap_or(f64::NAN), &values, confidence).filter(|_| whole);
+        // The spread of some of the runs is not that of all.
+        let is_whole = values.len() == recorded.runs.len() && recorded.discarded.is_none();
         LiveCheck {
             observable: expectation.observable.clone(),
-            value,
-            interval: spread.map(|spread| spread.interval),
-            inside: value.and(spread).map(|spread| spread.inside),
+            value: live.value(&expectation.observable),
+            interval: prediction_interval(&values, 1, confidence).filter(|_| is_whole),
         }
     };
     scene.compare.iter().filter(|expectation| expectation.margin.is_some()).map(check).collect()

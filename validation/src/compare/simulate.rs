@@ -1,11 +1,12 @@
-//! Runs of one code over several seeds, side by side, measured as they end.
+//! Runs of one code over several seeds, side by side, measured when they end.
 
-use super::{CodeSummary, Harvest, Source, Timing};
+use super::{CodeRuns, CodeSummary, Harvest, Timing};
 use crate::output::{file_stem, run_folder};
 use crate::peers::{Code, CodeError, Job, Purpose};
 use crate::plan::{Scene, physics_hash};
-use crate::provenance::utc;
+use crate::provenance::{machine, utc};
 use crate::recording::{Recording, RecordingError};
+use crate::study::{Key, RunCache, RunError};
 use makadam::checkpoint::checksum;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
@@ -17,14 +18,17 @@ pub type Share = Box<dyn Fn(f64) + Send + Sync>;
 /// Opens a progress display for a run of this name.
 pub type Announce<'a> = &'a (dyn Fn(&str) -> Share + Sync);
 
-/// What is asked of a code.
+/// Seed of the run that pictures and curves over time are made from; of the others the numbers alone are stored.
+const PICTURED_SEED: u64 = 1;
+
+/// Runs of a code on a scene.
 #[derive(Clone)]
 pub struct Runs<'a> {
     /// The scene as its file says it.
     pub scene: &'a Scene,
     /// Its file.
     pub scene_file: &'a Path,
-    /// What the runs are for.
+    /// Purpose of the runs.
     pub purpose: Purpose,
     /// Seeds of the initial positions.
     pub seeds: Vec<u64>,
@@ -68,15 +72,7 @@ impl<'a> Runs<'a> {
     }
 }
 
-/// A code that was timed on one seed and measured.
-pub struct Timed {
-    /// How long it took.
-    pub summary: CodeSummary,
-    /// What was measured.
-    pub harvest: Harvest,
-}
-
-/// What came of the runs.
+/// Ended runs.
 pub struct Simulated {
     /// The runs that ended well, measured.
     pub harvests: Vec<Harvest>,
@@ -157,36 +153,58 @@ impl Runs<'_> {
         Ok(Harvest::of(scene, &recording, code.contact_law(), utc(SystemTime::now())))
     }
 
-    /// Times the code on one seed of the scene by a run for timing. Where that does not tell all that is measured, a run for measuring
-    /// does. `take` makes either, or takes what is kept of it.
+    /// Returns the run of a seed, stored or made now. It may have been made next to others or alone on the machine.
+    ///
+    /// # Errors
+    /// [`RunError`] if it has to be made and cannot.
+    pub fn take(&self, cache: &RunCache, code: &dyn Code, seed: u64) -> Result<Harvest, RunError> {
+        match cache.find(&self.key(code, seed, true))? {
+            Some(harvest) => Ok(harvest),
+            None => self.take_as(cache, code, seed, false),
+        }
+    }
+
+    fn take_as(&self, cache: &RunCache, code: &dyn Code, seed: u64, alone: bool) -> Result<Harvest, RunError> {
+        cache.take(&self.key(code, seed, alone), || {
+            let harvest = self.one(code, &self.scene.with_stiffness_factor(self.stiffness_factor), seed)?;
+            Ok(match seed {
+                PICTURED_SEED => harvest,
+                _ => Harvest { series: Vec::new(), final_state: None, ..harvest },
+            })
+        })
+    }
+
+    /// Key of a run: scene, settings, the code with its version and contact law; of a run alone on the machine its processor too.
+    pub fn key(&self, code: &dyn Code, seed: u64, alone: bool) -> Key {
+        let scene = self.scene.with_stiffness_factor(self.stiffness_factor);
+        let (mark, machine) = if alone { ("-alone", machine()) } else { ("", String::new()) };
+        let name = format!("{}-{}-s{seed}{mark}", file_stem(&scene.name), code.name().to_lowercase());
+        // Where a code is timed by the input that it is measured by, one run is both.
+        let timing = self.purpose == Purpose::Timing && code.timing_input().is_some();
+        let settings = [
+            format!("{} {}", self.rayleigh_fraction, self.stiffness_factor),
+            format!("{} {}, {}", code.name(), code.version().unwrap_or_default(), code.contact_law()),
+            machine,
+            String::from(if timing { "timing" } else { "" }),
+        ];
+        Key::of_run(name, &scene, seed, &settings.each_ref().map(String::as_str)).apart()
+    }
+
+    /// Times the code on one seed by a run for timing, alone on the machine, unless that is stored. Where its frames lack content, they are
+    /// measured in a run for measuring.
     ///
     /// # Errors
     /// That of either run.
-    pub fn time<E>(
-        &self,
-        code: &dyn Code,
-        seed: u64,
-        take: impl Fn(&Runs<'_>) -> Result<Harvest, E>,
-    ) -> Result<Timed, E> {
-        let run_for = |purpose: Purpose| take(&Runs { purpose, ..self.clone() });
-        let timed = run_for(Purpose::Timing)?;
-        let run = &timed.run;
+    pub fn time(&self, cache: &RunCache, code: &dyn Code, seed: u64) -> Result<(CodeSummary, Harvest), RunError> {
+        let timed = Runs { purpose: Purpose::Timing, ..self.clone() }.take_as(cache, code, seed, true)?;
         let input = code.timing_input().map(|words| format!("; its input for timing: {words}")).unwrap_or_default();
-        let summary = CodeSummary {
-            code: run.code.clone(),
-            version: run.version.clone(),
-            source: Source::Live,
-            seeds: vec![seed],
-            time_step: run.known_time_step(),
-            rayleigh_fraction: run.rayleigh_fraction,
-            wall_seconds_per_simulated_second: run.pace(),
-            // Without processor time there is no time that other codes' can be divided by.
-            timing: if run.core_seconds.is_some() { Timing::Alone } else { Timing::Measuring },
-            processor: run.processor.clone(),
-            provenance: format!("processor time of the stepping of one run by this command{input}"),
-        };
-        let harvest = if timed.lacks.is_empty() { timed } else { run_for(Purpose::Measuring)? };
-        Ok(Timed { summary, harvest })
+        // Without processor time there is no time that other codes' can be divided by.
+        let timing = if timed.run.core_seconds.is_some() { Timing::Alone } else { Timing::Measuring };
+        let provenance = format!("processor time of the stepping of one run by this command{input}");
+        let runs = CodeRuns { timing, provenance, ..CodeRuns::live(code.name(), 1, vec![timed.clone()]) };
+        let summary = runs.summary().expect("it has a run");
+        let harvest = if timed.lacks.is_empty() { timed } else { self.take(cache, code, seed)? };
+        Ok((summary, harvest))
     }
 
     /// A recording that is kept, if it is the one that its name says.
@@ -216,9 +234,6 @@ impl Runs<'_> {
 
 /// The end of a recording's name: a hash of the files that the code is given, so that what came of another deck is not taken up; nothing
 /// where it is given none.
-///
-/// # Errors
-/// [`CodeError`], if files cannot be written or read back.
 fn inputs(code: &dyn Code, job: &Job<'_>) -> Result<String, CodeError> {
     let refused = |path: &Path, source| CodeError::Io { path: path.display().to_string(), source };
     // Nothing that an earlier process of the same number left behind counts.

@@ -2,19 +2,17 @@
 
 use super::numbers::{compact, round_ticks, superscript};
 
-/// One axis.
 pub(crate) struct Axis {
-    /// What it shows, with its unit.
+    /// Quantity with its unit.
     pub(crate) label: String,
     /// Lower end.
     pub(crate) low: f64,
     /// Upper end.
     pub(crate) high: f64,
-    /// How values are spread over it.
     scale: Scale,
 }
 
-/// How values are spread over an axis, and which of them are marked.
+/// Scale of an axis, and its marks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Scale {
     /// Evenly.
@@ -28,7 +26,6 @@ enum Scale {
 }
 
 impl Axis {
-    /// A linear axis.
     pub(crate) fn linear(label: &str, low: f64, high: f64) -> Axis {
         // An axis of no length would divide by zero.
         let high = if high > low { high } else { low + 1.0 };
@@ -65,7 +62,7 @@ impl Axis {
         Axis { label: label.into(), low, high: high.max(2.0 * low), scale: Scale::Doublings }
     }
 
-    /// Where a value lies, 0 at the lower end and 1 at the upper.
+    /// Position of a value, 0 at the lower end and 1 at the upper.
     pub(crate) fn share(&self, value: f64) -> f64 {
         if self.scale != Scale::Linear {
             (value / self.low).ln() / (self.high / self.low).ln()

@@ -9,6 +9,6 @@ pub struct Figure {
     pub name: String,
     /// The drawing.
     pub svg: String,
-    /// What it shows.
+    /// Caption.
     pub caption: String,
 }

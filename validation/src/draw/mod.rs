@@ -1,4 +1,4 @@
-//! How numbers, tables and figures are drawn, the same on every page and in every terminal.
+//! Drawing of numbers, tables and figures, common to all pages and the terminal.
 //!
 //! ```text
 //! values ─> Axis ─> Plot ─> Drawing (SVG) ─> Figure ─> page, file

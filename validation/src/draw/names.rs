@@ -1,4 +1,4 @@
-//! How observables, units and codes are called and marked in tables and figures.
+//! Names and marks of observables, units and codes in tables and figures.
 
 use super::numbers::Rounding;
 
@@ -52,16 +52,14 @@ pub(crate) enum Marker {
     Cross,
 }
 
-/// How a code is drawn: always in the same colour, with the same marker and the same kind of line.
+/// Style of a code: colour, marker and kind of line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct CodeStyle {
     /// Style class that carries colour and dashes.
     pub(crate) class: &'static str,
-    /// Marker.
     pub(crate) marker: Marker,
 }
 
-/// Style of a code.
 pub(crate) fn code_style(code: &str) -> CodeStyle {
     let (class, marker) = match code.to_ascii_lowercase().as_str() {
         "makadam" => ("code-makadam", Marker::Circle),

@@ -1,6 +1,6 @@
 //! Numbers as a reader wants them: as many digits as the margin or the spread bears, a true minus sign.
 
-/// How the values of one observable are rounded, the same in every column.
+/// Rounding of the values of one observable, the same in every column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Rounding {
     /// Decimals after the point.
@@ -35,7 +35,6 @@ impl Rounding {
         Rounding::Decimals(decimals(margin / PARTS_OF_MARGIN))
     }
 
-    /// A value.
     pub(crate) fn value(self, value: f64) -> String {
         if !value.is_finite() {
             return "not finite".into();

@@ -11,7 +11,6 @@ const LEFT: f64 = 58.0;
 const RIGHT: f64 = 14.0;
 const TOP: f64 = 30.0;
 const BOTTOM: f64 = 44.0;
-/// Height of the words of a tick.
 const TICK_HEIGHT: f64 = 11.0;
 /// Height of a line of a legend.
 const LEGEND_LINE: f64 = 18.0;
@@ -21,7 +20,7 @@ const KEY_LINE: f64 = 15.0;
 const MARKER: f64 = 6.5;
 /// Distance from a marker's middle from which on a line leads to its number.
 const LEADER: f64 = 11.0;
-/// Where the lines of a legend of several begin.
+/// Left end of the lines of a legend of several.
 const LEGEND_LEFT: f64 = 14.0;
 
 /// An entry of a legend.
@@ -53,7 +52,7 @@ pub(crate) struct Plot {
     /// Upper and lower edge of the frame.
     top: f64,
     bottom: f64,
-    /// Where markers, lines and numbers are.
+    /// Areas of markers and numbers.
     room: Room,
 }
 
@@ -114,7 +113,7 @@ impl Plot {
         self.drawing.text_upwards("label", [13.0, (top + bottom) / 2.0], &y);
     }
 
-    /// Where a point of the plane lies on the drawing.
+    /// Position of a point of the plane on the drawing.
     fn at(&self, x: f64, y: f64) -> [f64; 2] {
         [LEFT + self.x.share(x) * (WIDTH - LEFT - RIGHT), self.bottom - self.y.share(y) * (self.bottom - self.top)]
     }
@@ -134,7 +133,6 @@ impl Plot {
     /// A curve of a class, cut off at the frame.
     pub(crate) fn curve(&mut self, class: &str, points: impl Iterator<Item = [f64; 2]>) {
         let points: Vec<[f64; 2]> = points.map(|[x, y]| self.at(x, y)).collect();
-        points.windows(2).for_each(|ends| self.room.line([ends[0], ends[1]]));
         self.drawing.begin_clip([LEFT, self.top], WIDTH - LEFT - RIGHT, self.bottom - self.top);
         self.drawing.curve(class, points.into_iter());
         self.drawing.end_clip();
@@ -157,7 +155,7 @@ impl Plot {
     fn mark(&mut self, style: CodeStyle, [x, y]: [f64; 2], size: f64, hollow: bool) {
         let at = self.at(x, y);
         // The widest shape is 1.25 times as wide as its size says.
-        self.room.mark(Area::around(at, [1.3 * size; 2]));
+        self.room.take(Area::around(at, [1.3 * size; 2]));
         self.drawing.marker(style, at, size, hollow);
     }
 
@@ -167,7 +165,6 @@ impl Plot {
         let high = high.min(self.y.high);
         if self.contains(x, low) && self.contains(x, high) {
             let (a, b) = (self.at(x, low), self.at(x, high));
-            self.room.line([a, b]);
             self.drawing.line(class, a, b);
         }
     }
@@ -227,7 +224,7 @@ impl Plot {
         self.drawing.text("tick beside", [middle, area.high[1] - 2.0], Anchor::Middle, &text);
     }
 
-    /// What numbers stand for, below the axis: lines of entries behind the marker of each style.
+    /// Draws the key of numbers below the axis: lines of entries behind the marker of each style.
     pub(crate) fn key_of_numbers(&mut self, groups: &[(CodeStyle, Vec<(usize, &str)>)]) {
         let (mut y, first) = (self.bottom + BOTTOM + 4.0, LEGEND_LEFT + 14.0);
         for (style, entries) in groups {

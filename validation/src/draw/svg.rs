@@ -10,7 +10,6 @@ pub(crate) struct Drawing {
     height: f64,
 }
 
-/// Where a text is held.
 #[derive(Clone, Copy)]
 pub(crate) enum Anchor {
     Start,
@@ -53,7 +52,6 @@ impl Drawing {
         );
     }
 
-    /// A circle.
     pub(crate) fn circle(&mut self, class: &str, centre: [f64; 2], radius: f64) {
         let _ = write!(
             self.body,
@@ -81,12 +79,10 @@ impl Drawing {
         }
     }
 
-    /// A path by its data.
     pub(crate) fn path(&mut self, class: &str, data: &str) {
         let _ = write!(self.body, r#"<path class="{class}" d="{data}"/>"#);
     }
 
-    /// A text.
     pub(crate) fn text(&mut self, class: &str, at: [f64; 2], anchor: Anchor, text: &str) {
         let anchor = match anchor {
             Anchor::Start => "start",
@@ -153,7 +149,7 @@ impl Drawing {
         let _ = write!(self.body, r#"<polygon class="{class}" points="{}"/>"#, points.join(" "));
     }
 
-    /// What is drawn from here to [`Drawing::end_clip`] is cut off at a rectangle.
+    /// Cuts off drawing from here to [`Drawing::end_clip`] at a rectangle.
     pub(crate) fn begin_clip(&mut self, corner: [f64; 2], width: f64, height: f64) {
         // A nested viewport clips without an id, which would have to be unique on the page.
         let _ = write!(

@@ -1,21 +1,19 @@
-//! Ablation: the scene with each effect off or on, over several seeds, judged by the equivalence test.
-//!
-//! Each run is kept as soon as it is measured, and taken up by the next start.
+//! Ablation: the scene with each effect off or on, over several seeds, compared by the equivalence test.
 
-use crate::compare::{Announce, KeptError, KeptRuns, MeasuredRun, Runs};
+use crate::compare::{Announce, MeasuredRun, Runs};
 use crate::draw::numbers::Rounding;
 use crate::peers::Makadam;
 use crate::plan::{Expectation, Scene};
 use crate::statistics::{Ensemble, Equivalence, Outcome, equivalence};
+use crate::study::{RunCache, RunError, run_jobs};
 use makadam::effects::CATALOGUE;
-use rayon::prelude::*;
 use serde::Serialize;
 use std::path::Path;
 use std::time::Duration;
 
-/// What is to be run.
+/// Runs of an ablation.
 pub struct Plan<'a> {
-    /// The scene.
+    /// Scene.
     pub scene: &'a Scene,
     /// Its file.
     pub scene_file: &'a Path,
@@ -23,13 +21,13 @@ pub struct Plan<'a> {
     pub seeds: &'a [u64],
     /// Wall time after which a run is stopped.
     pub time_limit: Duration,
-    /// Where finished runs are kept.
-    pub kept: &'a KeptRuns,
+    /// Stored runs.
+    pub cache: &'a RunCache,
     /// Opens progress displays.
     pub announce: Announce<'a>,
 }
 
-/// Whether the scene needs an effect, as far as one observable tells.
+/// Verdict on whether the scene needs an effect, by one observable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Need {
@@ -60,7 +58,7 @@ impl Need {
 pub struct Ablated {
     /// The effect.
     pub effect: &'static str,
-    /// What was changed.
+    /// Change of the scene.
     pub change: String,
     /// The observable.
     pub observable: String,
@@ -77,7 +75,7 @@ pub struct Ablated {
 }
 
 impl Ablated {
-    /// How values of the observable are rounded.
+    /// Rounding of values of the observable.
     pub(super) fn rounding(&self) -> Rounding {
         Rounding::to_margin(self.margin)
     }
@@ -88,34 +86,44 @@ impl Ablated {
 pub struct Ablation {
     /// Seeds of each.
     pub seeds: Vec<u64>,
-    /// One a variation and observable.
+    /// Rows by variation and observable.
     pub rows: Vec<Ablated>,
+    /// Number of runs that ended.
+    #[serde(skip)]
+    pub runs: usize,
+    /// Their wall time, s.
+    #[serde(skip)]
+    pub wall_seconds: f64,
 }
 
 impl Ablation {
-    /// Runs the scene and its variations over the seeds, as many at a time as the thread pool has threads, and judges each
-    /// observable that has a margin.
+    /// Runs the scene and its variations over the seeds, and compares each observable that has a margin.
     ///
     /// # Errors
-    /// [`KeptError`] if the scene itself cannot be run; a variation that cannot is not measurable.
-    pub fn run(plan: &Plan<'_>) -> Result<Ablation, KeptError> {
+    /// [`RunError`] if the scene itself cannot be run; a variation that cannot is not measurable.
+    pub fn run(plan: &Plan<'_>) -> Result<Ablation, RunError> {
         let versions = plan.versions();
-        let jobs: Vec<(&Variation, u64)> =
-            versions.iter().flat_map(|version| plan.seeds.iter().map(move |&seed| (version, seed))).collect();
-        let ended: Vec<_> = jobs.par_iter().with_max_len(1).map(|&(version, seed)| plan.one(version, seed)).collect();
-        let mut runs = Vec::new();
-        for (number, result) in ended.into_iter().enumerate() {
-            match result {
-                Ok(run) => runs.push(Some(run)),
-                // The first are of the scene itself.
-                Err(error) if error.ends_all() || number < plan.seeds.len() => return Err(error),
-                Err(_) => runs.push(None),
-            }
-        }
+        let numbered = versions.iter().enumerate();
+        let jobs: Vec<(usize, &Variation, u64)> = numbered
+            .flat_map(|(number, version)| plan.seeds.iter().map(move |&seed| (number, version, seed)))
+            .collect();
+        let work = |(_, version, _): &(usize, &Variation, u64)| version.scene.duration / version.scene.solver.step;
+        let runs = run_jobs(&jobs, work, &|_| {}, |&(number, version, seed), _| match plan.take(version, seed) {
+            Ok(run) => Ok(Some(run)),
+            // The first version is the scene itself.
+            Err(error) if error.ends_all() || number == 0 => Err(error),
+            Err(_) => Ok(None),
+        })?;
         let mut of_versions = runs.chunks(plan.seeds.len());
         let base = of_versions.next().unwrap_or_default();
-        let judged = versions[1..].iter().zip(of_versions).flat_map(|(version, runs)| plan.judged(version, base, runs));
-        Ok(Ablation { seeds: plan.seeds.to_vec(), rows: judged.collect() })
+        let compared =
+            versions[1..].iter().zip(of_versions).flat_map(|(version, runs)| plan.compared(version, base, runs));
+        Ok(Ablation {
+            seeds: plan.seeds.to_vec(),
+            rows: compared.collect(),
+            runs: runs.iter().flatten().count(),
+            wall_seconds: runs.iter().flatten().map(|run| run.wall_seconds).sum(),
+        })
     }
 }
 
@@ -126,21 +134,26 @@ impl Plan<'_> {
         std::iter::once(base).chain(variations(self.scene)).collect()
     }
 
-    /// One run: that of an earlier start if it is of the same scene, seed and version.
+    /// Returns one run, stored or made now.
     ///
     /// # Errors
-    /// [`KeptError`] if it has to be made and cannot.
-    pub fn one(&self, version: &Variation, seed: u64) -> Result<MeasuredRun, KeptError> {
-        Ok(self.kept.take(&self.runs(version, seed), &Makadam, seed)?.run)
+    /// [`RunError`] if it has to be made and cannot.
+    pub fn take(&self, version: &Variation, seed: u64) -> Result<MeasuredRun, RunError> {
+        Ok(self.runs(version, seed).take(self.cache, &Makadam, seed)?.run)
     }
 
-    /// What is asked of Makadam for one run.
+    /// Runs of Makadam of which one is taken.
     pub fn runs<'v>(&'v self, version: &'v Variation, seed: u64) -> Runs<'v> {
         Runs::of_one_seed(&version.scene, self.scene_file, seed, self.time_limit, self.announce)
     }
 
     /// The observables that have a margin, under one variation.
-    fn judged(&self, version: &Variation, base: &[Option<MeasuredRun>], runs: &[Option<MeasuredRun>]) -> Vec<Ablated> {
+    fn compared(
+        &self,
+        version: &Variation,
+        base: &[Option<MeasuredRun>],
+        runs: &[Option<MeasuredRun>],
+    ) -> Vec<Ablated> {
         // A mean of those seeds that could be measured is none of all of them.
         let ensemble = |runs: &[Option<MeasuredRun>], observable: &str| {
             let values = runs.iter().map(|run| run.as_ref().and_then(|run| run.value(observable)));
@@ -179,7 +192,7 @@ fn need(test: Option<&Equivalence>) -> Need {
 pub struct Variation {
     /// The effect.
     pub effect: &'static str,
-    /// What was changed, in words.
+    /// Change in words.
     pub change: String,
     /// The scene.
     pub scene: Scene,

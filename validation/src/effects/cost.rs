@@ -1,4 +1,4 @@
-//! What effects cost: every kernel that is compiled, swept over the same contacts.
+//! Costs of effects: every compiled kernel, swept over the same contacts.
 
 use crate::statistics::median;
 use makadam::Simulation;
@@ -17,7 +17,7 @@ const CONTACT_SWEEPS: usize = 300_000;
 pub struct Cost {
     /// The effects that it is compiled with.
     pub effects: &'static str,
-    /// Whether it is the one that the scene calls for.
+    /// True of the kernel of the scene.
     pub called: bool,
     /// Median time of a contact sweep, ns.
     pub nanoseconds: f64,
@@ -32,7 +32,6 @@ pub struct Cost {
 pub struct Costs {
     /// Contacts that were swept over.
     pub contacts: usize,
-    /// Instruction set.
     pub instruction_set: &'static str,
     /// One a kernel, from the barest on.
     pub kernels: Vec<Cost>,

@@ -14,7 +14,7 @@ const NONE: f64 = 1e-4;
 /// See [`NONE`].
 const LARGE: f64 = 0.05;
 
-/// What a stretch of the run shows.
+/// Losses of energy and overlaps over a stretch of the run.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Look {
     /// Simulated time that was looked at, s.
@@ -32,7 +32,7 @@ pub struct Look {
 }
 
 impl Look {
-    /// What a simulation whose ledger was opened `seconds` ago shows; absent without a ledger.
+    /// Reads the ledger of a simulation, opened `seconds` ago; `None` without one.
     pub fn at(simulation: &Simulation, seconds: f64) -> Option<Look> {
         let Balance { friction, resistance, restitution, stabilisation, .. } = simulation.balance()?;
         let lost = friction + resistance + restitution + stabilisation.max(0.0);
@@ -48,8 +48,7 @@ impl Look {
     }
 }
 
-/// What a user should know: effects that are declared but cannot matter, and ones that are absent where the numbers call
-/// for them.
+/// Lists effects that are declared without a use, and absent ones that the numbers suggest.
 pub fn warnings(scene: &Scene, look: Option<&Look>) -> Vec<String> {
     let mut warnings = Vec::new();
     let used = |name: &str| {
@@ -93,11 +92,10 @@ pub fn warnings(scene: &Scene, look: Option<&Look>) -> Vec<String> {
 /// One effect: whether the scene calls for it, and why.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Called {
-    /// Its name.
     pub effect: &'static str,
-    /// Whether it is simulated.
+    /// True if it is simulated.
     pub on: bool,
-    /// What the scene says, or what it does not.
+    /// Reason.
     pub why: String,
     /// Line of the scene file, from 1; absent where the file leaves it to the default.
     pub line: Option<usize>,

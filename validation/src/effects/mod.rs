@@ -1,8 +1,8 @@
-//! Which effects a scene calls for, what each costs, and whether it matters.
+//! Effects of a scene: active ones, their costs, and the need for each.
 //!
 //! ```text
-//! scene ─> called ────────────────────────────────> which are on, by which line
-//!       ├> flowing state ─> costs, look ──────────> nanoseconds and bytes a contact, what the numbers warn of
+//! scene ─> called ────────────────────────────────> active effects with their lines
+//!       ├> flowing state ─> costs, look ──────────> nanoseconds and bytes per contact, warnings
 //!       └> each effect off or on, seeds ─> ablation > needed, not needed, undecided
 //! ```
 
@@ -11,7 +11,8 @@ mod cost;
 mod look;
 mod study;
 
-pub use ablation::{Ablated, Ablation, Need, Plan, Variation, variations};
-pub use cost::{Cost, Costs};
-pub use look::{Called, Look, called, warnings};
-pub use study::{Study, table};
+pub(crate) use ablation::{Ablated, Ablation, Need, Plan};
+pub use ablation::{Variation, variations};
+pub(crate) use cost::Costs;
+pub(crate) use look::{Called, Look, called, warnings};
+pub(crate) use study::Study;

@@ -1,39 +1,35 @@
-//! Results of `makadam effects`: the document, its text and the table of an ablation.
+//! Study of the effects of a scene and its report.
 
 use super::{Ablated, Ablation, Called, Costs, Look, called, warnings};
+use crate::draw::numbers::plural;
 use crate::output::JSON_VERSION;
 use crate::plan::Scene;
 use crate::provenance::Provenance;
-use crate::study::{Cell, DocumentError, Table, json, write_together};
+use crate::study::{Answer, Cell, Document, Report, Section, Table, cells};
 use serde::Serialize;
-use std::fmt::Write;
-use std::path::Path;
 
-/// The effects of a scene.
+/// Content of `effects.json`.
 #[derive(Clone, Debug, Serialize)]
 pub struct Study {
-    /// Version of the document's form.
+    /// Version of the document.
     pub version: u32,
-    /// `effects`.
+    /// "effects".
     pub command: &'static str,
-    /// The scene.
     pub scene: String,
-    /// Which effects it calls for.
+    /// Effects, active or not.
     pub effects: Vec<Called>,
-    /// What kernels cost on its contacts; absent where it has none.
+    /// Costs of kernels on the contacts of the scene; absent where it has none.
     pub costs: Option<Costs>,
-    /// A stretch of the run.
+    /// Energy and overlaps over a stretch of the run.
     pub look: Option<Look>,
-    /// What a user should know.
     pub warnings: Vec<String>,
-    /// Each effect off or on; absent where it was not asked for.
+    /// Each effect off or on; absent where it was not requested.
     pub ablation: Option<Ablation>,
-    /// Where it was measured.
     pub provenance: Provenance,
 }
 
 impl Study {
-    /// The effects of a scene, whose file has this text, and what was measured of them.
+    /// Joins the measurements of a scene, whose file has this text, with its effects and warnings.
     pub fn new(
         scene: &Scene,
         text: &str,
@@ -53,112 +49,87 @@ impl Study {
             provenance,
         }
     }
+}
 
-    /// Writes `effects.json` and, where there is an ablation, `ablation.md`.
-    ///
-    /// # Errors
-    /// [`DocumentError`] if a file cannot be written; none is changed then.
-    pub fn write(&self, folder: &Path) -> Result<(), DocumentError> {
-        let table = self.ablation.is_some().then(|| ("ablation.md".into(), markdown(self).into_bytes()));
-        let files: Vec<_> = [json("effects", self)?].into_iter().chain(table).collect();
-        write_together(folder, &files)
+impl Document for Study {
+    const NAME: &'static str = "effects";
+
+    fn report(&self) -> Report {
+        let active: Vec<&str> = self.effects.iter().filter(|effect| effect.on).map(|effect| effect.effect).collect();
+        let build = &self.provenance.build;
+        let kernels = self.costs.as_ref().map(kernels);
+        let verdicts = self.ablation.as_ref().map(verdicts);
+        Report {
+            kind: "Makadam, effects of a scene",
+            title: format!("Effects of the scene {}", self.scene),
+            facts: vec![build.processor.clone(), format!("version {}", build.version), self.provenance.time.clone()],
+            answer: Answer {
+                class: "agree",
+                word: format!("{}.", plural(active.len(), "active effect")),
+                sentence: format!("{}.", active.join(", ")),
+            },
+            findings: self.look.iter().map(energy).collect(),
+            sections: [Section::new("Effects", "", effects(&self.effects))]
+                .into_iter()
+                .chain(kernels)
+                .chain(verdicts)
+                .collect(),
+            notes: self.warnings.iter().map(|warning| format!("warning: {warning}")).collect(),
+            limits: vec![
+                "Kernels are timed in turn on the contacts of one state; ratios are medians over rounds.".into(),
+                "An effect is needed if an observable moves beyond its margin without it.".into(),
+            ],
+            provenance: self.provenance.pairs(),
+            files: "effects.json",
+        }
     }
 }
 
-/// Tables of effects, costs, ablation, and the warnings.
-pub fn table(study: &Study) -> String {
-    let mut text = format!("{}\n\n", study.scene);
-    for called in &study.effects {
-        let place = called.line.map_or(String::new(), |line| format!(" (line {line})"));
-        let state = if called.on { "on" } else { "off" };
-        let _ = writeln!(text, "{:<20} {state:<4} {}{place}", called.effect, called.why);
-    }
-    if let Some(look) = &study.look {
-        text += &energy(look);
-    }
-    if let Some(costs) = &study.costs {
-        text += &kernels(costs);
-    }
-    if let Some(ablation) = &study.ablation {
-        text += &verdicts(ablation);
-    }
-    for warning in &study.warnings {
-        let _ = writeln!(text, "\nwarning: {warning}");
-    }
-    text.trim_end().to_string()
+fn effects(effects: &[Called]) -> Table {
+    Table::new(&["effect", "state", "reason", "line"], &[]).of(effects, |called| {
+        let line = called.line.map(|line| line.to_string());
+        cells![called.effect, if called.on { "on" } else { "off" }, &called.why, line]
+    })
 }
 
 fn energy(look: &Look) -> String {
+    let percent = |share: f64| format!("{:.1}%", 100.0 * share);
     format!(
-        "\nover {:.2} s: {:.3e} J lost, to friction {:.1}%, resistance to turning {:.1}%, impacts {:.1}%; largest overlap {:.2}% of \
-         a radius\n",
+        "Over {:.2} s {:.3e} J were lost: to friction {}, resistance to turning {}, impacts {}. The largest overlap is {:.2}% of a radius.",
         look.seconds,
         look.lost,
-        100.0 * look.friction,
-        100.0 * look.resistance,
-        100.0 * look.impacts,
+        percent(look.friction),
+        percent(look.resistance),
+        percent(look.impacts),
         100.0 * look.largest_overlap
     )
 }
 
-fn kernels(costs: &Costs) -> String {
-    let mut text = format!(
-        "\nkernel over {} contacts, one thread, {}                 ns a contact sweep   of friction's   bytes a contact\n",
-        costs.contacts, costs.instruction_set
-    );
-    for cost in &costs.kernels {
-        let called = if cost.called { "  <- this scene" } else { "" };
-        let _ = writeln!(
-            text,
-            "{:<42} {:>18.2} {:>15.2} {:>17}{called}",
-            cost.effects, cost.nanoseconds, cost.over_friction, cost.bytes
-        );
-    }
-    text
+fn kernels(costs: &Costs) -> Section {
+    let table = Table::new(&["kernel"], &["ns per contact sweep", "of friction's", "bytes per contact"]);
+    let table = table.of(&costs.kernels, |cost| {
+        let [time, ratio] = [cost.nanoseconds, cost.over_friction].map(|value| format!("{value:.2}"));
+        vec![Cell::from(cost.effects).strong(cost.called), time.into(), ratio.into(), cost.bytes.into()]
+    });
+    let title = format!("Kernels over {} contacts, one thread, {}", costs.contacts, costs.instruction_set);
+    Section::new(format!("{title} (* of this scene)"), "", table)
 }
 
-fn verdicts(ablation: &Ablation) -> String {
-    let mut text = format!("\nablation, {} seeds each\n", ablation.seeds.len());
-    for row in &ablation.rows {
-        let rounding = row.rounding();
-        let changed = row.changed_mean.map_or("-".into(), |mean| rounding.value(mean));
-        let interval = row.interval90.map_or(String::new(), |interval| format!(" {}", rounding.interval(interval)));
-        let _ = writeln!(
-            text,
-            "{:<20} {:<28} {:<28} {} -> {changed}{interval}, margin {}: {}",
-            row.effect,
-            row.change,
-            row.observable,
-            row.mean.map_or("not measured".into(), |mean| rounding.value(mean)),
-            row.margin,
-            row.need.words()
-        );
-    }
-    text
-}
-
-/// The verdicts on each effect, observable by observable; empty without an ablation.
-fn markdown(study: &Study) -> String {
-    let Some(ablation) = &study.ablation else { return String::new() };
+fn verdicts(ablation: &Ablation) -> Section {
     let heads = ["effect", "change", "observable", "as it is", "changed", "interval", "margin", "verdict"];
-    format!(
-        "# {}: which effects it needs\n\n{} seeds each; 90% interval of the scene as it is, less the changed one.\n\n{}",
-        study.scene,
-        ablation.seeds.len(),
-        Table::new(&heads, &[]).of(&ablation.rows, cells).markdown()
-    )
-}
-
-fn cells(row: &Ablated) -> Vec<Cell> {
-    let rounding = row.rounding();
-    vec![
-        row.effect.into(),
-        row.change.as_str().into(),
-        row.observable.as_str().into(),
-        row.mean.map_or("not measured".into(), |mean| rounding.value(mean)).into(),
-        row.changed_mean.map_or("nothing to measure".into(), |mean| rounding.value(mean)).into(),
-        row.interval90.map(|interval| rounding.interval(interval)).into(),
-        row.margin.to_string().into(),
-        row.need.words().into(),
-    ]
+    let table = Table::new(&heads, &[]).of(&ablation.rows, |row: &Ablated| {
+        let rounding = row.rounding();
+        cells![
+            row.effect,
+            &row.change,
+            &row.observable,
+            row.mean.map_or("not measured".into(), |mean| rounding.value(mean)),
+            row.changed_mean.map_or("nothing to measure".into(), |mean| rounding.value(mean)),
+            row.interval90.map(|interval| rounding.interval(interval)),
+            row.margin.to_string(),
+            row.need.words(),
+        ]
+    });
+    let text = "Intervals are those of 90% of the scene as it is, less the changed one.";
+    Section::new(format!("Ablation, {} seeds each", ablation.seeds.len()), text, table)
 }

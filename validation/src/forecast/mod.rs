@@ -1,4 +1,4 @@
-//! What will run, told before it does: grains, scales, settings with the reason for each, memory and time.
+//! Preflight summary of a run: grains, scales, settings with the reason for each, memory and time.
 //!
 //! ```text
 //! scene ─> grains placed ─> scales (bed, walls, contacts) ─┐
@@ -7,8 +7,9 @@
 
 mod pace;
 mod scales;
-mod words;
 
+use crate::draw::numbers::{compact, count, duration, plural};
+use crate::draw::wrapped;
 use crate::effects::{Called, called};
 use crate::execution::threads_for;
 use crate::observables::impossible;
@@ -19,15 +20,13 @@ use makadam::solve::{residual_text, residual_unit_name};
 use pace::{Pace, Work};
 use scales::Bed;
 use serde::Serialize;
+use std::fmt::Write;
 
-/// What will run.
+/// Preflight summary of a run.
 #[derive(Clone, Debug, Serialize)]
 pub struct Forecast {
-    /// Name of the scene.
     pub scene: String,
-    /// Its description.
     pub description: String,
-    /// Number of grains.
     pub grains: usize,
     /// Smallest, mean and largest radius, m; absent without grains.
     pub radii: Option<[f64; 3]>,
@@ -35,15 +34,12 @@ pub struct Forecast {
     pub mass: f64,
     /// Names of the walls that move, with how.
     pub moving_walls: Vec<String>,
-    /// Number of walls.
     pub walls: usize,
     /// Names of the active physical effects.
     pub effects: Vec<&'static str>,
     /// Simulated time, s.
     pub seconds: f64,
-    /// Steps.
     pub steps: u64,
-    /// Frames.
     pub frames: u64,
     /// Settings with the reason for each.
     pub settings: Vec<Setting>,
@@ -57,16 +53,14 @@ pub struct Forecast {
     pub threads: usize,
     /// Causes of a cost beyond the expected one, with the setting to change.
     pub notes: Vec<String>,
-    /// What the settings are not expected to bear.
+    /// Preflight warnings.
     pub findings: Vec<Finding>,
 }
 
 /// A setting and why it is so.
 #[derive(Clone, Debug, Serialize)]
 pub struct Setting {
-    /// The key.
     pub key: &'static str,
-    /// Its value, in words.
     pub value: String,
     /// Who says so.
     pub why: String,
@@ -75,18 +69,15 @@ pub struct Setting {
 /// A number that characterises the flow or the contacts.
 #[derive(Clone, Debug, Serialize)]
 pub struct Scale {
-    /// Its name.
     pub name: &'static str,
-    /// Its value.
     pub value: f64,
     /// Its unit; empty where it has none.
     pub unit: &'static str,
-    /// How it is computed.
     pub formula: String,
 }
 
 impl Forecast {
-    /// What will run of a scene whose file says `text`.
+    /// Summarises a scene whose file holds `text`.
     ///
     /// # Errors
     /// [`makadam::scene::SceneError`] if its grains cannot be placed.
@@ -194,6 +185,64 @@ fn settings(scene: &Scene, text: &str) -> Vec<Setting> {
     ];
     settings.extend(spring);
     settings
+}
+
+impl Forecast {
+    /// All of it, as a text of several lines.
+    pub fn text(&self) -> String {
+        let colon = if self.description.is_empty() { "" } else { ": " };
+        let mut text = format!("{}{colon}{}\n\n", self.scene, self.description);
+        let size = self.radii.map_or(String::new(), |[least, mean, most]| {
+            let millimetres = |length: f64| compact(1e3 * length);
+            format!(
+                ", radius {} to {} mm, mean {} mm, {} kg",
+                millimetres(least),
+                millimetres(most),
+                millimetres(mean),
+                compact(self.mass)
+            )
+        });
+        let _ = writeln!(text, "grains    {}{size}", count(self.grains));
+        let moving = if self.moving_walls.is_empty() { "all at rest".into() } else { self.moving_walls.join("; ") };
+        let _ = writeln!(text, "walls     {}: {moving}", self.walls);
+        let _ = writeln!(text, "effects   {}", self.effects.join(", "));
+        let _ = writeln!(
+            text,
+            "run       {} s in {} steps, {} frames",
+            self.seconds,
+            count(self.steps as usize),
+            count(self.frames as usize)
+        );
+        let _ = writeln!(text, "memory    {:.1} MB", self.bytes as f64 / 1e6);
+        let _ = writeln!(
+            text,
+            "wall time some {} on {}, at the pace of this machine now; good to a factor of two",
+            duration(self.wall_seconds),
+            plural(self.threads, "thread")
+        );
+        let rows = self
+            .settings
+            .iter()
+            .map(|setting| vec![setting.key.to_string(), setting.value.clone(), setting.why.clone()]);
+        let head = |names: [&str; 3]| names.map(String::from).to_vec();
+        let rows: Vec<Vec<String>> = [head(["setting", "value", "why"])].into_iter().chain(rows).collect();
+        let _ = write!(text, "\n{}", wrapped(&rows));
+        let rows = self.scales.iter().map(|scale| {
+            let value = format!("{} {}", compact(scale.value), scale.unit);
+            vec![scale.name.to_string(), value.trim_end().to_string(), scale.formula.clone()]
+        });
+        let rows: Vec<Vec<String>> = [head(["number", "value", "how"])].into_iter().chain(rows).collect();
+        if !self.scales.is_empty() {
+            let _ = write!(text, "\n\n{}", wrapped(&rows));
+        }
+        for note in &self.notes {
+            let _ = write!(text, "\n\nnote: {note}");
+        }
+        if self.findings.is_empty() {
+            let _ = write!(text, "\n\nno objection: the settings are expected to bear this scene");
+        }
+        text
+    }
 }
 
 #[cfg(test)]

@@ -135,7 +135,7 @@ fn fastest(scene: &Scene) -> Option<(f64, f64)> {
     speeds.filter(|(speed, _)| *speed > 0.0).max_by(|a, b| a.0.total_cmp(&b.0))
 }
 
-/// How a wall moves, in words; `None` if it rests.
+/// Describes the motion of a wall; `None` if it rests.
 pub(super) fn motion(motion: &Motion) -> Option<String> {
     Some(match motion {
         Motion::Fixed => return None,

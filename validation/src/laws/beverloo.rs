@@ -5,13 +5,13 @@
 
 use super::campaign::values;
 use super::fit::line;
-use super::{Case, Law, LawError, Mean, Run, Values, reported};
+use super::{Case, Law, Mean, Run, RunError, Values};
 use crate::draw::figure::Figure;
 use crate::draw::names::{CodeStyle, Marker};
 use crate::draw::plot::{Axis, Key, Plot};
 use crate::sketch::{GRAVITY, Sketch};
 use crate::study::Finding;
-use makadam::scene::{Motion, Population, RadiusDistribution, Reaction, Region, Shape, Wall};
+use makadam::scene::{Motion, Region, Shape};
 use makadam::snapshot::{Particle, Snapshot};
 use std::f64::consts::PI;
 
@@ -46,106 +46,96 @@ const EXPONENT: f64 = 2.5;
 const TOLERANCE: f64 = 0.1;
 
 /// The law of the silo's outflow.
-pub(super) struct Beverloo;
+pub(super) const LAW: Law = Law {
+    name: "beverloo",
+    statement: "a hole of diameter D in the floor of a silo lets pass W = C rho_b sqrt(g) (D - k d)^2.5, with C = 0.58 and k = 1.4",
+    source: "Beverloo, Leniger & van de Velde, Chem. Eng. Sci. 15, 260 (1961); Nedderman, Statics and Kinematics of Granular \
+                 Materials (1992), chapter 10",
+    cases,
+    measure,
+    judge,
+    figures,
+};
 
 /// Flow over `rho_b sqrt(g) d^(5/2)` through a hole of so many grain diameters.
 fn law(hole: f64) -> f64 {
     C * (hole - K).max(0.0).powf(EXPONENT)
 }
 
-impl Law for Beverloo {
-    fn name(&self) -> &'static str {
-        "beverloo"
+fn cases(quick: bool) -> Vec<Case> {
+    match quick {
+        // Narrower than the law asks for: 14 grain diameters.
+        true => [4.5, 5.5].map(|hole| case(hole, 14.0)).into(),
+        false => [6.0, 8.0, 10.0, 12.0].map(|hole| case(hole, SILO[1])).into(),
     }
+}
 
-    fn statement(&self) -> &'static str {
-        "a hole of diameter D in the floor of a silo lets pass W = C rho_b sqrt(g) (D - k d)^2.5, with C = 0.58 and k = 1.4"
+fn measure(case: &Case, run: &mut Run<'_>) -> Result<Values, RunError> {
+    let (silo, open) = (case.of("silo"), case.of("open"));
+    run.to(open)?;
+    let (at_rest, filled) = (bulk_density(&run.frame(), silo), filling(&run.frame(), silo));
+    run.to(open + TIMES[0])?;
+    let (mut flow, mut flowing, mut least) = (Vec::new(), Vec::new(), filled);
+    let end = open + TIMES[0] + TIMES[1];
+    while least > FILLING[1] && !run.has_reached(end) {
+        run.sample((run.time() + INTERVAL).min(end), INTERVAL, |frame| {
+            flow.push([frame.time, passed(frame)]);
+            flowing.push(bulk_density(frame, silo));
+            least = filling(frame, silo);
+        })?;
     }
+    let (rate, _) = line(&flow);
+    let half = |flow: &[[f64; 2]]| line(flow).0;
+    let middle = flow.len() / 2;
+    let scale = at_rest * GRAVITY.sqrt() * DIAMETER.powf(2.5);
+    Ok(values([
+        ("flow", rate),
+        ("flow_scaled", rate / scale),
+        ("flow_second_over_first_half", half(&flow[middle..]) / half(&flow[..middle])),
+        ("passed", flow.last().map_or(0.0, |last| last[1]) / grain_mass()),
+        ("seconds_measured", run.time() - open - TIMES[0]),
+        ("bulk_density", at_rest),
+        ("bulk_density_flowing", flowing.iter().sum::<f64>() / flowing.len() as f64),
+        ("filling_at_start", filled),
+        ("filling_at_end", least),
+    ]))
+}
 
-    fn source(&self) -> &'static str {
-        "Beverloo, Leniger & van de Velde, Chem. Eng. Sci. 15, 260 (1961); Nedderman, Statics and Kinematics of Granular \
-         Materials (1992), chapter 10"
-    }
-
-    fn cases(&self, quick: bool) -> Vec<Case> {
-        match quick {
-            // Narrower than the law asks for: 14 grain diameters.
-            true => [4.5, 5.5].map(|hole| case(hole, 14.0)).into(),
-            false => [6.0, 8.0, 10.0, 12.0].map(|hole| case(hole, SILO[1])).into(),
-        }
-    }
-
-    #[cfg(test)]
-    fn recorded(&self) -> &'static str {
-        include_str!("../../laws/beverloo.csv")
-    }
-
-    fn measure(&self, case: &Case, run: &mut Run<'_>) -> Result<Values, LawError> {
-        let (silo, open) = (case.of("silo"), case.of("open"));
-        run.to(open)?;
-        let (at_rest, filled) = (bulk_density(&run.frame(), silo), filling(&run.frame(), silo));
-        run.to(open + TIMES[0])?;
-        let (mut flow, mut flowing, mut least) = (Vec::new(), Vec::new(), filled);
-        let end = open + TIMES[0] + TIMES[1];
-        while least > FILLING[1] && !run.has_reached(end) {
-            run.sample((run.time() + INTERVAL).min(end), INTERVAL, |frame| {
-                flow.push([frame.time, passed(frame)]);
-                flowing.push(bulk_density(frame, silo));
-                least = filling(frame, silo);
-            })?;
-        }
-        let (rate, _) = line(&flow);
-        let half = |flow: &[[f64; 2]]| line(flow).0;
-        let middle = flow.len() / 2;
-        let scale = at_rest * GRAVITY.sqrt() * DIAMETER.powf(2.5);
-        Ok(values([
-            ("flow", rate),
-            ("flow_scaled", rate / scale),
-            ("flow_second_over_first_half", half(&flow[middle..]) / half(&flow[..middle])),
-            ("passed", flow.last().map_or(0.0, |last| last[1]) / grain_mass()),
-            ("seconds_measured", run.time() - open - TIMES[0]),
-            ("bulk_density", at_rest),
-            ("bulk_density_flowing", flowing.iter().sum::<f64>() / flowing.len() as f64),
-            ("filling_at_start", filled),
-            ("filling_at_end", least),
-        ]))
-    }
-
-    fn judge(&self, means: &[Mean]) -> Vec<Finding> {
-        let fit = Fit::of(means);
-        let mut findings = vec![
-            Finding::near("exponent, with k = 1.4", "", fit.exponent, EXPONENT, TOLERANCE),
-            reported("C, with k = 1.4 and the exponent 2.5 (published: 0.58)", "", fit.c),
-            reported("k, with the exponent 2.5 (published: 1.4)", "", fit.free[1]),
-            reported("  C of that fit", "", fit.free[0]),
-        ];
-        for mean in means {
-            let hole = mean.of_value("hole");
-            let at = format!("D = {hole} d");
-            findings.push(reported(format!("flow over the law's, {at}"), "", mean.of_value("flow_scaled") / law(hole)));
-            let steady = mean.of_value("flow_second_over_first_half");
-            findings.push(reported(format!("  flow in the second half of the time over the first, {at}"), "", steady));
-        }
+fn judge(means: &[Mean]) -> Vec<Finding> {
+    let fit = Fit::of(means);
+    let mut findings = vec![
+        Finding::near("exponent, with k = 1.4", fit.exponent, EXPONENT, TOLERANCE),
+        Finding::reported("C, with k = 1.4 and the exponent 2.5 (published: 0.58)", fit.c),
+        Finding::reported("k, with the exponent 2.5 (published: 1.4)", fit.free[1]),
+        Finding::reported("  C of that fit", fit.free[0]),
+    ];
+    for mean in means {
+        let hole = mean.of_value("hole");
+        let at = format!("D = {hole} d");
         findings
+            .push(Finding::reported(format!("flow over the law's, {at}"), mean.of_value("flow_scaled") / law(hole)));
+        let steady = mean.of_value("flow_second_over_first_half");
+        findings.push(Finding::reported(format!("  flow in the second half of the time over the first, {at}"), steady));
     }
+    findings
+}
 
-    fn figures(&self, means: &[Mean]) -> Vec<Figure> {
-        let holes: Vec<f64> = means.iter().map(|mean| mean.of_value("hole")).collect();
-        let most = 1.1 * holes.iter().copied().fold(2.0, f64::max);
-        let flow = |scaled: f64| scaled.powf(1.0 / EXPONENT);
-        let own = CodeStyle { class: "code-makadam", marker: Marker::Circle };
-        let keys = [Key::Line("curve neutral", "law"), Key::Points(own, "measured")];
-        let x = Axis::linear("diameter of the hole D/d", 0.0, most);
-        let y = Axis::linear("(W / ρ g^½ d^5/2)^2/5", 0.0, 1.1 * flow(law(most)));
-        let mut plot = Plot::with_legend(x, y, &keys);
-        plot.curve("curve neutral", [K, most].into_iter().map(|hole| [hole, flow(law(hole))]));
-        for mean in means {
-            plot.marker(own, mean.of_value("hole"), flow(mean.of_value("flow_scaled")), 4.2);
-        }
-        let title = "Outflow from a silo";
-        let caption = format!("{title}: measured, and Beverloo's law with C = 0.58 and k = 1.4, a straight line here.");
-        vec![Figure { name: "outflow".into(), svg: plot.finish(title), caption }]
+fn figures(means: &[Mean]) -> Vec<Figure> {
+    let holes: Vec<f64> = means.iter().map(|mean| mean.of_value("hole")).collect();
+    let most = 1.1 * holes.iter().copied().fold(2.0, f64::max);
+    let flow = |scaled: f64| scaled.powf(1.0 / EXPONENT);
+    let own = CodeStyle { class: "code-makadam", marker: Marker::Circle };
+    let keys = [Key::Line("curve neutral", "law"), Key::Points(own, "measured")];
+    let x = Axis::linear("diameter of the hole D/d", 0.0, most);
+    let y = Axis::linear("(W / ρ g^½ d^5/2)^2/5", 0.0, 1.1 * flow(law(most)));
+    let mut plot = Plot::with_legend(x, y, &keys);
+    plot.curve("curve neutral", [K, most].into_iter().map(|hole| [hole, flow(law(hole))]));
+    for mean in means {
+        plot.marker(own, mean.of_value("hole"), flow(mean.of_value("flow_scaled")), 4.2);
     }
+    let title = "Outflow from a silo";
+    let caption = format!("{title}: measured, and Beverloo's law with C = 0.58 and k = 1.4, a straight line here.");
+    vec![Figure { name: "outflow".into(), svg: plot.finish(title), caption }]
 }
 
 /// Fits to the flows.
@@ -220,6 +210,8 @@ fn case(hole: f64, least: f64) -> Case {
     let (up, below) = ([0.0, 0.0, 1.0], -DEPTH * DIAMETER);
     let beside = (radius + 2.0 * DIAMETER).max(0.8 * DEPTH * DIAMETER);
     let lid = Motion::Translating { velocity: [0.0, 0.0, -LID], start: open, stop: None };
+    let opening = 0.5 * hole * DIAMETER;
+    let disc = |radius: f64, hole: f64| Shape::Disc { centre: [0.0; 3], normal: up, radius, hole };
     let scene = Sketch::new(format!("beverloo-{hole}"), open + TIMES[0] + TIMES[1])
         .domain([-beside, -beside, below - DIAMETER], [beside, beside, room])
         .friction(FRICTION)
@@ -227,28 +219,19 @@ fn case(hole: f64, least: f64) -> Case {
         .sweeps(SOLVE.1)
         .interval(0.05)
         .wall(Shape::Cylinder { base: [0.0; 3], axis: up, radius, length: room })
-        .with(|scene| {
-            // What has flowed out may roll away.
-            scene.watch.on_escape = Reaction::Ignore;
-            scene.description = format!("A silo of {} grain diameters with a hole of {hole}.", silo / DIAMETER);
-            scene.material.get_mut("grain").expect("a sketch has it").density = DENSITY;
-            let mut wall = |name: &str, shape: Shape, motion: Motion| {
-                scene.wall.push(Wall { name: name.into(), material: "wall".into(), shape, motion });
-            };
-            let outside = radius + DIAMETER;
-            let opening = 0.5 * hole * DIAMETER;
-            wall("floor", Shape::Disc { centre: [0.0; 3], normal: up, radius: outside, hole: opening }, Motion::Fixed);
-            wall("lid", Shape::Disc { centre: [0.0; 3], normal: up, radius: opening, hole: 0.0 }, lid);
-            wall("ground", Shape::Plane { point: [0.0, 0.0, below], normal: up }, Motion::Fixed);
-            scene.population.push(Population {
-                count,
-                material: "grain".into(),
-                radius: RadiusDistribution::Uniform { mean: grain, spread: SPREAD },
-                region: Region::Cylinder { base: [0.0; 3], axis: up, radius, length: room },
-                spacing: 1.04,
-                agitation: 0.05,
-            });
-        });
+        .description(format!("A silo of {} grain diameters with a hole of {hole}.", silo / DIAMETER))
+        // Grains below the floor may roll away.
+        .open_domain()
+        .change_material("grain", |grain| grain.density = DENSITY)
+        .named_wall("floor", "wall", disc(radius + DIAMETER, opening), Motion::Fixed)
+        .named_wall("lid", "wall", disc(opening, 0.0), lid)
+        .named_wall("ground", "wall", Shape::Plane { point: [0.0, 0.0, below], normal: up }, Motion::Fixed)
+        .polydisperse(
+            count,
+            [grain, SPREAD],
+            Region::Cylinder { base: [0.0; 3], axis: up, radius, length: room },
+            0.05,
+        );
     Case::new(scene.scene(), [("hole", hole), ("silo", silo), ("open", open)])
 }
 

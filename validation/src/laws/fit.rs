@@ -13,8 +13,8 @@ pub(super) fn line(points: &[[f64; 2]]) -> (f64, f64) {
     (slope, y - slope * x)
 }
 
-/// What the least-squares line through points has at zero, and its standard error: from the scatter about the line, which leaves
-/// as many degrees of freedom as there are points less two. None for fewer than three points.
+/// Value at zero of the least-squares line through points, and its standard error from the scatter about the line, with two degrees
+/// of freedom fewer than points. `None` for fewer than three points.
 pub(super) fn at_zero(points: &[[f64; 2]]) -> Option<(f64, f64)> {
     if points.len() < 3 {
         return None;
@@ -27,7 +27,7 @@ pub(super) fn at_zero(points: &[[f64; 2]]) -> Option<(f64, f64)> {
     Some((intercept, (scatter * (1.0 / count + middle * middle / square)).sqrt()))
 }
 
-/// What the least-squares parabola through points has at zero; none if they do not define one.
+/// Value at zero of the least-squares parabola through points; `None` if they do not define one.
 pub(super) fn parabola_at_zero(points: &[[f64; 2]]) -> Option<f64> {
     // In units of the largest x, so that the normal equations are of order one.
     let unit = points.iter().map(|[x, _]| x.abs()).fold(0.0, f64::max);
@@ -41,7 +41,7 @@ pub(super) fn parabola_at_zero(points: &[[f64; 2]]) -> Option<f64> {
     solution.filter(|_| points.len() >= 3).map(|coefficients| coefficients[0])
 }
 
-/// Where a function of one variable that falls and then rises is least, between two bounds: golden section.
+/// Minimum of a function of one variable that falls and then rises, between two bounds: golden section.
 pub(super) fn least(function: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
     let share = 0.5 * (5f64.sqrt() - 1.0);
     let (mut a, mut b) = (high - share * (high - low), low + share * (high - low));

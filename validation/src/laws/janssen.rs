@@ -7,15 +7,14 @@
 
 use super::campaign::values;
 use super::fit::least;
-use super::{Case, Law, LawError, Mean, Run, Values, reported};
+use super::{Case, Law, Mean, Run, RunError, Values};
 use crate::draw::figure::Figure;
 use crate::draw::names::{CodeStyle, Marker};
 use crate::draw::plot::{Axis, Key, Plot};
 use crate::sketch::{GRAVITY, Sketch};
 use crate::study::Finding;
-use makadam::scene::{Motion, Population, RadiusDistribution, Region, Shape, Wall};
+use makadam::scene::{Motion, Region, Shape};
 use makadam::snapshot::{Partner, Snapshot};
-use nalgebra::Vector3;
 use std::f64::consts::PI;
 
 /// Mean diameter of the grains, m.
@@ -50,150 +49,130 @@ const FLOOR: u32 = 1;
 const TOLERANCE: f64 = 0.05;
 
 /// The law of the silo's wall.
-pub(super) struct Janssen;
+pub(super) const LAW: Law = Law {
+    name: "janssen",
+    statement: "the floor of a tube bears M_a = M_s (1 - exp(-M/M_s)) of a mass M, with M_s = rho_b pi R^3 / (2 K mu_w)",
+    source: "Janssen, Z. Ver. Dtsch. Ing. 39, 1045 (1895); measured as by Vanel & Clement, Eur. Phys. J. B 11, 525 (1999), with a \
+                 moving wall as Landry & Grest, Phys. Rev. E 69, 031303 (2004)",
+    cases,
+    measure,
+    judge,
+    figures,
+};
 
 /// Apparent mass at a mass, both over the saturated one.
 fn law(mass: f64) -> f64 {
     1.0 - (-mass).exp()
 }
 
-impl Law for Janssen {
-    fn name(&self) -> &'static str {
-        "janssen"
-    }
-
-    fn statement(&self) -> &'static str {
-        "the floor of a tube bears M_a = M_s (1 - exp(-M/M_s)) of a mass M, with M_s = rho_b pi R^3 / (2 K mu_w)"
-    }
-
-    fn source(&self) -> &'static str {
-        "Janssen, Z. Ver. Dtsch. Ing. 39, 1045 (1895); measured as by Vanel & Clement, Eur. Phys. J. B 11, 525 (1999), with a \
-         moving wall as Landry & Grest, Phys. Rev. E 69, 031303 (2004)"
-    }
-
-    fn cases(&self, quick: bool) -> Vec<Case> {
-        match quick {
-            true => [0.5, 1.0, 2.0, 4.0].map(|filling| case(10.0, filling, 1.0)).into(),
-            false => {
-                let mut cases: Vec<Case> =
-                    [0.5, 1.0, 2.0, 3.0, 4.0, 6.0].map(|filling| case(12.0, filling, 1.0)).into();
-                cases.push(case(12.0, 2.0, 0.5));
-                cases
-            }
+fn cases(quick: bool) -> Vec<Case> {
+    match quick {
+        true => [0.5, 1.0, 2.0, 4.0].map(|filling| case(10.0, filling, 1.0)).into(),
+        false => {
+            let mut cases: Vec<Case> = [0.5, 1.0, 2.0, 3.0, 4.0, 6.0].map(|filling| case(12.0, filling, 1.0)).into();
+            cases.push(case(12.0, 2.0, 0.5));
+            cases
         }
     }
+}
 
-    #[cfg(test)]
-    fn recorded(&self) -> &'static str {
-        include_str!("../../laws/janssen.csv")
+fn measure(case: &Case, run: &mut Run<'_>) -> Result<Values, RunError> {
+    let [radius, start, from, speed] = ["radius", "start", "measured_from", "speed_share"].map(|name| case.of(name));
+    run.to(start)?;
+    let poured = run.frame();
+    let solid: f64 = poured.particles.iter().map(|grain| 4.0 / 3.0 * PI * grain.radius.powi(3)).sum();
+    let mass = solid * DENSITY;
+    let height = poured.particles.iter().map(|grain| 2.0 * grain.radius.powi(3) * grain.position[2]).sum::<f64>()
+        / poured.particles.iter().map(|grain| grain.radius.powi(3)).sum::<f64>();
+    let before = Loads::of(&poured);
+    run.to(from)?;
+    let mut loads = Vec::new();
+    run.sample(case.scene.duration, INTERVAL / speed, |frame| loads.push(Loads::of(frame)))?;
+    let mean = |of: fn(&Loads) -> f64| loads.iter().map(of).sum::<f64>() / loads.len() as f64;
+    let floor = mean(|loads| loads.floor);
+    let square = loads.iter().map(|loads| (loads.floor - floor).powi(2)).sum::<f64>() / loads.len() as f64;
+    let middle = loads.len() / 2;
+    let half = |loads: &[Loads]| loads.iter().map(|loads| loads.floor).sum::<f64>() / loads.len() as f64;
+    Ok(values([
+        ("mass", mass),
+        ("height", height),
+        ("bulk_density", mass / (PI * radius * radius * height)),
+        ("apparent_mass", floor / GRAVITY),
+        ("apparent_mass_fluctuation", square.sqrt() / GRAVITY),
+        ("apparent_mass_drift", (half(&loads[middle..]) - half(&loads[..middle])) / GRAVITY),
+        ("apparent_mass_before", before.floor / GRAVITY),
+        ("balance", (floor + mean(|loads| loads.tube)) / (mass * GRAVITY)),
+        ("mobilisation", mean(|loads| loads.tube) / (WALL_FRICTION * mean(|loads| loads.pressed))),
+    ]))
+}
+
+fn judge(means: &[Mean]) -> Vec<Finding> {
+    let saturated = saturated(means);
+    let deviation = |mean: &&Mean| {
+        let [mass, apparent] = ["mass", "apparent_mass"].map(|name| mean.of_value(name) / saturated);
+        apparent - law(mass)
+    };
+    let deviations: Vec<f64> = fitted(means).map(|mean| deviation(&mean)).collect();
+    // What is not a number counts as the largest; `max` would pass it over.
+    let larger = |a: f64, b: f64| if a >= b.abs() || a.is_nan() { a } else { b.abs() };
+    let largest = deviations.iter().fold(0.0, |largest, &one| larger(largest, one));
+    let rms = (deviations.iter().map(|one| one * one).sum::<f64>() / deviations.len() as f64).sqrt();
+    let densest = fitted(means).last();
+    let density = densest.map_or(f64::NAN, |mean| mean.of_value("bulk_density"));
+    let radius = densest.map_or(f64::NAN, |mean| mean.of_value("radius"));
+    let mobilised = densest.map_or(f64::NAN, |mean| mean.of_value("mobilisation"));
+    let ratio = density * PI * radius.powi(3) / (2.0 * WALL_FRICTION * saturated);
+    let [active, passive] = rankine(INTERNAL_FRICTION);
+    let mut findings = vec![
+        Finding::at_most("largest deviation from Janssen's curve over M_s", largest, TOLERANCE),
+        Finding::between("K, between Rankine's limits", ratio, active, passive),
+        Finding::reported("K, by the friction that is mobilised in the fullest tube", ratio / mobilised),
+        Finding::reported("root mean square deviation over M_s", rms),
+        Finding::reported("saturated mass M_s", saturated).in_unit("kg"),
+    ];
+    for mean in means.iter().filter(|mean| mean.of_value("speed_share") == 1.0) {
+        let at = format!("H = {} D", mean.of_value("filling"));
+        let drift = mean.of_value("apparent_mass_drift") / saturated;
+        findings.extend([
+            Finding::reported(format!("deviation over M_s, {at}"), deviation(&mean)),
+            Finding::reported(format!("  drift over M_s within the measurement, {at}"), drift),
+            Finding::reported(format!("  mobilised share of the wall's friction, {at}"), mean.of_value("mobilisation")),
+            Finding::reported(format!("  forces on floor and wall over weight, {at}"), mean.of_value("balance")),
+        ]);
     }
-
-    fn measure(&self, case: &Case, run: &mut Run<'_>) -> Result<Values, LawError> {
-        let [radius, start, from, speed] =
-            ["radius", "start", "measured_from", "speed_share"].map(|name| case.of(name));
-        run.to(start)?;
-        let poured = run.frame();
-        let solid: f64 = poured.particles.iter().map(|grain| 4.0 / 3.0 * PI * grain.radius.powi(3)).sum();
-        let mass = solid * DENSITY;
-        let height = poured.particles.iter().map(|grain| 2.0 * grain.radius.powi(3) * grain.position[2]).sum::<f64>()
-            / poured.particles.iter().map(|grain| grain.radius.powi(3)).sum::<f64>();
-        let before = Loads::of(&poured);
-        run.to(from)?;
-        let mut loads = Vec::new();
-        run.sample(case.scene.duration, INTERVAL / speed, |frame| loads.push(Loads::of(frame)))?;
-        let mean = |of: fn(&Loads) -> f64| loads.iter().map(of).sum::<f64>() / loads.len() as f64;
-        let floor = mean(|loads| loads.floor);
-        let square = loads.iter().map(|loads| (loads.floor - floor).powi(2)).sum::<f64>() / loads.len() as f64;
-        let middle = loads.len() / 2;
-        let half = |loads: &[Loads]| loads.iter().map(|loads| loads.floor).sum::<f64>() / loads.len() as f64;
-        Ok(values([
-            ("mass", mass),
-            ("height", height),
-            ("bulk_density", mass / (PI * radius * radius * height)),
-            ("apparent_mass", floor / GRAVITY),
-            ("apparent_mass_fluctuation", square.sqrt() / GRAVITY),
-            ("apparent_mass_drift", (half(&loads[middle..]) - half(&loads[..middle])) / GRAVITY),
-            ("apparent_mass_before", before.floor / GRAVITY),
-            ("balance", (floor + mean(|loads| loads.tube)) / (mass * GRAVITY)),
-            ("mobilisation", mean(|loads| loads.tube) / (WALL_FRICTION * mean(|loads| loads.pressed))),
-        ]))
-    }
-
-    fn judge(&self, means: &[Mean]) -> Vec<Finding> {
-        let saturated = saturated(means);
-        let deviation = |mean: &&Mean| {
-            let [mass, apparent] = ["mass", "apparent_mass"].map(|name| mean.of_value(name) / saturated);
-            apparent - law(mass)
-        };
-        let deviations: Vec<f64> = fitted(means).map(|mean| deviation(&mean)).collect();
-        // What is not a number counts as the largest; `max` would pass it over.
-        let larger = |a: f64, b: f64| if a >= b.abs() || a.is_nan() { a } else { b.abs() };
-        let largest = deviations.iter().fold(0.0, |largest, &one| larger(largest, one));
-        let rms = (deviations.iter().map(|one| one * one).sum::<f64>() / deviations.len() as f64).sqrt();
-        let densest = fitted(means).last();
-        let density = densest.map_or(f64::NAN, |mean| mean.of_value("bulk_density"));
-        let radius = densest.map_or(f64::NAN, |mean| mean.of_value("radius"));
-        let mobilised = densest.map_or(f64::NAN, |mean| mean.of_value("mobilisation"));
-        let ratio = density * PI * radius.powi(3) / (2.0 * WALL_FRICTION * saturated);
-        let [active, passive] = rankine(INTERNAL_FRICTION);
-        let mut findings = vec![
-            Finding::at_most("largest deviation from Janssen's curve over M_s", "", largest, TOLERANCE),
-            Finding::between("K, between Rankine's limits", "", ratio, active, passive),
-            reported("K, by the friction that is mobilised in the fullest tube", "", ratio / mobilised),
-            reported("root mean square deviation over M_s", "", rms),
-            reported("saturated mass M_s", "kg", saturated),
-        ];
-        for mean in means.iter().filter(|mean| mean.of_value("speed_share") == 1.0) {
-            let at = format!("H = {} D", mean.of_value("filling"));
-            findings.push(reported(format!("deviation over M_s, {at}"), "", deviation(&mean)));
-            let drift = mean.of_value("apparent_mass_drift") / saturated;
-            findings.push(reported(format!("  drift over M_s within the measurement, {at}"), "", drift));
-            findings.push(reported(
-                format!("  mobilised share of the wall's friction, {at}"),
-                "",
-                mean.of_value("mobilisation"),
-            ));
-            findings.push(reported(
-                format!("  forces on floor and wall over weight, {at}"),
-                "",
-                mean.of_value("balance"),
-            ));
+    for slow in means.iter().filter(|mean| mean.of_value("speed_share") != 1.0) {
+        let same = fitted(means).find(|mean| mean.of_value("filling") == slow.of_value("filling"));
+        if let Some(same) = same {
+            let change = (slow.of_value("apparent_mass") - same.of_value("apparent_mass")) / saturated;
+            let words = format!("change over M_s at half the speed, H = {} D", slow.of_value("filling"));
+            findings.push(Finding::reported(words, change));
         }
-        for slow in means.iter().filter(|mean| mean.of_value("speed_share") != 1.0) {
-            let same = fitted(means).find(|mean| mean.of_value("filling") == slow.of_value("filling"));
-            if let Some(same) = same {
-                let change = (slow.of_value("apparent_mass") - same.of_value("apparent_mass")) / saturated;
-                let words = format!("change over M_s at half the speed, H = {} D", slow.of_value("filling"));
-                findings.push(reported(words, "", change));
-            }
-        }
-        findings
     }
+    findings
+}
 
-    fn figures(&self, means: &[Mean]) -> Vec<Figure> {
-        let saturated = saturated(means);
-        let scaled = |mean: &Mean, name: &str| mean.of_value(name) / saturated;
-        let most = means.iter().map(|mean| scaled(mean, "mass")).fold(1.0, f64::max) * 1.05;
-        let own = CodeStyle { class: "code-makadam", marker: Marker::Circle };
-        let before = CodeStyle { class: "code-other", marker: Marker::Diamond };
-        let keys =
-            [Key::Line("curve neutral", "law"), Key::Points(own, "wall rising"), Key::Points(before, "as poured")];
-        let x = Axis::linear("filled mass M/Ms", 0.0, most);
-        let mut plot = Plot::with_legend(x, Axis::linear("apparent mass Ma/Ms", 0.0, 1.6), &keys);
-        let marks = 80;
-        let along = (0..=marks).map(|mark| most * f64::from(mark) / f64::from(marks));
-        plot.curve("curve neutral", along.map(|mass| [mass, law(mass)]));
-        plot.curve("ideal", [[0.0, 0.0], [1.6, 1.6]].into_iter());
-        for mean in means {
-            let mass = scaled(mean, "mass");
-            plot.open_marker(before, mass, scaled(mean, "apparent_mass_before"), 3.0);
-            plot.marker(own, mass, scaled(mean, "apparent_mass"), 4.2);
-        }
-        let title = "Mass that the floor of a tube bears";
-        let caption =
-            format!("{title}: measured, and Janssen's law with the one fitted mass; straight: all of the weight.");
-        vec![Figure { name: "apparent-mass".into(), svg: plot.finish(title), caption }]
+fn figures(means: &[Mean]) -> Vec<Figure> {
+    let saturated = saturated(means);
+    let scaled = |mean: &Mean, name: &str| mean.of_value(name) / saturated;
+    let most = means.iter().map(|mean| scaled(mean, "mass")).fold(1.0, f64::max) * 1.05;
+    let own = CodeStyle { class: "code-makadam", marker: Marker::Circle };
+    let before = CodeStyle { class: "code-other", marker: Marker::Diamond };
+    let keys = [Key::Line("curve neutral", "law"), Key::Points(own, "wall rising"), Key::Points(before, "as poured")];
+    let x = Axis::linear("filled mass M/Ms", 0.0, most);
+    let mut plot = Plot::with_legend(x, Axis::linear("apparent mass Ma/Ms", 0.0, 1.6), &keys);
+    let marks = 80;
+    let along = (0..=marks).map(|mark| most * f64::from(mark) / f64::from(marks));
+    plot.curve("curve neutral", along.map(|mass| [mass, law(mass)]));
+    plot.curve("ideal", [[0.0, 0.0], [1.6, 1.6]].into_iter());
+    for mean in means {
+        let mass = scaled(mean, "mass");
+        plot.open_marker(before, mass, scaled(mean, "apparent_mass_before"), 3.0);
+        plot.marker(own, mass, scaled(mean, "apparent_mass"), 4.2);
     }
+    let title = "Mass that the floor of a tube bears";
+    let caption =
+        format!("{title}: measured, and Janssen's law with the one fitted mass; straight: all of the weight.");
+    vec![Figure { name: "apparent-mass".into(), svg: plot.finish(title), caption }]
 }
 
 /// Cases that the curve is fitted to: those at full speed.
@@ -219,7 +198,7 @@ fn rankine(friction: f64) -> [f64; 2] {
     [active, 1.0 / active]
 }
 
-/// What grains load the walls with in a frame, N.
+/// Loads of the walls in a frame, N.
 struct Loads {
     /// Downwards on the floor.
     floor: f64,
@@ -233,7 +212,7 @@ impl Loads {
     fn of(frame: &Snapshot) -> Loads {
         let mut loads = Loads { floor: 0.0, tube: 0.0, pressed: 0.0 };
         for contact in &frame.contacts {
-            let force = Vector3::from(contact.normal) * contact.normal_force + Vector3::from(contact.tangential_force);
+            let force = contact.force_on_partner();
             match contact.second {
                 Partner::Wall(FLOOR) => loads.floor -= force.z,
                 Partner::Wall(TUBE) => {
@@ -273,26 +252,16 @@ fn case(diameters: f64, filling: f64, speed_share: f64) -> Case {
             Shape::Cylinder { base: [0.0, 0.0, -2.0 * DIAMETER], axis: up, radius, length: room + 4.0 * DIAMETER },
             rising,
         )
-        .with(|scene| {
-            scene.description = format!("Grains to {filling} diameters of a tube whose wall rises slowly.");
-            scene.material.get_mut("wall").expect("a sketch has it").friction = WALL_FRICTION;
-            let grains = scene.material.get_mut("grain").expect("a sketch has it");
-            (grains.friction, grains.density) = (FRICTION, DENSITY);
-            scene.wall.push(Wall {
-                name: "floor".into(),
-                material: "floor".into(),
-                shape: Shape::Plane { point: [0.0; 3], normal: up },
-                motion: Motion::Fixed,
-            });
-            scene.population.push(Population {
-                count,
-                material: "grain".into(),
-                radius: RadiusDistribution::Uniform { mean: grain, spread: SPREAD },
-                region: Region::Cylinder { base: [0.0; 3], axis: up, radius, length: room },
-                spacing: 1.04,
-                agitation: 0.05,
-            });
-        });
+        .description(format!("Grains to {filling} diameters of a tube whose wall rises slowly."))
+        .change_material("wall", |wall| wall.friction = WALL_FRICTION)
+        .change_material("grain", |grain| (grain.friction, grain.density) = (FRICTION, DENSITY))
+        .named_wall("floor", "floor", Shape::Plane { point: [0.0; 3], normal: up }, Motion::Fixed)
+        .polydisperse(
+            count,
+            [grain, SPREAD],
+            Region::Cylinder { base: [0.0; 3], axis: up, radius, length: room },
+            0.05,
+        );
     let given = [
         ("radius", radius),
         ("filling", filling),

@@ -1,13 +1,12 @@
-//! Published laws of granular matter, measured in Makadam and judged against the published value.
+//! Published laws of granular matter, measured in Makadam and compared with the published value.
 //!
 //! ```text
 //! Law ─> cases ─> Run (a case, a seed) ─> measure ─> Row ─> means over seeds ─> judge ─> Finding
-//!                                          kept at once                        ─> figures, CSV, JSON, table
+//!                                         stored at once                     ─> figures, report
 //! ```
 //!
-//! A law is one file that implements `Law` and one line in `all`. What it takes as given (sizes, friction, definitions) is
-//! constant in that file and was chosen before anything was measured (`validation/docs/laws.md` tells of what was not); only what the
-//! law leaves open is fitted.
+//! A law is one file with a constant `LAW`, and one entry of [`LAWS`]. Its inputs (sizes, friction, definitions) are constants of that
+//! file, chosen before the first measurement (`validation/docs/laws.md` lists the exceptions). Only the open constants of a law are fitted.
 
 mod beverloo;
 mod campaign;
@@ -17,51 +16,32 @@ mod fit;
 mod janssen;
 mod results;
 #[cfg(test)]
+#[path = "../../tests/unit/laws.rs"]
 mod tests;
 
-pub(crate) use campaign::{Case, LawError, Plan, Run, StoredRows, Values, run_cases, work};
-pub(crate) use results::{LawResult, Mean, Row, Study, in_words, runs, table, write, write_scenes};
+pub(crate) use campaign::{Case, Run, Values, row_of, run_cases, work};
+pub(crate) use results::{LawResult, Mean, Row, Study, figure_and_bounds, runs};
 
 use crate::draw::figure::Figure;
-use crate::study::Finding;
+use crate::study::{Finding, RunError};
 
 /// A published law.
-pub(crate) trait Law: Sync {
-    /// Its name on the command line.
-    fn name(&self) -> &'static str;
-
-    /// What it says, with its formula.
-    fn statement(&self) -> &'static str;
-
-    /// Where it was published.
-    fn source(&self) -> &'static str;
-
-    /// What is simulated, in the order of tables; fewer and smaller cases if `quick`.
-    fn cases(&self, quick: bool) -> Vec<Case>;
-
-    /// Rows of all its cases as they were last recorded: the `rows.csv` of `makadam laws`.
-    #[cfg(test)]
-    fn recorded(&self) -> &'static str;
-
-    /// Takes a case through its simulation and measures it.
-    ///
-    /// # Errors
-    /// [`LawError`] if the user asked to stop or a number is not finite.
-    fn measure(&self, case: &Case, run: &mut Run<'_>) -> Result<Values, LawError>;
-
-    /// Figures with the bounds that the law sets for them; those without bounds are reported only.
-    fn judge(&self, means: &[Mean]) -> Vec<Finding>;
-
-    /// Measured values beside the law.
-    fn figures(&self, means: &[Mean]) -> Vec<Figure>;
+pub(crate) struct Law {
+    /// Name on the command line.
+    pub(crate) name: &'static str,
+    /// Statement, with its formula.
+    pub(crate) statement: &'static str,
+    /// Publication.
+    pub(crate) source: &'static str,
+    /// Cases in the order of tables; fewer and smaller ones for a quick study.
+    pub(crate) cases: fn(quick: bool) -> Vec<Case>,
+    /// Simulates a case and measures it.
+    measure: fn(&Case, &mut Run<'_>) -> Result<Values, RunError>,
+    /// Figures with the bounds that the law sets; those without bounds are reported only.
+    judge: fn(&[Mean]) -> Vec<Finding>,
+    /// Measured values next to the law.
+    figures: fn(&[Mean]) -> Vec<Figure>,
 }
 
-/// All laws, in the order in which they are shown.
-pub(crate) fn all() -> [&'static dyn Law; 4] {
-    [&janssen::Janssen, &beverloo::Beverloo, &collapse::Collapse, &chute::Chute]
-}
-
-/// A figure without bounds.
-fn reported(what: impl Into<String>, unit: &'static str, value: f64) -> Finding {
-    Finding::between(what, unit, value, f64::NEG_INFINITY, f64::INFINITY)
-}
+/// All laws, in the order of listings.
+pub(crate) static LAWS: [Law; 4] = [janssen::LAW, beverloo::LAW, collapse::LAW, chute::LAW];

@@ -7,26 +7,19 @@ use crate::provenance::scene_hash;
 use serde_json::Value;
 use std::path::Path;
 
-/// Name of the document in the folder.
-pub const DOCUMENT: &str = "sweep.json";
-
 /// Takes the output folder for a study.
 ///
 /// The tables of an earlier study may be replaced only by those of a study that contains it: the same scene and keys, every
 /// combination and every seed. `plan.again` lifts that.
-///
-/// # Errors
-/// [`ParameterError::Folder`] if the folder holds another study or another process writes there; [`ParameterError::Write`] if the
-/// system refuses.
-pub fn take(plan: &Plan<'_>, scene: &Scene) -> Result<FolderLock, ParameterError> {
+pub(crate) fn take(plan: &Plan<'_>, scene: &Scene) -> Result<FolderLock, ParameterError> {
     let lock = FolderLock::take(plan.folder).map_err(|error| match error {
-        LockError::Write(error) => ParameterError::Write(error),
-        taken @ LockError::Taken { .. } => ParameterError::Folder(taken.to_string()),
+        LockError::Write(error) => ParameterError::Run(error.into()),
+        taken @ LockError::Taken { .. } => ParameterError::Usage(taken.to_string()),
     })?;
     let earlier = read(plan.folder).filter(|_| !plan.again);
     match earlier.and_then(|earlier| difference(&earlier, plan, scene)) {
         None => Ok(lock),
-        Some(difference) => Err(ParameterError::Folder(format!(
+        Some(difference) => Err(ParameterError::Usage(format!(
             "{} holds the tables of another sweep ({difference}); --output writes elsewhere, --restart replaces them",
             plan.folder.display()
         ))),
@@ -35,7 +28,7 @@ pub fn take(plan: &Plan<'_>, scene: &Scene) -> Result<FolderLock, ParameterError
 
 /// Document of the study in a folder; none where there is none that can be read.
 fn read(folder: &Path) -> Option<Value> {
-    let document: Value = serde_json::from_slice(&std::fs::read(folder.join(DOCUMENT)).ok()?).ok()?;
+    let document: Value = serde_json::from_slice(&std::fs::read(folder.join("sweep.json")).ok()?).ok()?;
     (document["command"] == "sweep").then_some(document)
 }
 

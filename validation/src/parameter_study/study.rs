@@ -1,17 +1,14 @@
-//! What is varied, the runs, and their means.
+//! Ranges of keys, the runs over them, and their means.
 
 use crate::compare::Announce;
 use crate::observables::{Measurement, measure};
-use crate::output::{WriteError, file_stem};
-use crate::peers::{Code, CodeError, Job, Makadam, Purpose};
+use crate::output::file_stem;
+use crate::peers::{Code, Job, Makadam, Purpose};
 use crate::plan::Scene;
-use crate::provenance::{Build, scene_hash};
 use crate::recording::Noticed;
-use crate::scenes::{self, Change, ChangeError, SceneError};
+use crate::scenes::{self, Change, SceneError};
 use crate::statistics::Ensemble;
-use crate::study::{Key, RunCache};
-use makadam::BUILD;
-use rayon::prelude::*;
+use crate::study::{Key, RunCache, RunError, run_jobs};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -59,89 +56,60 @@ impl FromStr for Range {
     }
 }
 
-/// Why a study was not made.
+/// Error that ended a study.
 #[derive(Debug, thiserror::Error)]
 pub enum ParameterError {
-    /// A key leads nowhere.
-    #[error("--over {0}")]
-    Change(#[from] ChangeError),
-    /// A key that cannot be varied here.
-    #[error("--over {key}: {problem}")]
-    Key {
-        /// The key.
-        key: String,
-        /// Why, and what would be right.
-        problem: &'static str,
-    },
-    /// A scene with these values is refused.
+    /// The keys cannot be varied, or the output folder belongs to another study or process.
+    #[error("{0}")]
+    Usage(String),
+    /// A scene with these values is invalid.
     #[error("{values}: {error}")]
     Scene {
-        /// The values.
         values: String,
-        /// Why.
+        /// Reason.
         error: Box<SceneError>,
     },
-    /// There are too many combinations.
-    #[error("{0} combinations are too many; the most are {MOST_POINTS}")]
-    TooMany(usize),
-    /// A run failed.
-    #[error("{values}, seed {seed}: {error}")]
-    Run {
-        /// The values.
-        values: String,
-        /// The seed.
-        seed: u64,
-        /// Why.
-        error: Box<CodeError>,
-    },
-    /// The output folder holds another study, or another process writes there.
-    #[error("{0}")]
-    Folder(String),
-    /// A run cannot be kept.
+    /// A run cannot be stored, or the user asked to stop.
     #[error(transparent)]
-    Write(#[from] WriteError),
-    /// The user asked to stop.
-    #[error("interrupted")]
-    Interrupted,
+    Run(#[from] RunError),
 }
 
-/// What is to be run.
+/// Runs of a study.
 pub struct Plan<'a> {
-    /// The scene's file; what it says is read once.
+    /// File of the scene, which is read once.
     pub file: &'a Path,
     /// Keys with their values; every combination is run.
     pub ranges: &'a [Range],
     /// Seeds of each combination.
     pub seeds: &'a [u64],
-    /// Folder that finished runs are kept in.
+    /// Folder of the study and of its stored runs.
     pub folder: &'a Path,
-    /// Whether runs that are kept are made again.
+    /// True if stored runs are repeated.
     pub again: bool,
     /// Opens progress displays.
     pub announce: Announce<'a>,
 }
 
-/// One run, measured.
+/// Measurements of one run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Run {
     /// Seed of the initial positions.
     pub seed: u64,
     /// Wall time of the stepping, s.
     pub wall_seconds: f64,
-    /// What was measured.
     pub measurements: Vec<Measurement>,
-    /// What a watchdog noticed on the way.
+    /// Violations that a watchdog found.
     pub alarms: Vec<Noticed>,
 }
 
-/// A run that came to no end.
+/// A run that failed.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Failed {
     /// Values, in the order of the keys.
     pub values: Vec<String>,
     /// Seed of the initial positions.
     pub seed: u64,
-    /// Why.
+    /// Reason.
     pub problem: String,
 }
 
@@ -150,31 +118,30 @@ pub struct Failed {
 pub struct Point {
     /// Values, in the order of the keys.
     pub values: Vec<String>,
-    /// Mean and standard deviation over seeds, by observable; what some seeds have no value of is over the others.
+    /// Mean and standard deviation by observable, over the seeds that have a value.
     pub observables: BTreeMap<String, Ensemble>,
-    /// The runs.
     pub runs: Vec<Run>,
 }
 
-/// All combinations.
+/// Content of `sweep.json`.
 #[derive(Clone, Debug, Serialize)]
 pub struct Study {
     /// Version of this document.
     pub version: u32,
-    /// Always "sweep".
+    /// "sweep".
     pub command: &'static str,
-    /// Name of the scene.
     pub scene: String,
-    /// The keys.
     pub keys: Vec<String>,
     /// Units, by observable.
     pub units: BTreeMap<String, String>,
-    /// One a combination.
+    /// Combinations.
     pub points: Vec<Point>,
-    /// Runs that came to no end; the means are over the others.
+    /// Runs that failed; the means are over the others.
     pub failed: Vec<Failed>,
-    /// Where the numbers came from, by name.
     pub provenance: BTreeMap<String, String>,
+    /// Observables of the report; all if empty.
+    #[serde(skip)]
+    pub shown: Vec<String>,
 }
 
 /// A scene with its values, ready to run.
@@ -185,31 +152,31 @@ struct Prepared {
 }
 
 impl Study {
-    /// Runs what is not kept yet, as many runs at a time as the thread pool has threads. A run that comes to no end is listed as such,
-    /// and the others go on.
+    /// Runs what is not stored yet. Runs that fail are listed.
     ///
     /// # Errors
-    /// [`ParameterError`]: before anything runs if a combination is refused; afterwards, if runs cannot be kept or the user asks to stop:
-    /// what ran is kept.
-    pub fn make(plan: &Plan<'_>, scene: &Scene, provenance: BTreeMap<String, String>) -> Result<Study, ParameterError> {
+    /// [`ParameterError`]: before anything runs if a combination is refused; later if runs cannot be stored or the user asks to stop.
+    pub fn make(
+        plan: &Plan<'_>,
+        scene: &Scene,
+        provenance: BTreeMap<String, String>,
+        shown: Vec<String>,
+    ) -> Result<Study, ParameterError> {
         let points = prepare(plan)?;
-        let cache = RunCache::open(&plan.folder.join("runs"))?;
+        let cache = RunCache::open(&plan.folder.join("runs"), plan.again).map_err(RunError::from)?;
         let jobs: Vec<(&Prepared, u64)> =
             points.iter().flat_map(|point| plan.seeds.iter().map(move |&seed| (point, seed))).collect();
-        let ended = jobs.par_iter().map(|(point, seed)| match run(plan, &cache, point, *seed) {
+        let work = |(point, _): &(&Prepared, u64)| {
+            point.scene.grain_count() as f64 * point.scene.duration / point.scene.solver.step
+        };
+        let ended = run_jobs(&jobs, work, &|_| {}, |&(point, seed), _| match run(plan, &cache, point, seed) {
+            Err(error) if error.ends_all() => Err(error),
+            Err(error) => Ok(Err(Failed { values: point.values.clone(), seed, problem: error.to_string() })),
             Ok(run) => Ok(Ok(run)),
-            Err(ParameterError::Run { error, .. }) => {
-                Ok(Err(Failed { values: point.values.clone(), seed: *seed, problem: error.to_string() }))
-            }
-            Err(error) => Err(error),
-        });
-        let ended = ended.collect::<Result<Vec<Result<Run, Failed>>, ParameterError>>()?;
+        })?;
         let failed = ended.iter().filter_map(|ended| ended.as_ref().err()).cloned().collect();
-        let runs: Vec<&Run> = ended.iter().flatten().collect();
-        let mut units = BTreeMap::new();
-        for measurement in runs.iter().flat_map(|run| &run.measurements) {
-            units.insert(measurement.observable.clone(), measurement.unit.clone());
-        }
+        let measurements = ended.iter().flatten().flat_map(|run| &run.measurements);
+        let units = measurements.map(|measured| (measured.observable.clone(), measured.unit.clone())).collect();
         let mut ended = ended.into_iter();
         let points = points.into_iter().map(|point| {
             let own: Vec<Run> = ended.by_ref().take(plan.seeds.len()).flatten().collect();
@@ -224,13 +191,14 @@ impl Study {
             points: points.collect(),
             failed,
             provenance,
+            shown,
         })
     }
 }
 
-/// Every combination, read and checked.
+/// Reads and checks every combination.
 fn prepare(plan: &Plan<'_>) -> Result<Vec<Prepared>, ParameterError> {
-    let refuse = |range: &Range, problem| Err(ParameterError::Key { key: range.key.clone(), problem });
+    let refuse = |range: &Range, problem| Err(ParameterError::Usage(format!("--over {}: {problem}", range.key)));
     for (place, range) in plan.ranges.iter().enumerate() {
         if scenes::key_of(&range.key) == ["seed"] {
             return refuse(range, "--seeds varies the seed, from the scene's on (--set seed=N)");
@@ -241,7 +209,7 @@ fn prepare(plan: &Plan<'_>) -> Result<Vec<Prepared>, ParameterError> {
     }
     let number: usize = plan.ranges.iter().map(|range| range.values.len()).product();
     if number > MOST_POINTS {
-        return Err(ParameterError::TooMany(number));
+        return Err(ParameterError::Usage(format!("{number} combinations are too many; the most are {MOST_POINTS}")));
     }
     let refused = |values: &str, error| ParameterError::Scene { values: values.into(), error: Box::new(error) };
     let text = scenes::text(plan.file).map_err(|error| refused("the scene", error))?;
@@ -257,25 +225,22 @@ fn prepare(plan: &Plan<'_>) -> Result<Vec<Prepared>, ParameterError> {
         let changes: Vec<Change> =
             pairs.map(|(range, value)| Change::new(&scenes::key_of(&range.key), value)).collect();
         let label = changes.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
-        let changed = scenes::changed(&text, &changes)?;
+        let changed =
+            scenes::changed(&text, &changes).map_err(|error| ParameterError::Usage(format!("--over {error}")))?;
         let scene = scenes::parse(&changed, plan.file).map_err(|error| refused(&label, error))?;
         points.push(Prepared { values, label, scene });
     }
     Ok(points)
 }
 
-fn run(plan: &Plan<'_>, cache: &RunCache, point: &Prepared, seed: u64) -> Result<Run, ParameterError> {
-    let hash = format!("{:016x}", scene_hash(&point.scene));
-    // What is watched for decides on how a run ends, and the judge on what is measured.
-    let watch = serde_json::to_string(&point.scene.watch).expect("a watch holds numbers and words");
-    let parts = [&hash, &seed.to_string(), BUILD, &Build::here().summary(), &watch];
-    let key = Key::new(format!("{}-s{seed}", file_stem(&point.scene.name)), &parts).apart();
-    cache.take(&key, plan.again, || {
+fn run(plan: &Plan<'_>, cache: &RunCache, point: &Prepared, seed: u64) -> Result<Run, RunError> {
+    let key = Key::of_run(format!("{}-s{seed}", file_stem(&point.scene.name)), &point.scene, seed, &[]).apart();
+    cache.take(&key, || {
         if crate::interrupt::requested() {
-            return Err(ParameterError::Interrupted);
+            return Err(RunError::Interrupted);
         }
         let progress = (plan.announce)(&format!("{}, seed {seed}", point.label));
-        let recorded = Makadam.simulate(&Job {
+        let recording = Makadam.simulate(&Job {
             scene: &point.scene,
             scene_file: plan.file,
             purpose: Purpose::Measuring,
@@ -285,10 +250,6 @@ fn run(plan: &Plan<'_>, cache: &RunCache, point: &Prepared, seed: u64) -> Result
             work_folder: plan.folder,
             time_limit: Duration::MAX,
             progress: &*progress,
-        });
-        let recording = recorded.map_err(|error| match error {
-            CodeError::Interrupted { .. } => ParameterError::Interrupted,
-            error => ParameterError::Run { values: point.label.clone(), seed, error: Box::new(error) },
         })?;
         let measurements = measure(&point.scene, &recording);
         Ok(Run { seed, wall_seconds: recording.wall_seconds, measurements, alarms: recording.alarms })

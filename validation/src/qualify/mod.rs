@@ -11,19 +11,18 @@ mod scenes;
 mod studies;
 mod tier;
 
-pub use one_scene::{JudgeError, Judged, OneScene, codes_against, usual_codes};
+pub use one_scene::{Judged, OneScene, codes_against, usual_codes};
 pub use tier::{Ablated, Extent, Study, Tier};
 
-use crate::compare::{Announce, Comparison, KeptError, KeptRuns, Reference, ReferenceError, Runs};
+use crate::compare::{Announce, Comparison, Reference, ReferenceError, Runs};
 use crate::output::WriteError;
 use crate::peers::{Code, CodeError, CodeName, Makadam, codes_of};
 use crate::plan::Scene;
 use crate::provenance::account;
 use crate::report::{Qualification, StudySection};
 use crate::scenes::{SceneError, find, known};
-use crate::stability::StabilityError;
 use crate::statistics::confidence_of_each;
-use crate::study::{DocumentError, damaged_below};
+use crate::study::{DocumentError, RunCache, RunError, damaged_runs};
 use scenes::{Case, Job};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -51,73 +50,54 @@ pub struct Settings<'a> {
 }
 
 impl Settings<'_> {
-    /// A run of a scene for measuring.
     fn measuring<'s>(&'s self, scene: &'s Scene, file: &'s Path, seed: u64) -> Runs<'s> {
         Runs::of_one_seed(scene, file, seed, self.time_limit, self.announce)
     }
 }
 
-/// Failures of a qualification.
+/// Error that ended a qualification or a comparison; finished runs stay stored.
 #[derive(Debug, thiserror::Error)]
 pub enum QualifyError {
-    /// A scene is invalid.
-    #[error(transparent)]
-    Scene(#[from] SceneError),
+    /// The scene compares nothing.
+    #[error("{0} names nothing to compare; add observables under [[compare]], or measure it with 'makadam run'")]
+    NothingToCompare(String),
     /// Recorded references cannot be read.
     #[error(transparent)]
     Reference(#[from] ReferenceError),
     /// Nothing is recorded of a code.
-    #[error("nothing is recorded of {code} on the scene {scene}; record it with 'makadam compare {scene} --record'")]
+    #[error(
+        "nothing is recorded of {code} on the scene {scene}; record it with 'makadam compare {scene} --record', run it with --live \
+         (scripts/install-peers installs it), or leave it out (name the others with --codes)"
+    )]
     NotRecorded {
         /// The code.
-        code: String,
+        code: &'static str,
         /// The scene.
         scene: String,
     },
-    /// Makadam failed, or a required peer is missing.
+    /// A scene is invalid, a run or a study failed, a required code is missing, or the user asked to stop.
     #[error(transparent)]
-    Code(CodeError),
-    /// A run of Makadam came to an invalid state, or a study failed.
-    #[error("{0}")]
-    Failed(String),
-    /// A finished run cannot be stored.
-    #[error(transparent)]
-    Write(#[from] WriteError),
+    Run(#[from] RunError),
     /// A study cannot be written.
     #[error(transparent)]
     Document(#[from] DocumentError),
-    /// The user asked to stop; finished runs are stored.
-    #[error("interrupted")]
-    Interrupted,
 }
 
 impl From<CodeError> for QualifyError {
     fn from(error: CodeError) -> QualifyError {
-        match error {
-            CodeError::Interrupted { .. } => QualifyError::Interrupted,
-            other => QualifyError::Code(other),
-        }
+        QualifyError::Run(error.into())
     }
 }
 
-impl From<KeptError> for QualifyError {
-    fn from(error: KeptError) -> QualifyError {
-        match error {
-            KeptError::Code(error) => error.into(),
-            KeptError::Worthless(problem) => QualifyError::Failed(problem),
-            KeptError::Write(error) => error.into(),
-        }
+impl From<SceneError> for QualifyError {
+    fn from(error: SceneError) -> QualifyError {
+        QualifyError::Run(error.into())
     }
 }
 
-impl From<StabilityError> for QualifyError {
-    fn from(error: StabilityError) -> QualifyError {
-        match error {
-            StabilityError::Interrupted(_) => QualifyError::Interrupted,
-            StabilityError::Scene(error) => error.into(),
-            StabilityError::Code(error) => error.into(),
-            StabilityError::Write(error) => error.into(),
-        }
+impl From<WriteError> for QualifyError {
+    fn from(error: WriteError) -> QualifyError {
+        QualifyError::Run(error.into())
     }
 }
 
@@ -136,18 +116,18 @@ pub fn qualify(extent: &Extent, settings: &Settings<'_>) -> Result<Qualification
     }
     let open = |name: &&'static str| Case::open(name, extent.fewest_seeds, settings, &peers, &further);
     let mut cases = extent.scenes.iter().map(open).collect::<Result<Vec<Case>, QualifyError>>()?;
-    let kept = KeptRuns::open(&settings.folder.join("runs"), settings.again)?;
-    let place = Place { settings, kept: &kept };
+    let cache = RunCache::open(&settings.folder.join("runs"), settings.again)?;
+    let place = Place { settings, cache: &cache };
     let parts = extent.studies.iter().map(|study| studies::open(study, place));
     let parts = parts.collect::<Result<Vec<Box<dyn Part>>, QualifyError>>()?;
 
     let mut qualification = Qualification::default();
-    time(extent, settings, &kept, &mut cases, &peers, &mut qualification)?;
-    let of_scenes = cases.iter().flat_map(|case| case.jobs(settings, &kept));
+    time(extent, settings, &cache, &mut cases, &peers, &mut qualification)?;
+    let of_scenes = cases.iter().flat_map(|case| case.jobs(settings, &cache));
     let jobs: Vec<Job<'_>> = of_scenes.chain(parts.iter().flat_map(|part| part.jobs())).collect();
     (settings.say)(&format!("{} runs, those taken that {} holds", jobs.len(), settings.folder.display()));
     scenes::run(jobs)?;
-    let studies = parts.iter().map(|part| part.section()).collect::<Result<Vec<StudySection>, QualifyError>>()?;
+    let studies = parts.iter().map(|part| part.section()).collect::<Result<Vec<StudySection>, RunError>>()?;
     let threads = rayon::current_num_threads();
     let comparisons: Vec<Comparison> = cases.into_iter().map(|case| case.compared(threads)).collect();
 
@@ -159,7 +139,7 @@ pub fn qualify(extent: &Extent, settings: &Settings<'_>) -> Result<Qualification
         wall_seconds: clock.elapsed().as_secs_f64(),
         comparisons,
         provenance,
-        notes: notes(extent, settings, &kept)?,
+        notes: notes(extent, settings, &cache)?,
         studies,
         ..qualification
     })
@@ -170,7 +150,7 @@ pub fn qualify(extent: &Extent, settings: &Settings<'_>) -> Result<Qualification
 fn time(
     extent: &Extent,
     settings: &Settings<'_>,
-    kept: &KeptRuns,
+    cache: &RunCache,
     cases: &mut [Case],
     peers: &[Box<dyn Code>],
     found: &mut Qualification,
@@ -181,12 +161,11 @@ fn time(
     for name in extent.timed {
         let case = cases.iter_mut().find(|case| case.name == *name).expect("what is timed is judged");
         (settings.say)(&format!("{name}: timed runs of seed {LIVE_SEED}, one core each, one after the other"));
-        case.time(settings, kept, &Makadam)?;
+        case.time(settings, cache, &Makadam)?;
         for peer in peers.iter().rev().filter(|_| settings.live) {
-            match case.time(settings, kept, peer.as_ref()) {
+            match case.time(settings, cache, peer.as_ref()) {
                 Ok(harvest) => case.check(&harvest, confidence, found),
-                Err(KeptError::Code(error @ CodeError::Interrupted { .. })) => return Err(error.into()),
-                Err(KeptError::Write(error)) => return Err(error.into()),
+                Err(error) if error.ends_all() => return Err(error.into()),
                 Err(error) => {
                     found.failed_runs.push(format!("{name}: the live run of {} failed: {error}", peer.name()));
                 }
@@ -197,7 +176,7 @@ fn time(
 }
 
 /// Notes on the whole qualification.
-fn notes(extent: &Extent, settings: &Settings<'_>, kept: &KeptRuns) -> Result<Vec<String>, QualifyError> {
+fn notes(extent: &Extent, settings: &Settings<'_>, cache: &RunCache) -> Result<Vec<String>, QualifyError> {
     let mut notes = Vec::new();
     if !settings.live {
         notes.push(
@@ -207,18 +186,14 @@ fn notes(extent: &Extent, settings: &Settings<'_>, kept: &KeptRuns) -> Result<Ve
         );
     }
     notes.extend(left_out(extent, settings)?);
-    let [made, taken] = kept.counts();
+    let [made, taken] = cache.counts();
     if taken > 0 {
         let total = made + taken;
         notes.push(format!(
             "{taken} of {total} runs of scenes were taken from an earlier start in this folder; their wall times are those of then."
         ));
     }
-    let damaged = damaged_below(&settings.folder).into_iter();
-    notes.extend(
-        damaged
-            .map(|file| format!("a kept run was damaged and has been made again; the file is now {}", file.display())),
-    );
+    notes.extend(damaged_runs(&settings.folder));
     Ok(notes)
 }
 

@@ -1,8 +1,7 @@
 //! One scene in several codes, judged.
 
-use crate::compare::{
-    Announce, CodeRuns, Comparison, FEW_SEEDS, Reference, ReferenceError, Runs, Simulated, comparison, noticed,
-};
+use super::QualifyError;
+use crate::compare::{Announce, CodeRuns, Comparison, FEW_SEEDS, Reference, Runs, Simulated, comparison, noticed};
 use crate::peers::{Code, CodeError, CodeName, Purpose};
 use crate::plan::{Expectation, Scene};
 use crate::provenance::account;
@@ -12,19 +11,19 @@ use rayon::prelude::*;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// What is compared.
+/// Codes to be compared on a scene.
 pub struct OneScene<'a> {
     /// The scene.
     pub scene: &'a Scene,
     /// Its file.
     pub scene_file: &'a Path,
-    /// What was changed in the scene of the file, which the report tells.
+    /// Changes to the scene of the file, which the report lists.
     pub changes: &'a [Change],
     /// The codes, the judged one first.
     pub codes: Vec<Box<dyn Code>>,
     /// Name of the code that is judged, which is always run.
     pub judged: &'a str,
-    /// Whether codes other than Makadam are run, in place of what is recorded of them.
+    /// True if codes other than Makadam are run instead of taking their recorded references.
     pub live: bool,
     /// Number of seeds, counted from 1; absent, those that the scene registers, else as many as are recorded, or [`FEW_SEEDS`].
     pub seeds: Option<u64>,
@@ -61,38 +60,10 @@ pub fn codes_against(scene_file: &Path, live: bool) -> Vec<CodeName> {
 
 /// A comparison of one scene with its verdict.
 pub struct Judged {
-    /// What the report is made from.
+    /// Content of the report.
     pub qualification: Qualification,
     /// That the user asked to stop, else the first failure of a run; tests that lack its values are not made.
     pub failure: Option<CodeError>,
-}
-
-/// Why nothing was judged.
-#[derive(Debug, thiserror::Error)]
-pub enum JudgeError {
-    /// The scene compares nothing.
-    #[error("{scene} names nothing to compare; add observables under [[compare]], or measure it with 'makadam run'")]
-    NothingToCompare {
-        /// The scene.
-        scene: String,
-    },
-    /// Recorded references cannot be read.
-    #[error(transparent)]
-    Reference(#[from] ReferenceError),
-    /// Nothing is recorded of a code.
-    #[error(
-        "nothing is recorded of {code} on the scene {scene}; run it with --live (scripts/install-peers installs it), or leave it \
-         out (name the others with --codes)"
-    )]
-    NotRecorded {
-        /// The code.
-        code: &'static str,
-        /// The scene.
-        scene: String,
-    },
-    /// A code that must run is missing, or the scene is invalid.
-    #[error(transparent)]
-    Code(#[from] CodeError),
 }
 
 impl OneScene<'_> {
@@ -108,11 +79,11 @@ impl OneScene<'_> {
     /// Runs the codes, or takes what is recorded of them, and compares.
     ///
     /// # Errors
-    /// [`JudgeError`]; a run that fails is told beside the verdict on the others.
-    pub fn judge(self) -> Result<Judged, JudgeError> {
+    /// [`QualifyError`]; a run that fails is told beside the verdict on the others.
+    pub fn judge(self) -> Result<Judged, QualifyError> {
         let scene = &self.registered();
         if scene.compare.is_empty() {
-            return Err(JudgeError::NothingToCompare { scene: scene.name.clone() });
+            return Err(QualifyError::NothingToCompare(scene.name.clone()));
         }
         let clock = Instant::now();
         let reference = Reference::of_scene(self.scene_file)?;
@@ -197,9 +168,6 @@ impl OneScene<'_> {
 }
 
 /// Runs the first seed of a code of the user's own, so that frames that cannot be read are told before all seeds have run.
-///
-/// # Errors
-/// [`CodeError::Output`] alone; another failure is one of its seeds.
 fn first_seed(code: &dyn Code, runs: &Runs<'_>) -> Result<Simulated, CodeError> {
     let first = Runs { seeds: runs.seeds[..1].to_vec(), ..runs.clone() };
     let mut simulated = first.simulate(code);
@@ -228,16 +196,16 @@ fn with_all_values(scene: &Scene, codes: &[CodeRuns]) -> Scene {
 /// Tables of a scene that a registration holds for.
 const REGISTERED: [&str; 2] = ["measure", "compare"];
 
-/// What is recorded of a code, or an error that says how to get it.
+/// Returns the recorded runs of a code, or an error with the remedy.
 fn from_reference(
     code: &dyn Code,
     reference: Option<&Reference>,
     scene: &Scene,
     notes: &mut Vec<String>,
-) -> Result<CodeRuns, JudgeError> {
+) -> Result<CodeRuns, QualifyError> {
     let (code, contact_law) = (code.name(), code.contact_law());
     let Some(runs) = reference.and_then(|reference| reference.code_on(code, scene)) else {
-        return Err(JudgeError::NotRecorded { code, scene: scene.name.clone() });
+        return Err(QualifyError::NotRecorded { code, scene: scene.name.clone() });
     };
     notes.push(format!("{code} was not run: its numbers are the recorded references ({})", runs.provenance));
     notes.extend(reference.into_iter().flat_map(|reference| reference.out_of_date(code, contact_law, scene)));

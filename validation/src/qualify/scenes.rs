@@ -2,15 +2,14 @@
 
 use super::{LIVE_SEED, QualifyError, Settings};
 use crate::compare::{
-    CodeRuns, CodeSummary, Comparison, Harvest, KeptError, KeptRuns, LIVE_FRACTION, Reference, Runs, Timed, comparison,
-    live_checks,
+    CodeRuns, CodeSummary, Comparison, Harvest, LIVE_FRACTION, Reference, Runs, comparison, live_checks,
 };
-use crate::peers::{Code, Makadam, Purpose};
+use crate::peers::{Code, Makadam};
 use crate::plan::Scene;
 use crate::report::Qualification;
 use crate::scenes::{self, SceneError};
+use crate::study::{RunCache, RunError, run_jobs};
 use makadam::scene::{SceneFileError, Stop};
-use rayon::prelude::*;
 use std::path::PathBuf;
 use std::sync::Mutex;
 
@@ -23,48 +22,25 @@ pub(super) struct Job<'a> {
     pub(super) identity: String,
     /// Amount of work, in any unit that all jobs share.
     pub(super) weight: f64,
-    /// Needs the machine to itself, since it is timed.
+    /// True if it is timed and needs the machine to itself.
     pub(super) alone: bool,
     /// Computes and stores the result.
-    pub(super) work: Box<dyn FnOnce() -> Result<(), QualifyError> + Send + 'a>,
+    pub(super) work: Box<dyn Fn() -> Result<(), RunError> + Send + Sync + 'a>,
 }
 
-/// Runs all jobs: first those that need the machine to themselves, then as many at a time as there are threads, the longest first, none twice.
-///
-/// # Errors
-/// The error of a job that failed; no other is begun after it.
-pub(super) fn run(jobs: Vec<Job<'_>>) -> Result<(), QualifyError> {
+/// Runs all jobs: first those that need the machine to themselves, then as many at a time as there are threads, none twice.
+pub(super) fn run(jobs: Vec<Job<'_>>) -> Result<(), RunError> {
+    let (alone, others): (Vec<_>, Vec<_>) = jobs.into_iter().partition(|job| job.alone);
+    alone.iter().try_for_each(|job| (job.work)())?;
     let mut tasks: Vec<Vec<Job<'_>>> = Vec::new();
-    for job in jobs {
-        if job.alone {
-            (job.work)()?;
-            continue;
-        }
+    for job in others {
         match tasks.iter_mut().find(|task| task[0].identity == job.identity) {
             Some(task) => task.push(job),
             None => tasks.push(vec![job]),
         }
     }
-    tasks.par_sort_by(|one, other| other[0].weight.total_cmp(&one[0].weight));
-    let failure: Mutex<Option<QualifyError>> = Mutex::new(None);
-    let failed = || failure.lock().expect("nothing panics while it holds the lock").is_some();
-    // First in, first out: whichever thread is free takes the longest task that is left.
-    rayon::scope_fifo(|scope| {
-        for job in tasks {
-            let (failure, failed) = (&failure, &failed);
-            scope.spawn_fifo(move |_| {
-                for job in job {
-                    if failed() {
-                        return;
-                    }
-                    if let Err(error) = (job.work)() {
-                        failure.lock().expect("nothing panics while it holds the lock").get_or_insert(error);
-                    }
-                }
-            });
-        }
-    });
-    failure.into_inner().expect("nothing panics while it holds the lock").map_or(Ok(()), Err)
+    let in_turn = |task: &Vec<Job<'_>>| task.iter().try_for_each(|job| (job.work)());
+    run_jobs(&tasks, |task| task[0].weight, &|_| {}, |task, _| in_turn(task)).map(|_| ())
 }
 
 /// Returns the amount of work of a run: grains times steps times sweeps.
@@ -124,7 +100,7 @@ impl Case {
             let code = peer.name();
             let recorded = match reference.code_on(code, &case.scene) {
                 Some(recorded) => recorded,
-                None if is_needed => return Err(QualifyError::NotRecorded { code: code.into(), scene: name.into() }),
+                None if is_needed => return Err(QualifyError::NotRecorded { code, scene: name.into() }),
                 None => continue,
             };
             case.recorded.push(recorded);
@@ -138,13 +114,13 @@ impl Case {
     }
 
     /// Returns the runs of Makadam.
-    pub(super) fn jobs<'s>(&'s self, settings: &'s Settings<'_>, kept: &'s KeptRuns) -> Vec<Job<'s>> {
+    pub(super) fn jobs<'s>(&'s self, settings: &'s Settings<'_>, cache: &'s RunCache) -> Vec<Job<'s>> {
         let job = move |seed| Job {
-            identity: KeptRuns::identity(&self.runs(settings, seed), &Makadam, seed),
+            identity: self.runs(settings, seed).key(&Makadam, seed, false).name().into(),
             weight: weight(&self.scene),
             alone: false,
             work: Box::new(move || {
-                let harvest = kept.take(&self.runs(settings, seed), &Makadam, seed)?;
+                let harvest = self.runs(settings, seed).take(cache, &Makadam, seed)?;
                 self.harvests.lock().expect("nothing panics while it holds the lock").push(harvest);
                 Ok(())
             }),
@@ -170,14 +146,10 @@ impl Case {
     pub(super) fn time(
         &mut self,
         settings: &Settings<'_>,
-        kept: &KeptRuns,
+        cache: &RunCache,
         code: &dyn Code,
-    ) -> Result<Harvest, KeptError> {
-        let runs = self.runs(settings, LIVE_SEED);
-        let Timed { summary, harvest } = runs.time(code, LIVE_SEED, |runs| match runs.purpose {
-            Purpose::Timing => kept.take_alone(runs, code, LIVE_SEED),
-            Purpose::Measuring => kept.take(runs, code, LIVE_SEED),
-        })?;
+    ) -> Result<Harvest, RunError> {
+        let (summary, harvest) = self.runs(settings, LIVE_SEED).time(cache, code, LIVE_SEED)?;
         self.timings.push(summary);
         Ok(harvest)
     }
@@ -201,13 +173,13 @@ impl Case {
         );
         for check in live_checks(&self.scene, run, recorded, confidence) {
             let name = &check.observable;
-            match (check.value, check.interval, check.inside) {
-                (Some(_), Some(_), Some(true)) => {}
-                (Some(value), Some([low, high]), _) => found.outside_spread.push(format!(
+            match (check.value, check.interval) {
+                (Some(_), Some(_)) if check.inside() == Some(true) => {}
+                (Some(value), Some([low, high])) => found.outside_spread.push(format!(
                     "{head} lies outside the interval that the recorded seeds predict: {name} {value:.4} ({low:.4} to {high:.4})"
                 )),
-                (None, _, _) => found.unchecked.push(format!("{head} has no value of {name}")),
-                (Some(_), None, _) => found.unchecked.push(format!("{head} has no recorded spread of {name}")),
+                (None, _) => found.unchecked.push(format!("{head} has no value of {name}")),
+                (Some(_), None) => found.unchecked.push(format!("{head} has no recorded spread of {name}")),
             }
         }
     }

@@ -3,16 +3,16 @@
 //! A qualification writes its tests as `tests.json`. `validation/baseline.json` has the same form with one list for each tier: a list is
 //! replaced by that of a run whose verdicts are accepted.
 
-use super::qualification::Qualification;
-use super::tables::outcome_word;
+use super::qualification::{Qualification, StudyOutcome};
 use crate::compare::{Comparison, Row};
 use crate::plan::physics_hash;
+use crate::statistics::Outcome;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Version of the layout.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// Content of `tests.json`.
 #[derive(Serialize, Deserialize)]
@@ -28,8 +28,8 @@ pub struct Test {
     pub group: String,
     /// Its name in the group.
     pub name: String,
-    /// Verdict in words; absent where none has been recorded yet.
-    pub verdict: Option<String>,
+    /// Verdict; absent where none has been recorded yet.
+    pub verdict: Option<TestVerdict>,
     /// Difference of the means, or the measured value of a study.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub value: Option<String>,
@@ -42,6 +42,36 @@ pub struct Test {
     /// Hash of the scene as every code is given it, 16 hexadecimal digits.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scene_hash: Option<String>,
+}
+
+/// Verdict of a test.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum TestVerdict {
+    /// Of a test of a scene.
+    Scene(Outcome),
+    /// Of a test of a study.
+    Study(StudyOutcome),
+}
+
+impl TestVerdict {
+    fn words(self) -> &'static str {
+        match self {
+            TestVerdict::Scene(outcome) => outcome.words(),
+            TestVerdict::Study(outcome) => outcome.words(),
+        }
+    }
+
+    /// Rank of the verdict; a larger one is worse.
+    fn rank(self) -> u8 {
+        match self {
+            TestVerdict::Scene(Outcome::Agree) | TestVerdict::Study(StudyOutcome::Passed) => 0,
+            TestVerdict::Study(StudyOutcome::KnownException) => 1,
+            TestVerdict::Scene(Outcome::Undecided | Outcome::Exploratory) => 2,
+            TestVerdict::Scene(Outcome::NotMeasured) | TestVerdict::Study(StudyOutcome::NotMeasured) => 3,
+            TestVerdict::Scene(Outcome::Disagree) | TestVerdict::Study(StudyOutcome::Failed) => 4,
+        }
+    }
 }
 
 /// Differences between the tests of a baseline and those of a qualification.
@@ -67,7 +97,7 @@ pub fn tests(qualification: &Qualification) -> Vec<Test> {
         study.tests.iter().map(|test| Test {
             group: study.name.clone(),
             name: test.name.clone(),
-            verdict: Some(test.outcome.words().into()),
+            verdict: Some(TestVerdict::Study(test.outcome)),
             value: Some(test.measured.clone()),
             margin: None,
             runs: None,
@@ -83,7 +113,7 @@ fn test_of(comparison: &Comparison, row: &Row) -> Option<Test> {
     Some(Test {
         group: row.scene.clone(),
         name: format!("{} against {reference}", row.observable),
-        verdict: Some(outcome_word(row.outcome?).into()),
+        verdict: Some(TestVerdict::Scene(row.outcome?)),
         value: row.difference.map(|difference| format!("{difference:.4e}")),
         margin: row.margin,
         runs: Some([runs(&row.code), runs(reference)]),
@@ -92,9 +122,6 @@ fn test_of(comparison: &Comparison, row: &Row) -> Option<Test> {
 }
 
 /// Returns the text of `tests.json`: one test per line.
-///
-/// # Errors
-/// [`serde_json::Error`] if a number is not finite.
 pub(super) fn document(qualification: &Qualification) -> Result<String, serde_json::Error> {
     let lines: Result<Vec<String>, _> = tests(qualification).iter().map(serde_json::to_string).collect();
     let tier = serde_json::to_string(&qualification.tier)?;
@@ -130,17 +157,6 @@ impl Test {
         format!("{}: {}", self.group, self.name)
     }
 
-    /// Rank of the verdict; a larger one is worse.
-    fn rank(&self) -> Option<u8> {
-        self.verdict.as_deref().map(|verdict| match verdict {
-            "agree" | "passed" => 0,
-            "known exception" => 1,
-            "undecided" | "exploratory" => 2,
-            "not measured" => 3,
-            _ => 4,
-        })
-    }
-
     /// Reason for which a test counts as missing although a test of its name was made.
     fn lacks(&self, made: &Test) -> Option<String> {
         match (self.margin.zip(made.margin), self.runs.zip(made.runs)) {
@@ -166,9 +182,9 @@ impl Changes {
             if let Some(reason) = test.lacks(made) {
                 changes.missing.push(format!("{} ({reason})", test.title()));
             }
-            let words = |test: &Test| test.verdict.clone().unwrap_or_default();
+            let words = |test: &Test| test.verdict.map_or("", TestVerdict::words);
             let line = format!("{}: {}, baseline {}", test.title(), words(made), words(test));
-            match test.rank().zip(made.rank()) {
+            match test.verdict.zip(made.verdict).map(|(was, is)| (was.rank(), is.rank())) {
                 Some((was, is)) if is > was => changes.worse.push(line),
                 Some((was, is)) if is < was => changes.better.push(line),
                 _ => {}

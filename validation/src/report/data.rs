@@ -1,10 +1,11 @@
 //! The numbers of a report as CSV, and the JSON Schema of `report.json`.
 
 use super::qualification::Qualification;
-use super::tables::{outcome_word, source_word};
+use super::tables::source_word;
 use super::{ReportDocument, figures};
 use crate::compare::{Comparison, Row};
 use crate::scenes;
+use crate::statistics::Outcome;
 use crate::study::{Cell, DocumentError, File, Table, cells};
 use nalgebra::Vector3;
 use schemars::generate::SchemaSettings;
@@ -27,9 +28,6 @@ const FILES: [(&str, &str, Rows); 4] = [
 ];
 
 /// Returns all files, scenes one below the other; a file without rows has its head alone.
-///
-/// # Errors
-/// [`DocumentError::Csv`] if a row cannot be written.
 pub(super) fn files(qualification: &Qualification) -> Result<Vec<File>, DocumentError> {
     let file = |(name, columns, rows): (&str, &str, Rows)| {
         let rows = qualification.comparisons.iter().flat_map(rows);
@@ -59,7 +57,7 @@ fn rows(comparison: &Comparison) -> Vec<Vec<Cell>> {
             verdict_low,
             verdict_high,
             row.margin,
-            row.outcome.map(outcome_word),
+            row.outcome.map(Outcome::words),
             row.seeds_needed,
             row.missing.as_deref(),
         ]

@@ -1,7 +1,7 @@
 //! The figures of a scene: differences against the margins, observables over time, normal forces.
 
 use super::qualification::join;
-use super::tables::{distinct, outcome_class, outcome_word};
+use super::tables::distinct;
 use crate::compare::{Comparison, Row};
 use crate::draw::names;
 use crate::draw::numbers::{Rounding, compact, count};
@@ -131,7 +131,7 @@ fn draw_line(drawing: &mut Drawing, line: &Line<'_>, y: f64, reach: f64, x: &imp
     }
     let (class, text) = match (judged, row.outcome) {
         (false, _) => ("faint", "floor"),
-        (true, Some(outcome)) => (outcome_class(outcome), outcome_word(outcome)),
+        (true, Some(outcome)) => (outcome.class(), outcome.words()),
         (true, None) => ("", ""),
     };
     drawing.text(&format!("name {class}"), [WIDTH - RIGHT + 14.0, y + 4.0], Anchor::Start, text);

@@ -1,7 +1,6 @@
 //! The tests of a qualification as JUnit XML, for programs that collect the results of tests.
 
 use super::qualification::{Qualification, StudyOutcome, StudyTest};
-use super::tables::outcome_word;
 use crate::compare::{Comparison, Row};
 use crate::statistics::Outcome;
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
@@ -63,8 +62,7 @@ fn skipped(message: &str) -> TestCaseStatus {
 
 fn of_row(comparison: &Comparison, row: &Row, outcome: Outcome) -> TestCaseStatus {
     let number = |value: Option<f64>| value.map_or("none".into(), |value| format!("{value:.6}"));
-    let said =
-        format!("{}: difference {}, margin {}", outcome_word(outcome), number(row.difference), number(row.margin));
+    let said = format!("{}: difference {}, margin {}", outcome.words(), number(row.difference), number(row.margin));
     match outcome {
         Outcome::Disagree => failed(NonSuccessKind::Failure, &said),
         Outcome::NotMeasured => failed(NonSuccessKind::Error, row.missing.as_deref().unwrap_or(&said)),

@@ -20,7 +20,7 @@ mod qualification;
 mod tables;
 mod terminal;
 
-pub use baseline::{Changes, Test, tests};
+pub use baseline::{Changes, Test, TestVerdict, tests};
 pub use data::schema;
 pub use qualification::{Qualification, Standing, StudyCount, StudyOutcome, StudySection, StudyTest, Verdict};
 pub use terminal::comparison_table;
@@ -49,7 +49,7 @@ pub struct ReportDocument {
 pub struct ReportPaths {
     /// The page to read.
     pub html: PathBuf,
-    /// The same as data; a [`ReportDocument`].
+    /// Data; a [`ReportDocument`].
     pub json: PathBuf,
     /// The rows of all tables.
     pub csv: PathBuf,

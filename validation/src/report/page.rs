@@ -7,7 +7,6 @@ use crate::draw::numbers;
 use crate::study::{environment, style};
 use minijinja::{Value, context};
 
-/// Renders the page.
 pub(super) fn render(qualification: &Qualification) -> Result<String, minijinja::Error> {
     let mut environment = environment()?;
     environment.add_template("page", include_str!("page.html"))?;

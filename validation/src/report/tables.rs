@@ -7,26 +7,6 @@ use crate::draw::numbers::{Rounding, compact, duration, plural, two_digits};
 use crate::statistics::Outcome;
 use crate::study::{Cell, Table, cells};
 
-/// Returns the word of an outcome.
-pub(super) fn outcome_word(outcome: Outcome) -> &'static str {
-    match outcome {
-        Outcome::Agree => "agree",
-        Outcome::Disagree => "disagree",
-        Outcome::Undecided => "undecided",
-        Outcome::Exploratory => "exploratory",
-        Outcome::NotMeasured => "not measured",
-    }
-}
-
-/// Returns the style class of an outcome.
-pub(super) fn outcome_class(outcome: Outcome) -> &'static str {
-    match outcome {
-        Outcome::NotMeasured | Outcome::Exploratory => "undecided",
-        other => outcome_word(other),
-    }
-}
-
-/// Returns the word of a source.
 pub(super) fn source_word(source: Source) -> &'static str {
     match source {
         Source::Live => "live",
@@ -207,7 +187,7 @@ impl<'a> Line<'a> {
         let needed = row.seeds_needed.filter(|_| fully && undecided);
         Cell::from(row.difference.map(|difference| self.rounding.signed(difference)))
             .above(row.shown_interval().filter(|_| fully).map(|interval| self.rounding.interval(interval)))
-            .outcome(row.outcome.map(|outcome| (outcome_class(outcome), outcome_word(outcome))))
+            .outcome(row.outcome.map(|outcome| (outcome.class(), outcome.words())))
             .above(row.missing.clone().filter(|_| fully))
             .above(needed.map(|seeds| format!("register {seeds} seeds")))
     }

@@ -1,6 +1,6 @@
 //! The table of a comparison as plain text for a terminal.
 
-use super::tables::{outcome_word, ratio, rounding, time};
+use super::tables::{ratio, rounding, time};
 use crate::compare::{Comparison, Row, Source};
 use crate::draw::{columns, names};
 use crate::statistics::Outcome;
@@ -85,7 +85,7 @@ fn outcome_of(row: &Row, outcome: Outcome, at_odds: bool) -> String {
         (Outcome::Undecided | Outcome::Exploratory, _) if at_odds => "undecided (references differ)".into(),
         (Outcome::Undecided, Some(seeds)) => format!("undecided, register {seeds} seeds"),
         (Outcome::Exploratory, _) => "exploratory: within the margin".into(),
-        (outcome, _) => outcome_word(outcome).into(),
+        (outcome, _) => outcome.words().into(),
     }
 }
 

@@ -1,4 +1,4 @@
-//! What a run left behind, and the figures that cases take from it: the same for every code, from frames alone.
+//! Frames of a run, and the figures that cases take from them: the same for every code.
 
 use crate::observables::close_pairs;
 use crate::plan::Scene;
@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 use std::f64::consts::PI;
 
 /// A scene, the grains that it started from, and the frames of a run.
-pub struct Evidence<'a> {
+pub(crate) struct Evidence<'a> {
     scene: &'a Scene,
     grains: &'a [Grain],
     frames: &'a [Snapshot],
@@ -18,39 +18,28 @@ pub struct Evidence<'a> {
 
 impl<'a> Evidence<'a> {
     /// Evidence of a run; `frames` holds at least one frame.
-    pub fn new(scene: &'a Scene, grains: &'a [Grain], frames: &'a [Snapshot]) -> Evidence<'a> {
+    pub(crate) fn new(scene: &'a Scene, grains: &'a [Grain], frames: &'a [Snapshot]) -> Evidence<'a> {
         let mass = |grain: &Grain| 4.0 / 3.0 * PI * grain.radius.powi(3) * scene.material[&grain.material].density;
         Evidence { scene, grains, frames, masses: grains.iter().map(mass).collect() }
     }
 
-    /// The scene.
-    pub fn scene(&self) -> &Scene {
-        self.scene
-    }
-
     /// All frames, by time.
-    pub fn frames(&self) -> &[Snapshot] {
+    pub(super) fn frames(&self) -> &[Snapshot] {
         self.frames
     }
 
     /// The last frame.
-    pub fn last(&self) -> &Snapshot {
+    pub(super) fn last(&self) -> &Snapshot {
         &self.frames[self.frames.len() - 1]
     }
 
     /// A grain of the last frame.
-    pub fn grain(&self, id: usize) -> &Particle {
+    pub(super) fn grain(&self, id: usize) -> &Particle {
         &self.last().particles[id]
     }
 
-    /// The frame nearest to a time, s.
-    pub fn at(&self, time: f64) -> &Snapshot {
-        let nearer = |a: &&Snapshot, b: &&Snapshot| (a.time - time).abs().total_cmp(&(b.time - time).abs());
-        self.frames.iter().min_by(nearer).unwrap_or_else(|| self.last())
-    }
-
-    /// Whether every number of every frame is one.
-    pub fn is_finite(&self) -> bool {
+    /// Returns true if every number of every frame is finite.
+    pub(super) fn is_finite(&self) -> bool {
         let finite = |values: &[f64; 3]| values.iter().all(|value| value.is_finite());
         self.frames.iter().all(|frame| {
             let grains = frame.particles.iter();
@@ -60,57 +49,62 @@ impl<'a> Evidence<'a> {
     }
 
     /// Weight of all grains, N.
-    pub fn weight(&self) -> f64 {
+    pub(super) fn weight(&self) -> f64 {
         self.masses.iter().sum::<f64>() * Vector3::from(self.scene.gravity).norm()
     }
 
     /// Mass of a grain, kg.
-    pub fn mass(&self, id: usize) -> f64 {
+    pub(super) fn mass(&self, id: usize) -> f64 {
         self.masses[id]
     }
 
-    /// Force of the grains on the walls, N, the mean over the frames of the last share of the run.
-    pub fn wall_force(&self, share: f64) -> Vector3<f64> {
-        let frames = self.ending(share);
-        frames.iter().map(|frame| wall_force(frame, |_| true)).sum::<Vector3<f64>>() / frames.len() as f64
+    /// Force of the grains on the walls, N, averaged over the last share of the run.
+    pub(super) fn wall_force(&self, share: f64) -> Vector3<f64> {
+        self.mean_force(share, |_| true)
     }
 
-    /// The same, of one wall alone.
-    pub fn force_on_wall(&self, wall: u32, share: f64) -> Vector3<f64> {
+    /// Force on one wall.
+    pub(super) fn force_on_wall(&self, wall: u32, share: f64) -> Vector3<f64> {
+        self.mean_force(share, |at| at == wall)
+    }
+
+    fn mean_force(&self, share: f64, counts: impl Fn(u32) -> bool) -> Vector3<f64> {
         let frames = self.ending(share);
-        frames.iter().map(|frame| wall_force(frame, |at| at == wall)).sum::<Vector3<f64>>() / frames.len() as f64
+        let contacts = frames.iter().flat_map(|frame| &frame.contacts);
+        let on_walls = contacts.filter(|contact| matches!(contact.second, Partner::Wall(wall) if counts(wall)));
+        on_walls.map(|contact| contact.force_on_partner()).sum::<Vector3<f64>>() / frames.len() as f64
     }
 
     /// Frames of the last share of the run.
-    pub fn ending(&self, share: f64) -> &[Snapshot] {
+    pub(super) fn ending(&self, share: f64) -> &[Snapshot] {
         let from = ((1.0 - share) * (self.frames.len() - 1) as f64).ceil() as usize;
         &self.frames[from.min(self.frames.len() - 1)..]
     }
 
     /// Largest speed in the last frame, m/s.
-    pub fn fastest(&self) -> f64 {
+    pub(super) fn fastest(&self) -> f64 {
         self.last().particles.iter().map(speed).fold(0.0, f64::max)
     }
 
     /// Largest speed in any frame, m/s.
-    pub fn fastest_ever(&self) -> f64 {
+    pub(super) fn fastest_ever(&self) -> f64 {
         self.frames.iter().flat_map(|frame| &frame.particles).map(speed).fold(0.0, f64::max)
     }
 
     /// Momentum of a frame, kg m/s.
-    pub fn momentum(&self, frame: &Snapshot) -> Vector3<f64> {
+    pub(super) fn momentum(&self, frame: &Snapshot) -> Vector3<f64> {
         let parts = frame.particles.iter().zip(&self.masses);
         parts.map(|(grain, mass)| Vector3::from(grain.velocity) * *mass).sum()
     }
 
     /// Height of the centre of mass of a frame along an axis, m.
-    pub fn centre_of_mass(&self, frame: &Snapshot, axis: usize) -> f64 {
+    pub(super) fn centre_of_mass(&self, frame: &Snapshot, axis: usize) -> f64 {
         let parts = frame.particles.iter().zip(&self.masses);
         parts.map(|(grain, mass)| grain.position[axis] * mass).sum::<f64>() / self.masses.iter().sum::<f64>()
     }
 
     /// Kinetic energy of a frame, J.
-    pub fn kinetic(&self, frame: &Snapshot) -> f64 {
+    pub(super) fn kinetic(&self, frame: &Snapshot) -> f64 {
         let square = |vector: &[f64; 3]| vector.iter().map(|x| x * x).sum::<f64>();
         let parts = frame.particles.iter().zip(&self.masses);
         parts
@@ -122,7 +116,7 @@ impl<'a> Evidence<'a> {
     }
 
     /// Kinetic energy, energy in the field of gravity and elastic energy of the overlaps of a frame, J.
-    pub fn mechanical(&self, frame: &Snapshot) -> f64 {
+    pub(super) fn mechanical(&self, frame: &Snapshot) -> f64 {
         let gravity = Vector3::from(self.scene.gravity);
         let parts = frame.particles.iter().zip(&self.masses);
         let potential = parts.map(|(grain, mass)| -mass * gravity.dot(&Vector3::from(grain.position))).sum::<f64>();
@@ -130,7 +124,7 @@ impl<'a> Evidence<'a> {
     }
 
     /// Elastic energy of the overlaps by Hertz's law, `2/5 k_H d^(5/2)`; none where the scene's contacts are rigid.
-    pub fn elastic(&self, frame: &Snapshot) -> f64 {
+    pub(super) fn elastic(&self, frame: &Snapshot) -> f64 {
         if self.scene.solver.normal_law == NormalLaw::Rigid {
             return 0.0;
         }
@@ -153,7 +147,7 @@ impl<'a> Evidence<'a> {
 
     /// Largest overlap of two grains or of a grain and a wall over the smaller radius, in the frames of the last share of the
     /// run; 0 where nothing overlaps.
-    pub fn largest_overlap(&self, share: f64) -> f64 {
+    pub(super) fn largest_overlap(&self, share: f64) -> f64 {
         let of_frame = |frame: &Snapshot| {
             let grains = &frame.particles;
             let pairs = close_pairs(grains, 0.0)
@@ -170,7 +164,7 @@ impl<'a> Evidence<'a> {
     }
 
     /// Grains whose centre lies outside the domain in the last frame.
-    pub fn lost(&self) -> f64 {
+    pub(super) fn lost(&self) -> f64 {
         let domain = &self.scene.domain;
         let outside = |grain: &&Particle| {
             (0..3).any(|axis| !(domain.min[axis]..=domain.max[axis]).contains(&grain.position[axis]))
@@ -192,15 +186,4 @@ fn stored(overlap: f64, effective_radius: f64, materials: [&Material; 2]) -> f64
 
 fn speed(grain: &Particle) -> f64 {
     Vector3::from(grain.velocity).norm()
-}
-
-fn wall_force(frame: &Snapshot, counts: impl Fn(u32) -> bool) -> Vector3<f64> {
-    let on_walls = frame.contacts.iter().filter(|contact| match contact.second {
-        Partner::Wall(wall) => counts(wall),
-        Partner::Grain(_) => false,
-    });
-    let force = |contact: &makadam::snapshot::Contact| {
-        Vector3::from(contact.normal) * contact.normal_force + Vector3::from(contact.tangential_force)
-    };
-    on_walls.map(force).sum()
 }

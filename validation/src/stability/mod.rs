@@ -1,19 +1,19 @@
-//! Hard cases: a catalogue of scenes that break simulators, each with the right outcome, its source and a measured verdict.
+//! Stress tests: scenes that break simulators, each with the expected outcome, its source and a measured verdict.
 //!
 //! ```text
-//! catalogue -> Case -> run in a code -> Evidence (frames) -> judge -> Finding -> Verdict -> table, Markdown, JSON
+//! catalogue -> Case -> run in a code -> Evidence (frames) -> judge -> Finding -> Verdict -> report
 //! ```
 //!
-//! Every code is measured by the same figures from its frames. A run that fails is an outcome like any other.
+//! The figures of every code are measured from its frames in the same way. A run that fails is an outcome like any other.
 
 mod campaign;
 mod case;
 mod catalogue;
 mod evidence;
-mod table;
+mod study;
 
-pub use campaign::{Campaign, StabilityError};
-pub use case::{Case, CaseResult, Judge, KNOWN_EXCEPTIONS, Outcome, Study, Verdict, known_exception};
+pub(crate) use campaign::Campaign;
+pub use case::{Case, Outcome, Verdict, known_exception};
 pub use catalogue::catalogue;
-pub use evidence::Evidence;
-pub use table::{markdown, table, telling};
+pub(crate) use evidence::Evidence;
+pub(crate) use study::{CaseResult, Study};

@@ -1,4 +1,4 @@
-//! Runs of one code that differ by their seed.
+//! Means with their errors: over seeds, over blocks of time, and the interval in which seeds predict another one.
 
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, StudentsT};
@@ -69,4 +69,58 @@ pub fn student_quantile(probability: f64, freedom: f64) -> f64 {
         Ok(student) => student.inverse_cdf(probability),
         Err(_) => f64::NAN,
     }
+}
+
+const FEWEST_FRAMES: usize = 4;
+
+/// Most blocks: few and long, so that one block forgets the one before it.
+const MOST_BLOCKS: usize = 5;
+
+/// A mean over time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Average {
+    /// Mean of all values.
+    pub mean: f64,
+    /// Standard error of the mean, from the spread of the means of blocks; absent for fewer than 8 values.
+    pub standard_error: Option<f64>,
+}
+
+/// Number of blocks that `frames` frames are put into: five, or fewer so that a block holds at least four frames;
+/// absent where there are not two blocks.
+pub fn block_count(frames: usize) -> Option<usize> {
+    let blocks = (frames / FEWEST_FRAMES).min(MOST_BLOCKS);
+    (blocks >= 2).then_some(blocks)
+}
+
+/// Mean of consecutive values with the standard error over blocks of time (method of batch means).
+///
+/// Blocks are as equal in length as the number of values allows.
+pub fn block_average(values: &[f64]) -> Average {
+    let blocks = block_count(values.len()).map(|blocks| {
+        let part = |block: usize| &values[block * values.len() / blocks..(block + 1) * values.len() / blocks];
+        (0..blocks).map(|block| mean(part(block))).collect::<Vec<f64>>()
+    });
+    Average { mean: mean(values), standard_error: blocks.and_then(|means| standard_error(&means)) }
+}
+
+/// Confidence of all values of live runs together: where nothing has changed, one qualification in a hundred has a value outside.
+///
+/// It is high on purpose: a false alarm costs trust.
+pub const CONFIDENCE: f64 = 0.99;
+
+/// Confidence of each of so many values by which all of them together have [`CONFIDENCE`] at least (Bonferroni; the values of one run
+/// are not independent).
+pub fn confidence_of_each(values: usize) -> f64 {
+    1.0 - (1.0 - CONFIDENCE) / values.max(1) as f64
+}
+
+/// Interval that holds the mean of `live_seeds` more seeds with probability `confidence`, given recorded ones:
+/// mean +- t s sqrt(1/m + 1/n), with t Student's quantile for n - 1 degrees of freedom.
+///
+/// Absent for fewer than two recorded values.
+pub fn prediction_interval(recorded: &[f64], live_seeds: usize, confidence: f64) -> Option<[f64; 2]> {
+    let ensemble = Ensemble::of(recorded).filter(|ensemble| ensemble.seeds >= 2 && live_seeds >= 1)?;
+    let quantile = student_quantile(0.5 * (1.0 + confidence), (ensemble.seeds - 1) as f64);
+    let half = quantile * ensemble.standard_deviation * (1.0 / live_seeds as f64 + 1.0 / ensemble.seeds as f64).sqrt();
+    Some([ensemble.mean - half, ensemble.mean + half])
 }

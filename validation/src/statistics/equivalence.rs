@@ -36,6 +36,27 @@ pub enum Outcome {
     NotMeasured,
 }
 
+impl Outcome {
+    /// Returns the outcome in words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Outcome::Agree => "agree",
+            Outcome::Disagree => "disagree",
+            Outcome::Undecided => "undecided",
+            Outcome::Exploratory => "exploratory",
+            Outcome::NotMeasured => "not measured",
+        }
+    }
+
+    /// Returns the style class of its mark.
+    pub(crate) fn class(self) -> &'static str {
+        match self {
+            Outcome::Agree | Outcome::Disagree => self.words(),
+            Outcome::Undecided | Outcome::Exploratory | Outcome::NotMeasured => "undecided",
+        }
+    }
+}
+
 /// The difference of two ensembles and the verdict on it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Equivalence {

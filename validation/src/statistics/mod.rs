@@ -1,8 +1,8 @@
 //! From measurements to verdicts: blocks, ensembles, equivalence, distances between distributions.
 //!
-//! The seed is the unit of replication. Frames of one run are put into blocks first ([`blocks`]); runs of one code
-//! form an [`Ensemble`]; two ensembles are judged by [`equivalence`](equivalence()); a live run is held against recorded ones by a
-//! [`prediction`].
+//! The seed is the unit of replication. Frames of one run are put into blocks first ([`block_average`]); runs of one code
+//! form an [`Ensemble`]; two ensembles are compared by [`equivalence`]; a live run is compared with recorded ones by a
+//! [`prediction_interval`].
 //!
 //! ```
 //! use makadam_validation::statistics::{Ensemble, Outcome, equivalence};
@@ -12,18 +12,15 @@
 //! assert_eq!(verdict.outcome, Some(Outcome::Agree));
 //! ```
 
-pub mod blocks;
-pub mod distances;
-pub mod ensemble;
-pub mod equivalence;
-pub mod inequality;
-pub mod prediction;
-pub mod rank;
+mod distributions;
+mod ensemble;
+mod equivalence;
 
-pub use blocks::{Average, block_average, block_count};
-pub use distances::{kolmogorov_smirnov, wasserstein};
-pub use ensemble::{Ensemble, mean, median, standard_deviation, standard_error, student_quantile};
+pub use distributions::{
+    gini, kolmogorov_smirnov, ranked, second_moment, share_below_mean, wasserstein, weak_load_share,
+};
+pub use ensemble::{
+    Average, CONFIDENCE, Ensemble, block_average, block_count, confidence_of_each, mean, median, prediction_interval,
+    standard_deviation, standard_error, student_quantile,
+};
 pub use equivalence::{Equivalence, Outcome, equivalence, seeds_needed};
-pub use inequality::{gini, second_moment, share_below_mean, weak_load_share};
-pub use prediction::{CONFIDENCE, Spread, confidence_of_each, inside_recorded_spread, prediction_interval};
-pub use rank::ranked;

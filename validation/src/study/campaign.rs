@@ -1,9 +1,60 @@
-//! One campaign: jobs of (scene, code, seed, settings) on the thread pool, their results in the order of the jobs.
+//! Execution of a campaign: jobs of (scene, code, seed, settings) on the thread pool, their results in the order of the jobs.
 //!
 //! A job takes its result from a [`RunCache`](super::RunCache) where an earlier start has stored it, so that a campaign resumes.
 
+use super::DocumentError;
+use crate::output::WriteError;
+use crate::peers::CodeError;
+use crate::scenes::SceneError;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Error that ended a run; finished runs stay stored.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// The scene is invalid.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// The code is missing or failed.
+    #[error(transparent)]
+    Code(CodeError),
+    /// The run came to a state that invalidates its numbers, and would do so again.
+    #[error("{0}")]
+    Invalid(String),
+    /// The run cannot be stored.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// A solver or a document outside the runs failed.
+    #[error("{0}")]
+    Failed(String),
+    /// The user asked to stop.
+    #[error("interrupted")]
+    Interrupted,
+}
+
+impl RunError {
+    /// Returns true if no other run may follow: the user asked to stop, or nothing can be stored.
+    pub fn ends_all(&self) -> bool {
+        matches!(self, RunError::Write(_) | RunError::Interrupted)
+    }
+}
+
+impl From<CodeError> for RunError {
+    fn from(error: CodeError) -> RunError {
+        match error {
+            CodeError::Scene(error) => RunError::Scene(error),
+            CodeError::Interrupted { .. } => RunError::Interrupted,
+            CodeError::Worthless { .. } => RunError::Invalid(error.to_string()),
+            other => RunError::Code(other),
+        }
+    }
+}
+
+impl From<DocumentError> for RunError {
+    fn from(error: DocumentError) -> RunError {
+        RunError::Failed(error.to_string())
+    }
+}
 
 /// Runs jobs on the thread pool, those with the most work first; `progress` receives the fraction of the work that is done.
 ///
@@ -31,7 +82,7 @@ pub fn run_jobs<J: Sync, R: Send, E: Send>(
     // A long job that begins last would run alone.
     let mut order: Vec<usize> = (0..jobs.len()).collect();
     order.sort_by(|&a, &b| works[b].total_cmp(&works[a]));
-    let mut results = order.into_par_iter().with_max_len(1).map(one).collect::<Result<Vec<_>, E>>()?;
+    let mut results = order.into_iter().par_bridge().map(one).collect::<Result<Vec<_>, E>>()?;
     results.sort_by_key(|(number, _)| *number);
     Ok(results.into_iter().map(|(_, result)| result).collect())
 }

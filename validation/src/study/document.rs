@@ -1,9 +1,11 @@
-//! The files of a study: tables as CSV, all of it as JSON, figures as SVG, one page to read.
+//! The files of a study: tables as CSV, all of it as JSON, figures as SVG, one page to read, the same in Markdown.
 
 use super::report::Report;
 use crate::draw::figure::Figure;
 use crate::draw::svg::standalone;
 use crate::output::cells::csv;
+use crate::output::{WriteError, create_folder, write_whole};
+use crate::plan::Scene;
 use serde::Serialize;
 use std::io::{ErrorKind, Write as _};
 use std::path::{Path, PathBuf};
@@ -13,46 +15,42 @@ pub type File = (String, Vec<u8>);
 
 /// A study that can be written to files.
 pub trait Document: Serialize {
-    /// Name of its JSON document and of its page, without their endings.
+    /// Name of its files, without extensions.
     const NAME: &'static str;
 
-    /// Its tables as CSV, and its provenance.
-    ///
-    /// # Errors
-    /// [`DocumentError`] if a row or the provenance cannot be written out.
-    fn tables(&self) -> Result<Vec<File>, DocumentError>;
+    /// Tables as CSV, and the provenance.
+    fn tables(&self) -> Result<Vec<File>, DocumentError> {
+        Ok(Vec::new())
+    }
 
-    /// Its figures.
-    fn figures(&self) -> Vec<Figure>;
+    /// Figures.
+    fn figures(&self) -> Vec<Figure> {
+        Vec::new()
+    }
 
-    /// Its content for the terminal and the page.
+    /// Content for the terminal, the page and Markdown.
     fn report(&self) -> Report;
 
-    /// Writes all files into a folder, which is made if it is not there; returns the page's path.
-    ///
-    /// # Errors
-    /// [`DocumentError`] if a file cannot be written; none is changed then.
+    /// Writes all files into a folder, which is made if it is missing, and returns the path of the page. A failure changes no file.
     fn write(&self, folder: &Path) -> Result<PathBuf, DocumentError> {
         let figures = self.figures();
         let mut files = self.tables()?;
         files.push(json(Self::NAME, self)?);
         files.extend(figures.iter().map(drawn));
-        let page = format!("{}.html", Self::NAME);
-        files.push((page.clone(), self.report().page(&figures)?.into_bytes()));
+        let (report, page) = (self.report(), format!("{}.html", Self::NAME));
+        files.push((page.clone(), report.page(&figures)?.into_bytes()));
+        files.push((format!("{}.md", Self::NAME), report.markdown().into_bytes()));
         write_together(folder, &files)?;
         Ok(folder.join(page))
     }
 
     /// Writes the tables alone into a folder, which is made if it is not there.
-    ///
-    /// # Errors
-    /// As [`Document::write`].
     fn write_tables(&self, folder: &Path) -> Result<(), DocumentError> {
         write_together(folder, &self.tables()?)
     }
 }
 
-/// Why a document was not written. No file is left half-written.
+/// Error of writing a document. No file is left half-written.
 #[derive(Debug, thiserror::Error)]
 pub enum DocumentError {
     /// The system refused.
@@ -60,7 +58,7 @@ pub enum DocumentError {
     Io {
         /// File or folder.
         path: PathBuf,
-        /// What the system said.
+        /// Reason.
         source: std::io::Error,
     },
     /// The page's template does not fit its data.
@@ -90,26 +88,31 @@ fn remedy(source: &std::io::Error) -> &'static str {
     }
 }
 
-/// A table as a file NAME.csv.
 pub(crate) fn table(name: &str, rows: &[impl Serialize]) -> Result<File, DocumentError> {
     Ok((format!("{name}.csv"), csv(rows)?))
 }
 
-/// A value as a file NAME.json.
 pub(crate) fn json(name: &str, value: &(impl Serialize + ?Sized)) -> Result<File, DocumentError> {
     Ok((format!("{name}.json"), serde_json::to_vec_pretty(value)?))
 }
 
 /// A figure as a file NAME.svg.
-pub(crate) fn drawn(figure: &Figure) -> File {
+fn drawn(figure: &Figure) -> File {
     (format!("{}.svg", figure.name), standalone(&figure.svg).into_bytes())
+}
+
+/// Writes scenes to `scenes/NAME.toml` in a folder, to be run by hand.
+pub(crate) fn write_scenes<'a>(scenes: impl IntoIterator<Item = &'a Scene>, folder: &Path) -> Result<(), WriteError> {
+    let folder = folder.join("scenes");
+    create_folder(&folder)?;
+    scenes.into_iter().try_for_each(|scene| {
+        let text = toml::to_string(scene).expect("a scene is made of plain tables");
+        write_whole(&folder.join(format!("{}.toml", scene.name)), text.as_bytes())
+    })
 }
 
 /// Writes files into a folder, which is made if it is not there. All of them are complete on disk under temporary names before
 /// the first is renamed, so that what an earlier command has written stays whole if this one fails.
-///
-/// # Errors
-/// [`DocumentError::Io`] if the system refuses.
 pub(crate) fn write_together(folder: &Path, files: &[File]) -> Result<(), DocumentError> {
     let refused = |path: &Path| {
         let path = path.to_path_buf();

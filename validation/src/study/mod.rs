@@ -1,24 +1,22 @@
-//! What the studies have in common.
+//! Common parts of studies: one campaign that runs jobs and stores their results, one report with its renderers.
 //!
 //! ```text
-//! study ─> tables, figures ─> Report ─> page ─> Document ─> NAME.html, NAME.json, CSV, SVG
-//!                                 └─> terminal
+//! jobs ─> run_jobs ─> RunCache ─> study ─> tables, figures ─> Report ─> Document ─> NAME.html, NAME.md, NAME.json, CSV, SVG
+//!                                                                └─> terminal
 //! ```
 
 mod cache;
 mod campaign;
 mod document;
 mod finding;
-mod page;
 mod report;
 mod table;
 
-pub use cache::{Found, Key, RunCache, damaged_below, sealed, unseal};
-pub use campaign::run_jobs;
+pub use cache::{Key, RunCache, damaged_runs, sealed, unseal};
+pub use campaign::{RunError, run_jobs};
 pub use document::{Document, DocumentError, File};
-pub(crate) use document::{drawn, json, table, write_together};
+pub(crate) use document::{json, table, write_scenes, write_together};
 pub use finding::Finding;
-pub(crate) use page::{environment, page, style};
 pub use report::Report;
-pub(crate) use report::{Answer, Medium, Section};
+pub(crate) use report::{Answer, Medium, Section, environment, style};
 pub(crate) use table::{Cell, Table, cells};

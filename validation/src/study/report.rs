@@ -1,8 +1,8 @@
-//! Content of a study and its two renderers: plain text for a terminal, and a page.
+//! Content of a study and its renderers: plain text for a terminal, a page, Markdown.
 
-use super::{Table, page};
+use super::Table;
 use crate::draw::figure::Figure;
-use minijinja::context;
+use minijinja::{AutoEscape, Environment, context};
 use serde::Serialize;
 
 /// Answer to the question of a study.
@@ -14,6 +14,13 @@ pub(crate) struct Answer {
     pub(crate) word: String,
     /// Its numbers, in sentences.
     pub(crate) sentence: String,
+}
+
+impl Answer {
+    /// Answer of tests, all of which pass or not.
+    pub(crate) fn of(pass: bool, word: String, sentence: String) -> Answer {
+        Answer { class: if pass { "agree" } else { "disagree" }, word, sentence }
+    }
 }
 
 /// Content of a study, apart from its figures and files.
@@ -48,7 +55,7 @@ pub(crate) struct Section {
     medium: Medium,
 }
 
-/// The renderers that show a section.
+/// The renderers that show a section; Markdown has what the page has.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Medium {
     Both,
@@ -71,18 +78,26 @@ impl Section {
 impl Report {
     /// Plain text: the answer, the tables, the findings.
     pub fn text(&self) -> String {
-        let mut text = format!(
-            "{}: {}\n{}\n",
-            self.title,
-            self.facts.join(", "),
-            self.answer.word.clone() + " " + &self.answer.sentence
-        );
+        let Answer { word, sentence, .. } = &self.answer;
+        let mut text = format!("{}: {}\n{word} {sentence}\n", self.title, self.facts.join(", "));
         for section in self.shown(Medium::Terminal) {
             text += &format!("\n{}\n{}", section.title, section.table.text());
         }
         text += "\n";
         self.findings.iter().chain(&self.notes).for_each(|sentence| text += &format!("{sentence}\n"));
         text
+    }
+
+    /// Markdown: the answer, the tables of the page, the findings.
+    pub fn markdown(&self) -> String {
+        let Answer { word, sentence, .. } = &self.answer;
+        let mut text = format!("# {}\n\n{}\n\n{word} {sentence}\n", self.title, self.facts.join(", "));
+        for Section { title, text: description, table, .. } in self.shown(Medium::Page) {
+            let description = if description.is_empty() { String::new() } else { format!("{description}\n\n") };
+            text += &format!("\n## {title}\n\n{description}{}", table.markdown());
+        }
+        let sentences = self.findings.iter().chain(&self.notes).map(|sentence| format!("- {sentence}\n"));
+        text + "\n" + &sentences.collect::<String>()
     }
 
     /// A page with these figures.
@@ -103,11 +118,35 @@ impl Report {
             limits => self.limits,
             files => self.files,
         };
-        page(include_str!("study.html"), &self.title, figures, self.provenance.iter().cloned(), others)
+        let mut environment = environment()?;
+        environment.add_template("page", include_str!("study.html"))?;
+        let provenance = self.provenance.iter().map(|(key, value)| (key.replace('_', " "), value));
+        let provenance = provenance.collect::<Vec<_>>();
+        let frame = context! { title => self.title, style => style(), figures, provenance };
+        environment.get_template("page")?.render(context! { ..frame, ..others })
     }
 
     fn shown(&self, medium: Medium) -> impl Iterator<Item = &Section> {
         let own = move |section: &&Section| section.medium == Medium::Both || section.medium == medium;
         self.sections.iter().filter(own).filter(|section| !section.table.is_empty())
     }
+}
+
+/// Style sheet of a page with figures.
+pub(crate) fn style() -> &'static str {
+    concat!(include_str!("../draw/figure.css"), include_str!("page.css"))
+}
+
+/// Templates whose every value is escaped, with the parts that all pages share: "head" takes `title` and `style`,
+/// "answer" takes `answer`, "figures" takes `figures`, "provenance" takes pairs.
+pub(crate) fn environment() -> Result<Environment<'static>, minijinja::Error> {
+    let mut environment = Environment::new();
+    environment.set_trim_blocks(true);
+    environment.set_lstrip_blocks(true);
+    environment.set_auto_escape_callback(|_| AutoEscape::Html);
+    environment.add_template("head", include_str!("head.html"))?;
+    environment.add_template("answer", include_str!("answer.html"))?;
+    environment.add_template("figures", include_str!("figures.html"))?;
+    environment.add_template("provenance", include_str!("provenance.html"))?;
+    Ok(environment)
 }

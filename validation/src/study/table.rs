@@ -1,4 +1,4 @@
-//! One table, shown on a terminal, on a page and in Markdown, or written as CSV.
+//! Tables on a terminal, on a page, in Markdown, as CSV.
 
 use super::document::{DocumentError, File};
 use crate::draw::columns;
@@ -8,13 +8,13 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 use std::fmt::Write;
 
-/// A row of a table: whatever cells can be made from.
+/// Makes the cells of a row.
 macro_rules! cells {
     ($($cell:expr),* $(,)?) => { vec![$($crate::study::Cell::from($cell)),*] };
 }
 pub(crate) use cells;
 
-/// A table: heads and rows of as many cells.
+/// Heads, and rows of as many cells.
 pub(crate) struct Table {
     class: &'static str,
     heads: Vec<Head>,
@@ -38,17 +38,17 @@ impl Head {
 
 struct Row {
     cells: Vec<Cell>,
-    /// Whether it is the first of a group.
+    /// True of the first row of a group.
     first: bool,
 }
 
-/// A cell: a text, or nothing.
+/// A text, or nothing.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Cell {
     text: Option<String>,
-    /// What the text was made from, at full precision; absent where it is the text itself.
+    /// Value behind the text, at full precision; absent where it is the text itself.
     raw: Option<Raw>,
-    /// What stands below the text on a page, each with its style classes.
+    /// Style classes and texts below on a page.
     below: Vec<(String, String)>,
     mark: Option<String>,
     strong: bool,
@@ -63,19 +63,18 @@ enum Raw {
 }
 
 impl Table {
-    /// A table of these columns, whose names stand in one text with blanks between.
+    /// A table of columns of numbers, whose names are separated by blanks.
     pub(crate) fn named(names: &str) -> Table {
         Table::new(&[], &names.split_whitespace().collect::<Vec<_>>())
     }
 
-    /// A table of these columns, words first, then numbers.
+    /// A table of columns of words, then of numbers.
     pub(crate) fn new(words: &[&str], numbers: &[&str]) -> Table {
         let words = words.iter().map(|head| Head::new(*head, true));
         let numbers = numbers.iter().map(|head| Head::new(*head, false));
         Table { class: "", heads: words.chain(numbers).collect(), rows: Vec::new() }
     }
 
-    /// The same in a style class.
     pub(crate) fn styled(self, class: &'static str) -> Table {
         Table { class, ..self }
     }
@@ -92,26 +91,25 @@ impl Table {
         self
     }
 
-    /// Adds columns of numbers with all that a head has on a page, each in a style class.
+    /// Adds columns of numbers, each with its head on a page and a style class.
     pub(crate) fn with_columns(mut self, heads: impl IntoIterator<Item = (Cell, &'static str)>) -> Table {
         self.heads.extend(heads.into_iter().map(|(head, class)| Head { class, ..Head::new(head, false) }));
         self
     }
 
-    /// The same with the last column in a style class.
+    /// Sets the style class of the last column.
     pub(crate) fn of_class(mut self, class: &'static str) -> Table {
         self.heads.iter_mut().last().expect("a column").class = class;
         self
     }
 
-    /// Gives the columns from the last one with other heads on a page, where there is more room.
+    /// Gives the last columns longer heads on a page.
     pub(crate) fn on_a_page(mut self, long: &[&str]) -> Table {
         let from = self.heads.len() - long.len();
         self.heads[from..].iter_mut().zip(long).for_each(|(head, long)| head.long = (*long).into());
         self
     }
 
-    /// Adds a row.
     pub(crate) fn row(&mut self, cells: impl IntoIterator<Item = Cell>) {
         self.rows.push(Row { cells: cells.into_iter().collect(), first: false });
     }
@@ -122,13 +120,13 @@ impl Table {
         self.rows.last_mut().expect("it was added").first = true;
     }
 
-    /// The table with a row of each.
+    /// Adds a row per item.
     pub(crate) fn of<T>(mut self, items: impl IntoIterator<Item = T>, cells: impl Fn(T) -> Vec<Cell>) -> Table {
         items.into_iter().for_each(|item| self.row(cells(item)));
         self
     }
 
-    /// The table with a row of the fields with the names of its columns; absent fields are empty cells.
+    /// Adds rows of fields by the names of the columns; absent fields are empty cells.
     pub(crate) fn of_fields(mut self, items: impl IntoIterator<Item = Map<String, Value>>) -> Table {
         for fields in items {
             let cells: Vec<Cell> = self
@@ -141,7 +139,7 @@ impl Table {
         self
     }
 
-    /// Adds a group of rows, the first of which begins with the name of the group.
+    /// Adds a group of rows, the first of which begins with its name.
     pub(crate) fn group<T>(&mut self, name: &str, items: impl IntoIterator<Item = T>, cells: impl Fn(T) -> Vec<Cell>) {
         for (place, item) in items.into_iter().enumerate() {
             let name = if place == 0 { name } else { "" };
@@ -150,7 +148,6 @@ impl Table {
         }
     }
 
-    /// Whether it has no rows.
     pub(crate) fn is_empty(&self) -> bool {
         self.rows.is_empty()
     }
@@ -201,9 +198,6 @@ impl Table {
     }
 
     /// A file NAME.csv: numbers at full precision, empty cells where there is nothing; with a head even if there are no rows.
-    ///
-    /// # Errors
-    /// [`DocumentError::Csv`] if a row is none.
     pub(crate) fn csv(&self, name: &str) -> Result<File, DocumentError> {
         let heads: Vec<&str> = self.heads.iter().map(|head| head.short.as_str()).collect();
         let rows = self.rows.iter().map(|row| row.cells.iter().map(Cell::written).collect::<Vec<_>>());
@@ -212,10 +206,11 @@ impl Table {
 
     /// A table in Markdown, empty cells where there is nothing.
     pub(crate) fn markdown(&self) -> String {
-        let line = |cells: Vec<&str>| format!("| {} |\n", cells.join(" | "));
-        let rows = self.rows.iter().map(|row| line(row.cells.iter().map(Cell::plain).collect()));
-        let heads = line(self.heads.iter().map(|head| head.long.plain()).collect());
-        heads + &line(vec!["---"; self.heads.len()]) + &rows.collect::<String>()
+        let line = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
+        let plain = |cell: &Cell| if cell.strong { format!("**{}**", cell.plain()) } else { cell.plain().into() };
+        let rows = self.rows.iter().map(|row| line(row.cells.iter().map(plain).collect()));
+        let heads = line(self.heads.iter().map(|head| plain(&head.long)).collect());
+        heads + &line(vec!["---".into(); self.heads.len()]) + &rows.collect::<String>()
     }
 }
 
@@ -228,12 +223,12 @@ enum Written<'a> {
 }
 
 impl Cell {
-    /// The same with a smaller text below on a page, if there is one.
+    /// Adds a smaller text below on a page.
     pub(crate) fn above(self, below: Option<String>) -> Cell {
         self.with("interval", below)
     }
 
-    /// The same with style class and word of an outcome behind it on a page, if there is one.
+    /// Adds style class and word of an outcome on a page.
     pub(crate) fn outcome(self, outcome: Option<(&'static str, &'static str)>) -> Cell {
         let classes = format!("outcome {}", outcome.map_or("", |(class, _)| class));
         self.with(&classes, outcome.map(|(_, word)| word.into()))
@@ -244,12 +239,12 @@ impl Cell {
         self
     }
 
-    /// The same behind a mark of these style classes.
+    /// Adds a mark of these style classes in front.
     pub(crate) fn marked(self, classes: impl Into<String>) -> Cell {
         Cell { mark: Some(classes.into()), ..self }
     }
 
-    /// The same in bold on a page, if so.
+    /// Sets bold type on a page and in Markdown, and a star on a terminal.
     pub(crate) fn strong(self, strong: bool) -> Cell {
         Cell { strong, ..self }
     }
@@ -273,7 +268,7 @@ impl Cell {
     }
 }
 
-/// The attribute of style classes; nothing without any.
+/// Attribute of style classes; empty without any.
 fn class(classes: &str) -> String {
     let classes = classes.trim();
     if classes.is_empty() { String::new() } else { format!(" class=\"{classes}\"") }
@@ -322,33 +317,20 @@ impl From<&Value> for Cell {
     }
 }
 
-impl From<f64> for Cell {
-    fn from(number: f64) -> Cell {
-        Raw::Number(number).into()
-    }
+macro_rules! cell_of {
+    ($($type:ty => $raw:expr),*) => {
+        $(impl From<$type> for Cell {
+            fn from(value: $type) -> Cell {
+                $raw(value.into()).into()
+            }
+        })*
+    };
 }
-
-impl From<u32> for Cell {
-    fn from(count: u32) -> Cell {
-        Raw::Count(count.into()).into()
-    }
-}
-
-impl From<u64> for Cell {
-    fn from(count: u64) -> Cell {
-        Raw::Count(count).into()
-    }
-}
+cell_of!(f64 => Raw::Number, u32 => Raw::Count, u64 => Raw::Count, bool => Raw::Truth);
 
 impl From<usize> for Cell {
     fn from(count: usize) -> Cell {
         Raw::Count(count as u64).into()
-    }
-}
-
-impl From<bool> for Cell {
-    fn from(truth: bool) -> Cell {
-        Raw::Truth(truth).into()
     }
 }
 

@@ -3,12 +3,12 @@
 use super::configuration::{Configuration, Knobs};
 use super::plan::Plan;
 use crate::compare::{Harvest, MeasuredRun, Runs, Share};
-use crate::output::{WriteError, file_stem};
+use crate::output::file_stem;
 use crate::peers::{Code, CodeError, CoreClock, Purpose};
 use crate::plan::Scene;
 use crate::provenance::{Build, JUDGE, command_line, machine, scene_hash};
-use crate::scenes::{SceneError, in_file};
-use crate::study::{Found, Key, RunCache};
+use crate::scenes::in_file;
+use crate::study::{Key, RunCache, RunError};
 use makadam::scene::{SolverMethod, SolverSettings, Stop, populate};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
@@ -79,20 +79,6 @@ impl Outcome {
     }
 }
 
-/// Error that ended a campaign; finished runs are stored.
-#[derive(Debug, thiserror::Error)]
-pub enum CampaignError {
-    /// The scene cannot be populated.
-    #[error(transparent)]
-    Scene(#[from] SceneError),
-    /// A run cannot be kept or read back.
-    #[error(transparent)]
-    Write(#[from] WriteError),
-    /// A code cannot run at all.
-    #[error(transparent)]
-    Code(#[from] CodeError),
-}
-
 /// One run that is due.
 struct Task<'a> {
     /// Place of the configuration in the plan.
@@ -119,8 +105,8 @@ impl Campaign<'_> {
     /// Runs what is not there yet.
     ///
     /// # Errors
-    /// [`CampaignError`]; a run that fails by itself is only noted.
-    pub fn carry_out(&self) -> Result<Outcome, CampaignError> {
+    /// [`RunError`]; a run that fails by itself is only noted.
+    pub fn carry_out(&self) -> Result<Outcome, RunError> {
         let grains = populate(self.scene, 1).map_err(in_file(self.scene_file))?;
         let mut costs = Costs::new(self.scene, grains.len(), self.scene.rayleigh_step(&grains));
         let configurations = &self.plan.configurations;
@@ -148,7 +134,7 @@ impl Campaign<'_> {
             match self.attempt(&task, &mut costs)? {
                 Attempt::Run(kept) => {
                     let runs = &mut outcome.runs[place];
-                    self.cache.keep(&self.key(place, seed), &kept)?;
+                    self.cache.keep(&self.key(place, seed), &*kept)?;
                     costs.learn(configuration, kept.core_seconds(), kept.run.simulated_seconds);
                     runs.push(*kept);
                     runs.sort_by_key(|kept| kept.run.seed);
@@ -172,25 +158,21 @@ impl Campaign<'_> {
     }
 
     /// Takes what is on the shelf; returns seed and place of what is not.
-    fn find(&self, outcome: &mut Outcome, costs: &mut Costs) -> Result<BTreeSet<(u64, usize)>, CampaignError> {
+    fn find(&self, outcome: &mut Outcome, costs: &mut Costs) -> Result<BTreeSet<(u64, usize)>, RunError> {
         let mut missing = BTreeSet::new();
         for (place, configuration) in self.plan.configurations.iter().enumerate() {
             for seed in 1..=self.seeds {
-                match self.cache.find(&self.key(place, seed))? {
-                    Found::Run(kept) if self.serves(&kept) => {
-                        costs.learn(configuration, kept.core_seconds(), kept.run.simulated_seconds);
-                        outcome.runs[place].push(kept);
-                        continue;
-                    }
-                    Found::Damaged(file) => outcome.notes.push(format!(
-                        "a kept run was damaged and has been run again; the file is now {}",
-                        file.display()
-                    )),
-                    Found::Run(_) | Found::Nothing => {}
+                if let Some(kept) = self.cache.find::<KeptRun>(&self.key(place, seed))?
+                    && self.serves(&kept)
+                {
+                    costs.learn(configuration, kept.core_seconds(), kept.run.simulated_seconds);
+                    outcome.runs[place].push(kept);
+                    continue;
                 }
                 missing.insert((seed, place));
             }
         }
+        outcome.notes.extend(self.cache.damaged());
         Ok(missing)
     }
 
@@ -227,7 +209,7 @@ impl Campaign<'_> {
     }
 
     /// One run, cut short where it may be and is expected to last, or turns out to last, beyond the limit.
-    fn attempt(&self, task: &Task<'_>, costs: &mut Costs) -> Result<Attempt, CampaignError> {
+    fn attempt(&self, task: &Task<'_>, costs: &mut Costs) -> Result<Attempt, RunError> {
         let configuration = &self.plan.configurations[task.place];
         let stretch = |costs: &Costs| task.may_cut.then(|| self.stretch(configuration, costs)).flatten();
         let mut simulated = stretch(costs);
@@ -274,7 +256,6 @@ impl Campaign<'_> {
                 | CodeError::TimedOut { .. }),
                 _,
             )) => Ok(Attempt::Failed(error.to_string())),
-            Err((CodeError::Scene(error), _)) => Err(error.into()),
             Err((error, _)) => Err(error.into()),
         }
     }

@@ -23,7 +23,7 @@ mod report;
 mod rows;
 mod study;
 
-pub use campaign::{Campaign, CampaignError, KeptRun, Outcome, Progress, run_key};
+pub use campaign::{Campaign, KeptRun, Outcome, Progress, run_key};
 pub use configuration::{Configuration, Knobs};
 pub use plan::{Plan, QUICK_TIME_LIMIT, Refinement, STIFFNESS_FACTORS};
 pub use ranking::pareto_front;

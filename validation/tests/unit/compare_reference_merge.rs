@@ -56,14 +56,14 @@ fn what_does_not_go_together_is_refused_and_changes_nothing() {
     };
     let mut version = code.clone();
     version.runs[1].version = "2.0".into();
-    assert_eq!(refused(version, &hash), MergeError::Unlike { code: "YADE".into(), seed: 4 });
-    assert_eq!(refused(code.clone(), "another"), MergeError::Unlike { code: "YADE".into(), seed: 3 });
+    assert!(refused(version, &hash).contains("YADE, seed 4"));
+    assert!(refused(code.clone(), "another").contains("YADE, seed 3"));
     let mut seed = code.clone();
     seed.runs[0].seed = 2;
-    assert_eq!(refused(seed, &hash), MergeError::Unlike { code: "YADE".into(), seed: 2 });
+    assert!(refused(seed, &hash).contains("YADE, seed 2"));
     let mut bins = code;
     bins.forces.as_mut().unwrap().force[0] = 0.5;
-    assert_eq!(refused(bins, &hash), MergeError::Bins { code: "YADE".into() });
+    assert!(refused(bins, &hash).contains("forces of YADE"));
 }
 
 #[test]

@@ -25,7 +25,7 @@ fn exponent_and_coefficients_are_found() {
 
 #[test]
 fn the_exponent_is_judged() {
-    assert!(Beverloo.judge(&means(0.5, 1.4, 2.59))[0].holds());
-    assert!(!Beverloo.judge(&means(0.5, 1.4, 2.61))[0].holds());
-    assert!(!Beverloo.judge(&means(0.0, 1.4, 2.5))[0].holds());
+    assert!(judge(&means(0.5, 1.4, 2.59))[0].holds());
+    assert!(!judge(&means(0.5, 1.4, 2.61))[0].holds());
+    assert!(!judge(&means(0.0, 1.4, 2.5))[0].holds());
 }

@@ -27,9 +27,9 @@ fn the_saturated_mass_is_fitted() {
 
 #[test]
 fn a_mass_off_the_curve_is_outside() {
-    assert!(Janssen.judge(&means(0.05))[0].holds());
-    assert!(!Janssen.judge(&means(0.4))[0].holds());
-    assert!(!Janssen.judge(&means(f64::NAN))[0].holds());
+    assert!(judge(&means(0.05))[0].holds());
+    assert!(!judge(&means(0.4))[0].holds());
+    assert!(!judge(&means(f64::NAN))[0].holds());
 }
 
 #[test]

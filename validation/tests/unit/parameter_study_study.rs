@@ -1,6 +1,7 @@
 //! Unit tests of `src/parameter_study/study.rs`.
 
 use super::*;
+use crate::study::Document;
 
 fn smoke() -> std::path::PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/scenes/smoke.toml")
@@ -12,7 +13,7 @@ fn study(ranges: &[&str], seeds: &[u64], folder: &Path) -> Result<Study, Paramet
     let file = smoke();
     let scene = scenes::load(&file).unwrap();
     let plan = Plan { file: &file, ranges: &ranges, seeds, folder, again: false, announce: &announce };
-    Study::make(&plan, &scene, BTreeMap::new())
+    Study::make(&plan, &scene, BTreeMap::new(), Vec::new())
 }
 
 #[test]
@@ -35,7 +36,7 @@ fn every_combination_is_run_over_its_seeds_and_kept() {
     assert_eq!(values, ["0.02 1e-3", "0.02 5e-4", "0.03 1e-3", "0.03 5e-4"]);
     assert!(study.points.iter().all(|point| point.runs.iter().map(|run| run.seed).eq([1, 2])));
     assert_eq!(std::fs::read_dir(folder.path().join("runs")).unwrap().count(), 8);
-    let csv = String::from_utf8(study.points_csv()).unwrap();
+    let csv = String::from_utf8(study.tables().unwrap()[0].1.clone()).unwrap();
     assert!(csv.starts_with("duration,solver.step,seeds,") && csv.lines().count() == 5, "{csv}");
 }
 

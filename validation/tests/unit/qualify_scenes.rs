@@ -21,9 +21,9 @@ fn equal_jobs_run_in_turn_and_a_failure_ends_all() {
     run((0..20).map(|number| job("same", f64::from(number))).collect()).unwrap();
     assert_eq!(done.load(Ordering::SeqCst), 20);
     let fails =
-        Job { identity: "fails".into(), weight: 9.0, alone: false, work: Box::new(|| Err(QualifyError::Interrupted)) };
+        Job { identity: "fails".into(), weight: 9.0, alone: false, work: Box::new(|| Err(RunError::Interrupted)) };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     let ended = pool.install(|| run(vec![job("later", 1.0), fails, job("first", 10.0)]));
-    assert!(matches!(ended, Err(QualifyError::Interrupted)));
+    assert!(matches!(ended, Err(RunError::Interrupted)));
     assert_eq!(done.load(Ordering::SeqCst), 21, "the longest came first, and nothing after the failure");
 }

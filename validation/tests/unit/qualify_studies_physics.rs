@@ -16,7 +16,8 @@ fn failed_variation_proves_a_need_only_where_known() {
             margin: 0.006,
             need,
         };
-        let tests = ablation_tests(&ablated, &Ablation { seeds: vec![1, 2], rows: vec![row] });
+        let tests =
+            ablation_tests(&ablated, &Ablation { seeds: vec![1, 2], rows: vec![row], runs: 4, wall_seconds: 1.0 });
         assert_eq!(tests.len(), 2);
         tests[1].outcome
     };

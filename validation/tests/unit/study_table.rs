@@ -21,7 +21,7 @@ fn one_table_is_shown_in_three_ways() {
     assert_eq!(table.text(), "code   s  verdict\na<b   12  within\nc      -  beyond *\n");
     assert_eq!(
         table.markdown(),
-        "| code | seconds | verdict |\n| --- | --- | --- |\n| a<b | 12 | within |\n| c |  | beyond |\n"
+        "| code | seconds | verdict |\n| --- | --- | --- |\n| a<b | 12 | within |\n| c |  | **beyond** |\n"
     );
     let html = table.html();
     for part in [

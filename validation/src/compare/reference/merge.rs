@@ -1,29 +1,7 @@
-//! Taking new runs of a code into recorded references: beside its recorded runs, or in their place.
+//! Merging of new runs of a code into recorded references: next to its recorded runs, or instead of them.
 
 use super::{MeasuredRun, Reference};
 use crate::compare::CodeRuns;
-
-/// Why runs could not be put beside recorded ones. The references are then as they were.
-#[derive(Debug, PartialEq, Eq, thiserror::Error)]
-pub enum MergeError {
-    /// Runs of another scene, version, contact law or time step, or of a seed that is recorded already.
-    #[error(
-        "the run of {code}, seed {seed}, does not go with the recorded ones (scene, version, contact law and time step must be the \
-         same, and the seed a new one); record all anew with --record --restart"
-    )]
-    Unlike {
-        /// The code.
-        code: String,
-        /// Seed of the new run.
-        seed: u64,
-    },
-    /// Forces were counted in other bins.
-    #[error("the recorded forces of {code} are counted in other bins; record all anew with --record --restart")]
-    Bins {
-        /// The code.
-        code: String,
-    },
-}
 
 impl Reference {
     /// Takes in runs of one code, in place of what was recorded of it.
@@ -39,8 +17,8 @@ impl Reference {
     /// series and final state stay those of the first seed.
     ///
     /// # Errors
-    /// [`MergeError`]; nothing is changed then.
-    pub fn add(&mut self, mut code: CodeRuns, scene_hash: &str) -> Result<(), MergeError> {
+    /// Runs of another scene, version, contact law, time step or bins of forces, or of a recorded seed; nothing is changed then.
+    pub fn add(&mut self, mut code: CodeRuns, scene_hash: &str) -> Result<(), String> {
         let name = code.code.clone();
         let recorded: Vec<&MeasuredRun> = self.of(&name).collect();
         let goes_with = |new: &MeasuredRun, old: &&MeasuredRun| {
@@ -49,14 +27,25 @@ impl Reference {
         };
         let unlike = code.runs.iter().find(|new| !recorded.iter().all(|old| goes_with(new, old)));
         if let Some(new) = unlike {
-            return Err(MergeError::Unlike { code: name, seed: new.seed });
+            return Err(format!(
+                "the run of {name}, seed {}, does not go with the recorded ones (scene, version, contact law and time step must be the \
+                 same, and the seed a new one); record all anew with --record --restart",
+                new.seed
+            ));
         }
         let first_seed = |runs: &mut dyn Iterator<Item = u64>| runs.min().unwrap_or(u64::MAX);
         let is_first = first_seed(&mut code.runs.iter().map(|run| run.seed))
             < first_seed(&mut recorded.iter().map(|run| run.seed));
         let before = self.forces.iter_mut().find(|forces| forces.code == name);
         match (before, code.forces.take()) {
-            (Some(before), Some(more)) => *before = before.pooled(&more).ok_or(MergeError::Bins { code: name })?,
+            (Some(before), Some(more)) => {
+                let problem = || {
+                    format!(
+                        "the recorded forces of {name} are counted in other bins; record all anew with --record --restart"
+                    )
+                };
+                *before = before.pooled(&more).ok_or_else(problem)?;
+            }
             (None, more) => self.forces.extend(more),
             (Some(_), None) => {}
         }

@@ -1,15 +1,13 @@
-//! What is still to be recorded: the seeds that are asked for and are not in the reference yet.
+//! Runs that a reference lacks.
 
 use super::{MeasuredRun, Reference};
 
 /// Runs of one code that a reference should hold.
 #[derive(Clone, Debug)]
 pub struct Wanted<'a> {
-    /// The code.
     pub code: &'a str,
     /// Its version, if it is installed; if not, what is recorded may be of any one version.
     pub version: Option<&'a str>,
-    /// The law of its contacts.
     pub contact_law: &'a str,
     /// Hash of the scene as it is now ([`physics_hash`](crate::plan::physics_hash)).
     pub scene_hash: &'a str,
@@ -19,12 +17,12 @@ pub struct Wanted<'a> {
     pub seeds: &'a [u64],
 }
 
-/// What has to be measured or run so that a reference holds what is wanted.
+/// Runs that a reference lacks.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Missing {
     /// Seeds to measure or run.
     pub seeds: Vec<u64>,
-    /// Why recorded runs must make way for them, in words; `None` where they stay.
+    /// Reason for which they replace the recorded runs; `None` where these stay.
     pub replaces: Option<String>,
 }
 

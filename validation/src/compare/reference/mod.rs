@@ -13,7 +13,6 @@ mod missing;
 mod read;
 mod write;
 
-pub use merge::MergeError;
 pub use missing::{Missing, Wanted};
 pub use read::ReferenceError;
 
@@ -46,8 +45,7 @@ impl Reference {
         }
     }
 
-    /// Whether a code has left something beside a scene, on a disk or in the program, whatever became of its numbers: a line in the list of
-    /// runs, or a final state.
+    /// Returns true if a code has a line in the list of runs or a final state next to a scene, on a disk or in the program.
     pub fn is_left(scene_file: &Path, code: &str) -> bool {
         let folder = Reference::folder(&scenes::origin(scene_file));
         let runs = scenes::read(&folder.join("runs.csv")).unwrap_or_default();
@@ -73,8 +71,8 @@ impl Reference {
         self.codes().iter().map(of).max().unwrap_or(0)
     }
 
-    /// What is recorded of one code for a scene as it is now, if anything is. Runs of the scene as it was before a change are left out, and
-    /// seeds that are wanting below the last one have failed.
+    /// Returns the recorded runs of a code on the present scene, if there are any. Runs of the scene before a change are discarded, and
+    /// missing seeds below the last one have failed.
     pub fn code_on(&self, code: &str, scene: &Scene) -> Option<CodeRuns> {
         let recorded = self.code(code)?;
         if self.is_current(code, scene) == Some(false) {
@@ -87,7 +85,7 @@ impl Reference {
         Some(CodeRuns { failed, ..recorded })
     }
 
-    /// What is recorded of one code, if anything is.
+    /// Returns the recorded runs of a code, if there are any.
     pub fn code(&self, code: &str) -> Option<CodeRuns> {
         let runs: Vec<MeasuredRun> = self.of(code).cloned().collect();
         let first = runs.first()?;
@@ -117,7 +115,7 @@ impl Reference {
         })
     }
 
-    /// Whether the runs of a code were made on the scene as it is now; `None` where none are.
+    /// Returns true if the runs of a code were made on the present scene; `None` without runs.
     pub fn is_current(&self, code: &str, scene: &Scene) -> Option<bool> {
         let now = physics_hash(scene);
         let mut runs = self.of(code).peekable();
@@ -125,7 +123,7 @@ impl Reference {
         Some(runs.all(|run| run.scene_hash == now))
     }
 
-    /// What makes the recorded runs of a code other ones than would be recorded now under a law of contacts, in words.
+    /// Lists the reasons for which the recorded runs of a code are out of date, given its present law of contacts.
     pub fn out_of_date(&self, code: &str, contact_law: &str, scene: &Scene) -> Vec<String> {
         let mut reasons = Vec::new();
         if self.is_current(code, scene) == Some(false) {
@@ -231,4 +229,5 @@ fn final_state_file(code: &str) -> String {
 }
 
 #[cfg(test)]
+#[path = "../../../tests/unit/compare_reference.rs"]
 mod tests;

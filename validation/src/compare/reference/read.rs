@@ -13,7 +13,7 @@ use makadam::snapshot::Particle;
 use serde::de::DeserializeOwned;
 use std::path::{Path, PathBuf};
 
-/// Why recorded references could not be read.
+/// Error of reading recorded references.
 #[derive(Debug, thiserror::Error)]
 pub enum ReferenceError {
     /// A file cannot be read.
@@ -21,7 +21,7 @@ pub enum ReferenceError {
     Io {
         /// The file.
         file: PathBuf,
-        /// What the system said.
+        /// Reason.
         source: std::io::Error,
     },
     /// A line is not what it should be.
@@ -31,14 +31,14 @@ pub enum ReferenceError {
         file: PathBuf,
         /// Line, from 1.
         line: u64,
-        /// What is wrong.
+        /// Fault.
         problem: String,
     },
 }
 
 impl Reference {
-    /// What is recorded on the scene of a file, on a disk or in the program, if anything is. With changes that were made at the start, it is
-    /// what is recorded on the file; whether that counts is told by [`Reference::code_on`].
+    /// Reads the references of the scene of a file, on a disk or in the program, if there are any. [`Reference::code_on`] selects those
+    /// of a changed scene.
     ///
     /// # Errors
     /// As [`Reference::load`].
@@ -165,8 +165,7 @@ impl Reference {
     }
 }
 
-/// Whether the runs of a code differ by their seeds alone, as those of an ensemble must; else the line of one that does
-/// not, and what is wrong with it.
+/// Checks that the runs of a code differ by their seeds alone; the error is a line and its fault.
 fn all_alike(runs: &[(u64, MeasuredRun)]) -> Result<(), (u64, String)> {
     for (place, (line, run)) in runs.iter().enumerate() {
         let above_zero = run.time_step > 0.0 && run.rayleigh_fraction.is_none_or(|fraction| fraction > 0.0);
@@ -213,7 +212,7 @@ fn lines<T: DeserializeOwned>(file: &Path, bytes: Bytes<'_>) -> Result<Vec<(u64,
     parse(&bytes).map_err(|(line, problem)| ReferenceError::Line { file: file.to_path_buf(), line, problem })
 }
 
-/// The same, and `None` where there is no such file.
+/// Reads the lines of a file; `None` where there is none.
 fn lines_if_there<T: DeserializeOwned>(file: &Path, bytes: Bytes<'_>) -> Result<Option<Vec<(u64, T)>>, ReferenceError> {
     match lines(file, bytes) {
         Err(ReferenceError::Io { source, .. }) if source.kind() == std::io::ErrorKind::NotFound => Ok(None),

@@ -1,4 +1,4 @@
-//! What a flowing layer is over its height: velocity, solid volume and stresses, in bins, summed over frames.
+//! Profile of a flowing layer over its height: velocity, solid volume and stresses, in bins, summed over frames.
 //!
 //! Stresses are those of contacts, the force on one partner times the branch vector to it from the other, and of the velocities
 //! about their mean (Irving & Kirkwood 1950; Goldhirsch, Granular Matter 12, 239, 2010), compression positive. A contact counts in
@@ -37,7 +37,7 @@ pub(super) struct Profile {
     frames: usize,
 }
 
-/// What a profile says.
+/// Fit to a profile.
 pub(super) struct Fit {
     pub(super) solid_fraction: f64,
     /// Height of the layer at its mean solid fraction, m.
@@ -68,7 +68,6 @@ impl Stress {
 }
 
 impl Profile {
-    /// Adds a frame.
     pub(super) fn add(&mut self, frame: &Snapshot) {
         self.frames += 1;
         for grain in &frame.particles {

@@ -3,8 +3,8 @@
 use super::super::Case;
 use super::law;
 use crate::plan::Scene;
-use crate::sketch::{GRAVITY, Sketch};
-use makadam::scene::{Motion, Population, RadiusDistribution, Reaction, Region, Shape, Wall};
+use crate::sketch::{GRAVITY, SPACING, Sketch};
+use makadam::scene::{Motion, Region, Shape};
 use std::f64::consts::{PI, SQRT_2};
 
 /// Mean diameter of the grains, m.
@@ -29,20 +29,16 @@ const SOLVE: (f64, u32) = (5e-4, 10);
 const SOLID: f64 = 0.6;
 /// Longest time until rest, over `sqrt(h0/g)`.
 const PATIENCE: f64 = 12.0;
-/// Pitch of the lattice that grains start on, over the largest grain's diameter.
-const SPACING: f64 = 1.04;
 
-/// How much of a column is there.
+/// Part of a column that is simulated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Part {
-    /// All of it.
     Whole,
-    /// What lies between the planes x = 0 and y = 0, which are smooth and without friction, as planes of symmetry are.
+    /// Between the planes x = 0 and y = 0, which are smooth and without friction, as planes of symmetry are.
     Quarter,
 }
 
 impl Part {
-    /// Its share of the column.
     pub(super) fn share(self) -> f64 {
         match self {
             Part::Whole => 1.0,
@@ -50,7 +46,6 @@ impl Part {
         }
     }
 
-    /// The part of a case.
     pub(super) fn of(case: &Case) -> Part {
         if case.of("share") < 1.0 { Part::Quarter } else { Part::Whole }
     }
@@ -74,8 +69,7 @@ pub(super) fn case(radius_in_diameters: f64, aspect: f64, part: Part) -> Case {
     Case::new(scene, given)
 }
 
-/// The same grains in a tube of eight diameters in radius and filled to four times that, which is lifted so slowly that they come
-/// to rest as a heap: what their angle of repose is measured of.
+/// A heap for the angle of repose of these grains, from a tube of eight diameters in radius, filled to four times that and lifted slowly.
 pub(super) fn heap() -> Case {
     let radius = 8.0 * DIAMETER;
     let height = 4.0 * radius;
@@ -115,28 +109,15 @@ fn lifted([radius, height]: [f64; 2], part: Part, lift: f64, reach: f64, until: 
             Shape::Cylinder { base: [0.0, 0.0, -2.0 * DIAMETER], axis: up, radius, length: room + 4.0 * DIAMETER },
             tube,
         )
-        .with(|scene| {
-            // Single grains may roll away; what the deposit is stands in the rows.
-            scene.watch.on_escape = Reaction::Ignore;
-            // The tube slides off without a pull.
-            scene.material.get_mut("wall").expect("a sketch has it").friction = 0.0;
-            let grains = scene.material.get_mut("grain").expect("a sketch has it");
-            (grains.friction, grains.rolling_friction) = (FRICTION, ROLLING_FRICTION);
-            scene.wall.push(Wall {
-                name: "plate".into(),
-                material: "plate".into(),
-                shape: Shape::Plane { point: [0.0; 3], normal: up },
-                motion: Motion::Fixed,
-            });
-            scene.population.extend(populations.into_iter().map(|(count, region)| Population {
-                count,
-                material: "grain".into(),
-                radius: RadiusDistribution::Uniform { mean: grain, spread: SPREAD },
-                region,
-                spacing: SPACING,
-                agitation: 0.05,
-            }));
-        });
+        // Single grains may roll away.
+        .open_domain()
+        // The tube slides off without a pull.
+        .change_material("wall", |wall| wall.friction = 0.0)
+        .change_material("grain", |grain| (grain.friction, grain.rolling_friction) = (FRICTION, ROLLING_FRICTION))
+        .named_wall("plate", "plate", Shape::Plane { point: [0.0; 3], normal: up }, Motion::Fixed);
+    for (count, region) in populations {
+        sketch = sketch.polydisperse(count, [grain, SPREAD], region, 0.05);
+    }
     if part == Part::Quarter {
         sketch = sketch.plane([0.0; 3], [1.0, 0.0, 0.0]).plane([0.0; 3], [0.0, 1.0, 0.0]);
     }

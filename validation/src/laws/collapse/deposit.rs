@@ -1,4 +1,4 @@
-//! What a collapse leaves: where the deposit ends, by several definitions.
+//! Edge of the deposit of a collapse, by several definitions.
 
 use super::column::{DIAMETER, Part};
 use crate::observables::setting::{Properties, Setting};
@@ -39,7 +39,7 @@ fn distance(grain: &Particle) -> f64 {
     grain.position[0].hypot(grain.position[1])
 }
 
-/// Whether a grain counts for the edge.
+/// Returns true if a grain counts for the edge.
 fn counts(grain: &Particle, part: Part) -> bool {
     part == Part::Whole || grain.position[0].min(grain.position[1]) > MARGIN
 }

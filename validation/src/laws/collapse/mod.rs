@@ -25,7 +25,7 @@ mod deposit;
 
 use super::campaign::values;
 use super::fit::{at_zero, line, parabola_at_zero};
-use super::{Case, Law, LawError, Mean, Run, Values, reported};
+use super::{Case, Law, Mean, Run, RunError, Values};
 use crate::draw::figure::Figure;
 use crate::draw::names::{CodeStyle, Marker};
 use crate::draw::plot::{Axis, Key, Plot};
@@ -51,137 +51,125 @@ const TOLERANCE: f64 = 0.1;
 const REPOSE: &str = "angle_of_repose";
 
 /// The law of the run-out.
-pub(super) struct Collapse;
+pub(super) const LAW: Law = Law {
+    name: "collapse",
+    statement: "a column of radius r0 and height h0 = a r0 runs out to r with (r - r0)/r0 = 1.24 a for a < 1.7, 1.6 sqrt(a) beyond",
+    source: "Lube, Huppert, Sparks & Hallworth, J. Fluid Mech. 508, 175 (2004); Lajeunesse, Mangeney-Castelnau & Vilotte, Phys. Fluids \
+                 16, 2371 (2004)",
+    cases,
+    measure,
+    judge,
+    figures,
+};
 
 /// Run-out over the first radius at an aspect ratio (Lube et al. 2004, equations 3.1 and 3.2).
 fn law(aspect: f64) -> f64 {
     if aspect < 1.7 { 1.24 * aspect } else { 1.6 * aspect.sqrt() }
 }
 
-impl Law for Collapse {
-    fn name(&self) -> &'static str {
-        "collapse"
+fn cases(quick: bool) -> Vec<Case> {
+    if quick {
+        return vec![case(8.0, 0.5, Part::Whole), case(8.0, 2.0, Part::Quarter)];
     }
+    let (whole, quarter) = (Part::Whole, Part::Quarter);
+    let series: [(f64, &[(f64, Part)]); 4] = [
+        (0.5, &[(8.0, whole), (12.0, whole), (20.0, quarter), (30.0, quarter), (40.0, quarter), (60.0, quarter)]),
+        (1.0, &[(8.0, whole), (12.0, whole), (20.0, whole), (20.0, quarter), (30.0, quarter), (40.0, quarter)]),
+        (2.0, &[(8.0, whole), (12.0, whole), (20.0, quarter), (30.0, quarter), (40.0, quarter)]),
+        (4.0, &[(8.0, whole), (12.0, whole), (16.0, quarter), (20.0, quarter), (30.0, quarter)]),
+    ];
+    let columns = |(aspect, columns): (f64, &[(f64, Part)])| -> Vec<Case> {
+        columns.iter().map(|&(radius, part)| case(radius, aspect, part)).collect()
+    };
+    std::iter::once(heap()).chain(series.into_iter().flat_map(columns)).collect()
+}
 
-    fn statement(&self) -> &'static str {
-        "a column of radius r0 and height h0 = a r0 runs out to r with (r - r0)/r0 = 1.24 a for a < 1.7, 1.6 sqrt(a) beyond"
+fn measure(case: &Case, run: &mut Run<'_>) -> Result<Values, RunError> {
+    // Of the heap nothing is chosen.
+    if case.given.is_empty() {
+        run.to(case.scene.duration)?;
+        return Ok(values([(REPOSE, angle_of_repose(&case.scene, &run.frame()))]));
     }
-
-    fn source(&self) -> &'static str {
-        "Lube, Huppert, Sparks & Hallworth, J. Fluid Mech. 508, 175 (2004); Lajeunesse, Mangeney-Castelnau & Vilotte, Phys. Fluids \
-         16, 2371 (2004)"
-    }
-
-    fn cases(&self, quick: bool) -> Vec<Case> {
-        if quick {
-            return vec![case(8.0, 0.5, Part::Whole), case(8.0, 2.0, Part::Quarter)];
+    let (radius, part) = (case.of("radius"), Part::of(case));
+    run.to(case.of("release"))?;
+    let column = run.frame();
+    let height = 2.0 * centre_of_mass(&column);
+    let (fall, last) = ((height / GRAVITY).sqrt(), case.scene.duration);
+    while !run.has_reached(last) {
+        run.to((run.time() + 0.1 * fall).min(last))?;
+        if run.time() > case.of("release") + 2.0 * fall && speed(&run.frame()) < REST {
+            break;
         }
-        let (whole, quarter) = (Part::Whole, Part::Quarter);
-        let series: [(f64, &[(f64, Part)]); 4] = [
-            (0.5, &[(8.0, whole), (12.0, whole), (20.0, quarter), (30.0, quarter), (40.0, quarter), (60.0, quarter)]),
-            (1.0, &[(8.0, whole), (12.0, whole), (20.0, whole), (20.0, quarter), (30.0, quarter), (40.0, quarter)]),
-            (2.0, &[(8.0, whole), (12.0, whole), (20.0, quarter), (30.0, quarter), (40.0, quarter)]),
-            (4.0, &[(8.0, whole), (12.0, whole), (16.0, quarter), (20.0, quarter), (30.0, quarter)]),
-        ];
-        let columns = |(aspect, columns): (f64, &[(f64, Part)])| -> Vec<Case> {
-            columns.iter().map(|&(radius, part)| case(radius, aspect, part)).collect()
-        };
-        std::iter::once(heap()).chain(series.into_iter().flat_map(columns)).collect()
     }
+    let deposit = run.frame();
+    let coverage = coverage(&deposit.particles, part);
+    let run_out = |edge: f64| (edge - radius) / radius;
+    Ok(values([
+        ("height", height),
+        ("aspect", height / radius),
+        ("solid_fraction", solid_volume(&column) / (part.share() * PI * radius * radius * height)),
+        ("speed_at_release", speed(&column)),
+        ("speed_at_end", speed(&deposit)),
+        ("collapse_time", (run.time() - case.of("release")) / fall),
+        ("run_out", run_out(edge(&coverage, EDGE))),
+        ("run_out_coverage_25", run_out(edge(&coverage, 0.25))),
+        ("run_out_coverage_100", run_out(edge(&coverage, 1.0))),
+        ("run_out_connected", run_out(connected(&deposit.particles, part))),
+        ("run_out_95_percent", run_out(holding(&deposit, 0.95))),
+        ("run_out_99_percent", run_out(holding(&deposit, 0.99))),
+        ("deposit_height", height_at_axis(&deposit.particles)),
+    ]))
+}
 
-    #[cfg(test)]
-    fn recorded(&self) -> &'static str {
-        include_str!("../../../laws/collapse.csv")
+fn judge(means: &[Mean]) -> Vec<Finding> {
+    let all = Series::all(means);
+    let mut findings = Vec::new();
+    for heap in means.iter().filter(|mean| mean.values.contains_key(REPOSE)) {
+        findings.push(Finding::reported("angle of repose of these grains", heap.of_value(REPOSE)).in_unit("degree"));
     }
-
-    fn measure(&self, case: &Case, run: &mut Run<'_>) -> Result<Values, LawError> {
-        // Of the heap nothing is chosen.
-        if case.given.is_empty() {
-            run.to(case.scene.duration)?;
-            return Ok(values([(REPOSE, angle_of_repose(&case.scene, &run.frame()))]));
-        }
-        let (radius, part) = (case.of("radius"), Part::of(case));
-        run.to(case.of("release"))?;
-        let column = run.frame();
-        let height = 2.0 * centre_of_mass(&column);
-        let (fall, last) = ((height / GRAVITY).sqrt(), case.scene.duration);
-        while !run.has_reached(last) {
-            run.to((run.time() + 0.1 * fall).min(last))?;
-            if run.time() > case.of("release") + 2.0 * fall && speed(&run.frame()) < REST {
-                break;
+    for series in &all {
+        match at_zero(&series.fitted("run_out")) {
+            Some((limit, error)) => {
+                let near = format!("a near {}", series.aspect);
+                let what = format!("run-out over the law's at d/r0 = 0, by a line, {near}");
+                findings.push(Finding::near(what, limit, 1.0, TOLERANCE));
+                findings.push(Finding::reported(format!("its standard error, {near}"), error));
+            }
+            None => {
+                let what = format!("run-out over the law's, {}", words(series.widest()));
+                findings.push(Finding::near(what, ratio(series.widest(), "run_out"), 1.0, TOLERANCE));
             }
         }
-        let deposit = run.frame();
-        let coverage = coverage(&deposit.particles, part);
-        let run_out = |edge: f64| (edge - radius) / radius;
-        Ok(values([
-            ("height", height),
-            ("aspect", height / radius),
-            ("solid_fraction", solid_volume(&column) / (part.share() * PI * radius * radius * height)),
-            ("speed_at_release", speed(&column)),
-            ("speed_at_end", speed(&deposit)),
-            ("collapse_time", (run.time() - case.of("release")) / fall),
-            ("run_out", run_out(edge(&coverage, EDGE))),
-            ("run_out_coverage_25", run_out(edge(&coverage, 0.25))),
-            ("run_out_coverage_100", run_out(edge(&coverage, 1.0))),
-            ("run_out_connected", run_out(connected(&deposit.particles, part))),
-            ("run_out_95_percent", run_out(holding(&deposit, 0.95))),
-            ("run_out_99_percent", run_out(holding(&deposit, 0.99))),
-            ("deposit_height", height_at_axis(&deposit.particles)),
-        ]))
     }
+    for series in all.iter().filter(|series| series.columns.len() > 1) {
+        for column in series.columns.iter().rev() {
+            findings.push(Finding::reported(
+                format!("run-out over the law's, {}", words(column)),
+                ratio(column, "run_out"),
+            ));
+        }
+        let points: Vec<[f64; 2]> = series.columns.iter().map(|column| point(column, "run_out")).collect();
+        if let Some(limit) = parabola_at_zero(&points) {
+            let what = format!("at d/r0 = 0 by a parabola through all, a near {}", series.aspect);
+            findings.push(Finding::reported(what, limit));
+        }
+        for [whole, quarter] in series.twice() {
+            let what = format!("run-out of a quarter over the whole column's, {}", words(whole));
+            findings.push(Finding::reported(what, quarter.of_value("run_out") / whole.of_value("run_out")));
+        }
+        for (name, definition) in ALTERNATIVES {
+            if let Some((limit, _)) = at_zero(&series.fitted(name)) {
+                let what = format!("at d/r0 = 0 by another edge, a near {}, {definition}", series.aspect);
+                findings.push(Finding::reported(what, limit));
+            }
+        }
+    }
+    findings
+}
 
-    fn judge(&self, means: &[Mean]) -> Vec<Finding> {
-        let all = Series::all(means);
-        let mut findings = Vec::new();
-        for heap in means.iter().filter(|mean| mean.values.contains_key(REPOSE)) {
-            findings.push(reported("angle of repose of these grains", "degree", heap.of_value(REPOSE)));
-        }
-        for series in &all {
-            match at_zero(&series.fitted("run_out")) {
-                Some((limit, error)) => {
-                    let near = format!("a near {}", series.aspect);
-                    let what = format!("run-out over the law's at d/r0 = 0, by a line, {near}");
-                    findings.push(Finding::near(what, "", limit, 1.0, TOLERANCE));
-                    findings.push(reported(format!("its standard error, {near}"), "", error));
-                }
-                None => {
-                    let what = format!("run-out over the law's, {}", words(series.widest()));
-                    findings.push(Finding::near(what, "", ratio(series.widest(), "run_out"), 1.0, TOLERANCE));
-                }
-            }
-        }
-        for series in all.iter().filter(|series| series.columns.len() > 1) {
-            for column in series.columns.iter().rev() {
-                findings.push(reported(
-                    format!("run-out over the law's, {}", words(column)),
-                    "",
-                    ratio(column, "run_out"),
-                ));
-            }
-            let points: Vec<[f64; 2]> = series.columns.iter().map(|column| point(column, "run_out")).collect();
-            if let Some(limit) = parabola_at_zero(&points) {
-                let what = format!("at d/r0 = 0 by a parabola through all, a near {}", series.aspect);
-                findings.push(reported(what, "", limit));
-            }
-            for [whole, quarter] in series.twice() {
-                let what = format!("run-out of a quarter over the whole column's, {}", words(whole));
-                findings.push(reported(what, "", quarter.of_value("run_out") / whole.of_value("run_out")));
-            }
-            for (name, definition) in ALTERNATIVES {
-                if let Some((limit, _)) = at_zero(&series.fitted(name)) {
-                    let what = format!("at d/r0 = 0 by another edge, a near {}, {definition}", series.aspect);
-                    findings.push(reported(what, "", limit));
-                }
-            }
-        }
-        findings
-    }
-
-    fn figures(&self, means: &[Mean]) -> Vec<Figure> {
-        let all = Series::all(means);
-        vec![run_outs(&all), widths(&all)]
-    }
+fn figures(means: &[Mean]) -> Vec<Figure> {
+    let all = Series::all(means);
+    vec![run_outs(&all), widths(&all)]
 }
 
 /// Other definitions of the deposit's edge, reported beside the one that is judged.

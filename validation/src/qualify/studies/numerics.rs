@@ -1,7 +1,7 @@
 //! Studies of the numerics: contact problems by several solvers, convergence of methods, accuracy against time.
 
-use super::{Job, Named, Part, Place, QualifyError, Results, named, weight};
-use crate::compare::{FEW_SEEDS, KeptError, KeptRuns, MeasuredRun, Runs};
+use super::{Job, Named, Part, Place, QualifyError, named, unless_fatal, weight};
+use crate::compare::{FEW_SEEDS, MeasuredRun, Runs};
 use crate::convergence::{self, Curve, Effort, TOLERANCES};
 use crate::draw::figure::Figure;
 use crate::draw::numbers::Rounding;
@@ -11,18 +11,18 @@ use crate::peers::{Code, Makadam};
 use crate::plan::Scene;
 use crate::prepared::{Start, StartError, start};
 use crate::problem::{
-    self, AGREEMENT, Answer, Check, FromSiconos, Method, ProblemFile, RECORDED, Recorded, SICONOS, SiconosError, pose,
+    self, AGREEMENT, Answer, Check, FromSiconos, Method, ProblemFile, RECORDED, Recorded, SICONOS, pose,
     siconos_version,
 };
-use crate::provenance::{JUDGE, Provenance, account, machine, scene_hash};
+use crate::provenance::{JUDGE, Provenance, account, machine};
 use crate::report::{StudyOutcome, StudySection, StudyTest};
 use crate::statistics::Ensemble;
 use crate::stepping::{Stepping, steps_in};
-use crate::study::{Document, File, Key, RunCache};
-use crate::tradeoff::{self, Bound, Campaign, CampaignError, Outcome, Plan, QUICK_TIME_LIMIT, Terms};
+use crate::study::{Document, File, Key, RunCache, RunError};
+use crate::tradeoff::{self, Bound, Campaign, Outcome, Plan, QUICK_TIME_LIMIT, Terms};
 use makadam::{BUILD, Simulation};
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
 /// Seed of the scenes whose contact problems are posed.
@@ -37,16 +37,14 @@ const PROBLEMS: &str = "contact-problems";
 /// solvers then solve too.
 pub(super) struct ContactProblems<'a> {
     place: Place<'a>,
-    kept: RunCache,
+    cache: RunCache,
     /// Version of Siconos, or the reason for which it is not run.
     siconos: Result<String, String>,
-    solved: Results<Solved>,
 }
 
 /// Stored result of one problem or one scene.
 #[derive(Clone, Default, Serialize, Deserialize)]
 struct Solved {
-    name: String,
     contacts: usize,
     runs: usize,
     wall_seconds: f64,
@@ -70,24 +68,29 @@ fn gathered(mut section: StudySection, solved: Vec<Solved>) -> StudySection {
 }
 
 impl<'a> ContactProblems<'a> {
-    pub(super) fn open(place: Place<'a>) -> Result<ContactProblems<'a>, QualifyError> {
+    pub(super) fn open(place: Place<'a>) -> Result<ContactProblems<'a>, WriteError> {
         let siconos = match place.settings.live {
             true => siconos_version().map_err(|error| format!("Siconos was not run: {error}.")),
             false => Err("Siconos was not run: its answers are the recorded ones.".into()),
         };
-        let kept = RunCache::open(&place.folder(PROBLEMS).join("kept"))?;
-        Ok(ContactProblems { place, kept, siconos, solved: Results::new() })
+        Ok(ContactProblems { place, cache: place.open(PROBLEMS)?, siconos })
+    }
+
+    fn solved(&self, recorded: &Recorded) -> Result<Solved, RunError> {
+        let siconos = self.siconos.as_deref().unwrap_or("recorded");
+        let key = Key::new(recorded.name.into(), &[recorded.name, siconos, BUILD, JUDGE]);
+        self.cache.take(&key, || self.solve(recorded))
     }
 
     /// Poses the problem of a scene, and has it solved by every solver there is.
-    fn solve(&self, recorded: &Recorded) -> Result<Solved, QualifyError> {
+    fn solve(&self, recorded: &Recorded) -> Result<Solved, RunError> {
         let clock = Instant::now();
         let share = (self.place.settings.announce)(&format!("{} contact problem", recorded.name));
         let scene = recorded.scene().map_err(|error| no_problem(error.to_string()))?;
         let mut simulation = Simulation::new(&scene, SEED).map_err(|error| no_problem(error.to_string()))?;
         let steps = steps_in(recorded.time, simulation.time_step());
         let settled = Stepping::new(steps, &*share).carry_out(&mut simulation, |_, _| {});
-        settled.map_err(|_| QualifyError::Interrupted)?;
+        settled.map_err(|_| RunError::Interrupted)?;
         let title = format!("{}, seed {SEED}, t = {} s", scene.name, simulation.time());
         let posed = pose(&simulation, &title).file;
         let (own, with_siconos, origin) = match &self.siconos {
@@ -102,7 +105,6 @@ impl<'a> ContactProblems<'a> {
         let with_siconos = problem_test(recorded, with_siconos.as_ref().unwrap_or(&own), Method::Siconos);
         tests.push(StudyTest { remark: Some(origin), ..with_siconos });
         Ok(Solved {
-            name: recorded.name.into(),
             contacts: own.contacts,
             runs: 1,
             wall_seconds: clock.elapsed().as_secs_f64(),
@@ -114,25 +116,20 @@ impl<'a> ContactProblems<'a> {
 
 impl Part for ContactProblems<'_> {
     fn jobs(&self) -> Vec<Job<'_>> {
-        let job = |(place, recorded): (usize, &'static Recorded)| Job {
+        let job = |recorded: &'static Recorded| Job {
             identity: format!("contact problem {}", recorded.name),
             weight: recorded.scene().map_or(0.0, |scene| weight(&scene)),
             alone: false,
-            work: Box::new(move || {
-                let siconos = self.siconos.as_deref().unwrap_or("recorded");
-                let key = Key::new(recorded.name.into(), &[recorded.name, siconos, BUILD, JUDGE]);
-                let solved = self.kept.take(&key, self.place.settings.again, || self.solve(recorded))?;
-                self.solved.add(&format!("{place:04}"), solved);
-                Ok(())
-            }),
+            work: Box::new(move || self.solved(recorded).map(|_| ())),
         };
-        RECORDED.iter().enumerate().map(job).collect()
+        RECORDED.iter().map(job).collect()
     }
 
-    fn section(&self) -> Result<StudySection, QualifyError> {
-        let solved = self.solved.all();
+    fn section(&self) -> Result<StudySection, RunError> {
+        let solved = RECORDED.iter().map(|recorded| self.solved(recorded)).collect::<Result<Vec<_>, RunError>>()?;
+        let contacts = RECORDED.iter().zip(&solved);
         let contacts: Vec<String> =
-            solved.iter().map(|solved| format!("{} ({} contacts)", solved.name, solved.contacts)).collect();
+            contacts.map(|(recorded, solved)| format!("{} ({} contacts)", recorded.name, solved.contacts)).collect();
         let section = StudySection {
             name: PROBLEMS.into(),
             title: "Contact problems".into(),
@@ -148,13 +145,12 @@ impl Part for ContactProblems<'_> {
     }
 }
 
-fn no_problem(problem: String) -> QualifyError {
-    QualifyError::Failed(format!("{PROBLEMS}: {problem}"))
+fn no_problem(problem: String) -> RunError {
+    RunError::Failed(format!("{PROBLEMS}: {problem}"))
 }
 
-fn check(file: &ProblemFile, siconos: &FromSiconos) -> Result<Check, QualifyError> {
-    let checked = problem::check(file, &problem::Settings::DEFAULT, siconos);
-    checked.map_err(|error: SiconosError| no_problem(error.to_string()))
+fn check(file: &ProblemFile, siconos: &FromSiconos) -> Result<Check, RunError> {
+    problem::check(file, &problem::Settings::DEFAULT, siconos).map_err(|error| no_problem(error.to_string()))
 }
 
 /// Tests that the velocities of a solver are those of the reference.
@@ -194,57 +190,44 @@ const KNOWN_EXCEPTIONS: [(&str, &str, &str); 1] = [(
 /// Convergence of each method on the problem of one step, alone on the machine, since each iteration is timed.
 pub(super) struct Convergence<'a> {
     place: Place<'a>,
+    cache: RunCache,
     scenes: Vec<Named>,
-    solved: Results<Solved>,
 }
 
 impl<'a> Convergence<'a> {
     pub(super) fn open(names: &[&'static str], place: Place<'a>) -> Result<Convergence<'a>, QualifyError> {
         let scenes = names.iter().map(|name| Named::open(name, place)).collect::<Result<_, _>>()?;
-        Ok(Convergence { place, scenes, solved: Results::new() })
+        Ok(Convergence { place, cache: place.open("convergence")?, scenes })
     }
 
-    fn job<'s>(&'s self, place: usize, named: &'s Named) -> Job<'s> {
-        let Named { name, scene, .. } = named;
-        let hash = format!("{:016x}", scene_hash(scene));
-        let key = Key::new((*name).into(), &[&hash, &scene.seed.to_string(), BUILD, JUDGE, &machine()]);
-        Job {
-            identity: format!("convergence {name}"),
-            weight: 0.0,
-            alone: true,
-            work: Box::new(move || {
-                let cache = RunCache::open(&self.place.folder("convergence").join("kept"))?;
-                let solved = cache.take(&key, self.place.settings.again, || self.solve(named))?;
-                self.solved.add(&format!("{place:04}"), solved);
-                Ok(())
-            }),
-        }
+    fn solved(&self, named: &Named) -> Result<Solved, RunError> {
+        let key = Key::of_run(named.name.into(), &named.scene, named.scene.seed, &[&machine()]);
+        self.cache.take(&key, || self.solve(named))
     }
 
     /// Solves the problem of a scene by every method that suits it.
-    fn solve(&self, Named { name, file, scene }: &Named) -> Result<Solved, QualifyError> {
+    fn solve(&self, Named { name, file, scene }: &Named) -> Result<Solved, RunError> {
         let clock = Instant::now();
         let share = (self.place.settings.announce)(&format!("{name} convergence"));
         let execution = Execution::serial();
         let provenance = Provenance::of_run(scene, file, scene.seed, &execution);
         let fails = |error: StartError| match error {
-            StartError::Interrupted => QualifyError::Interrupted,
-            other => QualifyError::Failed(format!("convergence: {other}")),
+            StartError::Interrupted => RunError::Interrupted,
+            other => RunError::Failed(format!("convergence: {other}")),
         };
         let (mut simulation, started) = start(scene, scene.seed, file, &execution, &*share).map_err(fails)?;
         if started == Start::Fresh {
             let steps = steps_in(scene.measure.from.unwrap_or(scene.duration), simulation.time_step());
             let settled = Stepping::new(steps, &*share).carry_out(&mut simulation, |_, _| {});
-            settled.map_err(|_| QualifyError::Interrupted)?;
+            settled.map_err(|_| RunError::Interrupted)?;
         }
         let (methods, left_out) = convergence::suitable(&simulation, convergence::methods(scene, None));
         let problem = convergence::Problem::next(scene, &simulation);
         let curves = convergence::solve(&simulation, &methods, EFFORT, &|_, done| share(done));
-        let curves = curves.map_err(|_| QualifyError::Interrupted)?;
+        let curves = curves.map_err(|_| RunError::Interrupted)?;
         let study = convergence::Study::new(problem, EFFORT, curves, left_out, provenance);
         let unit = &study.problem.residual_unit_name;
         Ok(Solved {
-            name: (*name).into(),
             contacts: study.problem.contacts,
             runs: study.methods.len(),
             wall_seconds: clock.elapsed().as_secs_f64(),
@@ -258,10 +241,16 @@ impl<'a> Convergence<'a> {
 
 impl Part for Convergence<'_> {
     fn jobs(&self) -> Vec<Job<'_>> {
-        self.scenes.iter().enumerate().map(|(place, named)| self.job(place, named)).collect()
+        let job = |place: usize| Job {
+            identity: format!("convergence {}", self.scenes[place].name),
+            weight: 0.0,
+            alone: true,
+            work: Box::new(move || self.solved(&self.scenes[place]).map(|_| ())),
+        };
+        (0..self.scenes.len()).map(job).collect()
     }
 
-    fn section(&self) -> Result<StudySection, QualifyError> {
+    fn section(&self) -> Result<StudySection, RunError> {
         let section = StudySection {
             name: "convergence".into(),
             title: "Convergence of methods".into(),
@@ -272,7 +261,8 @@ impl Part for Convergence<'_> {
             ),
             ..StudySection::default()
         };
-        Ok(gathered(section, self.solved.all()))
+        let solved = self.scenes.iter().map(|named| self.solved(named)).collect::<Result<Vec<_>, RunError>>()?;
+        Ok(gathered(section, solved))
     }
 }
 
@@ -296,36 +286,22 @@ fn method_test(scene: &str, curve: &Curve, unit: &str) -> StudyTest {
 pub(super) struct Tradeoff<'a> {
     place: Place<'a>,
     scenes: Vec<OwnSettings<'a>>,
-    outcomes: Results<Arc<Outcome>>,
 }
 
 impl<'a> Tradeoff<'a> {
     pub(super) fn open(scenes: &[(&'static str, u64)], place: Place<'a>) -> Result<Tradeoff<'a>, QualifyError> {
         let open = |&(name, seeds): &(&'static str, u64)| Ok(OwnSettings::new(Named::open(name, place)?, seeds, place));
-        let scenes = scenes.iter().map(open).collect::<Result<_, QualifyError>>()?;
-        Ok(Tradeoff { place, scenes, outcomes: Results::new() })
+        Ok(Tradeoff { place, scenes: scenes.iter().map(open).collect::<Result<_, QualifyError>>()? })
     }
 
     fn plan(scene: &Scene) -> Plan {
         Plan::new(scene, true, &["Makadam"], &[1.0])
     }
 
-    fn timed<'s>(&'s self, named: &'s Named) -> Job<'s> {
-        Job {
-            identity: format!("tradeoff {}", named.name),
-            weight: 0.0,
-            alone: true,
-            work: Box::new(move || self.time(named)),
-        }
-    }
-
     /// Times few settings of Makadam on a scene.
-    fn time(&self, Named { name, file, scene }: &Named) -> Result<(), QualifyError> {
+    fn time(&self, own: &OwnSettings<'_>) -> Result<(), RunError> {
+        let Named { name, file, scene } = &own.named;
         let codes: [Box<dyn Code>; 1] = [Box::new(Makadam)];
-        let folder = self.place.folder("tradeoff").join(name).join("runs");
-        if self.place.settings.again && folder.is_dir() {
-            std::fs::remove_dir_all(&folder).map_err(|error| WriteError::new(&folder, error))?;
-        }
         let campaign = Campaign {
             scene,
             scene_file: file,
@@ -333,28 +309,31 @@ impl<'a> Tradeoff<'a> {
             seeds: FEW_SEEDS,
             codes: &codes,
             time_limit: QUICK_TIME_LIMIT,
-            cache: &RunCache::open(&folder)?,
+            cache: &self.place.open(&format!("tradeoff/{name}"))?,
             progress: Arc::new(|_, _| {}),
         };
-        let outcome = campaign.carry_out().map_err(|error| match error {
-            CampaignError::Scene(error) => error.into(),
-            CampaignError::Write(error) => error.into(),
-            CampaignError::Code(error) => QualifyError::from(error),
-        })?;
+        let outcome = campaign.carry_out()?;
         if outcome.interrupted {
-            return Err(QualifyError::Interrupted);
+            return Err(RunError::Interrupted);
         }
-        self.outcomes.add(name, Arc::new(outcome));
+        own.timed.get_or_init(|| outcome);
         Ok(())
     }
 }
 
 impl Part for Tradeoff<'_> {
     fn jobs(&self) -> Vec<Job<'_>> {
-        self.scenes.iter().flat_map(|own| std::iter::once(self.timed(&own.named)).chain(own.jobs())).collect()
+        let timed = |place: usize| Job {
+            identity: format!("tradeoff {}", self.scenes[place].named.name),
+            weight: 0.0,
+            alone: true,
+            work: Box::new(move || self.time(&self.scenes[place])),
+        };
+        let own = self.scenes.iter().flat_map(OwnSettings::jobs);
+        (0..self.scenes.len()).map(timed).chain(own).collect()
     }
 
-    fn section(&self) -> Result<StudySection, QualifyError> {
+    fn section(&self) -> Result<StudySection, RunError> {
         let mut section = StudySection {
             name: "tradeoff".into(),
             title: "What accuracy costs".into(),
@@ -366,7 +345,7 @@ impl Part for Tradeoff<'_> {
         };
         for own in &self.scenes {
             let Named { name, scene, .. } = &own.named;
-            let outcome = self.outcomes.get(name).expect("it was run alone on the machine");
+            let outcome = own.timed.get().expect("it was run alone on the machine");
             let terms = Terms {
                 quick: true,
                 seeds: FEW_SEEDS,
@@ -374,7 +353,7 @@ impl Part for Tradeoff<'_> {
                 time_limit: QUICK_TIME_LIMIT,
                 provenance: account(1, &[scene]),
             };
-            let study = tradeoff::Study::new(scene, &Self::plan(scene), &outcome, terms);
+            let study = tradeoff::Study::new(scene, &Self::plan(scene), outcome, terms);
             section.notes.extend(study.findings.iter().map(|finding| format!("{name}: {finding}")));
             section.runs += outcome.runs.iter().flatten().count();
             section.wall_seconds += outcome.runs.iter().flatten().map(|kept| kept.run.wall_seconds).sum::<f64>();
@@ -395,6 +374,8 @@ struct OwnSettings<'a> {
     /// The reference's settings in words.
     reference: String,
     seeds: u64,
+    /// Few settings of Makadam, timed alone on the machine.
+    timed: OnceLock<Outcome>,
 }
 
 impl<'a> OwnSettings<'a> {
@@ -403,29 +384,27 @@ impl<'a> OwnSettings<'a> {
         let finest = plan.refinement(1.0).map(|refinement| &plan.configurations[refinement.grids[2]]);
         let finest = finest.expect("a plan has a reference at the scene's stiffness");
         let versions = [named.scene.clone(), finest.scene(&named.scene)];
-        OwnSettings { place, named, versions, reference: finest.setting(), seeds }
+        OwnSettings { place, named, versions, reference: finest.setting(), seeds, timed: OnceLock::new() }
     }
 
-    fn jobs<'s>(&'s self) -> Vec<Job<'s>> {
-        let each = self.versions.iter().flat_map(|version| (1..=self.seeds).map(move |seed| (version, seed)));
-        let job = |(version, seed): (&'s Scene, u64)| Job {
-            identity: KeptRuns::identity(&self.runs(version, seed), &Makadam, seed),
-            weight: weight(version),
-            alone: false,
-            work: Box::new(move || match self.one(version, seed) {
-                Err(error) if error.ends_all() => Err(error.into()),
-                // A run that fails shows in the tests.
-                _ => Ok(()),
-            }),
-        };
-        each.map(job).collect()
+    fn jobs(&self) -> Vec<Job<'_>> {
+        let mut jobs = Vec::new();
+        for version in &self.versions {
+            jobs.extend((1..=self.seeds).map(|seed| Job {
+                identity: self.runs(version, seed).key(&Makadam, seed, false).name().into(),
+                weight: weight(version),
+                alone: false,
+                work: Box::new(move || unless_fatal(self.take(version, seed))),
+            }));
+        }
+        jobs
     }
 
     /// Returns a test for each bounded observable of the scene, from finished runs.
-    fn tests(&self) -> Result<Vec<StudyTest>, QualifyError> {
+    fn tests(&self) -> Result<Vec<StudyTest>, RunError> {
         let (mut pairs, mut failure) = (Vec::new(), None);
         for seed in 1..=self.seeds {
-            let mut of = |version: &Scene| match self.one(version, seed) {
+            let mut of = |version: &Scene| match self.take(version, seed) {
                 Ok(run) => Ok(Some(run)),
                 Err(error) if error.ends_all() => Err(error),
                 Err(error) => {
@@ -460,8 +439,8 @@ impl<'a> OwnSettings<'a> {
         }
     }
 
-    fn one(&self, version: &Scene, seed: u64) -> Result<MeasuredRun, KeptError> {
-        Ok(self.place.kept.take(&self.runs(version, seed), &Makadam, seed)?.run)
+    fn take(&self, version: &Scene, seed: u64) -> Result<MeasuredRun, RunError> {
+        Ok(self.runs(version, seed).take(self.place.cache, &Makadam, seed)?.run)
     }
 
     fn runs<'s>(&'s self, version: &'s Scene, seed: u64) -> Runs<'s> {

@@ -1,13 +1,75 @@
-//! Studies of the physics: published laws, measured again; and effects that scenes need.
+//! Studies of the physics: stress tests, published laws, and effects that scenes need.
 
-use super::{Job, Named, Part, Place, QualifyError, Results, weight};
-use crate::compare::KeptRuns;
+use super::{Job, Named, Part, Place, QualifyError, unless_fatal, weight};
 use crate::effects::{Ablated as Row, Ablation, Need, Plan};
-use crate::laws::{self, Case, Law, LawError, LawResult, StoredRows};
+use crate::laws::{self, Case as LawCase, LAWS, Law, LawResult, figure_and_bounds, row_of};
+use crate::output::WriteError;
 use crate::peers::Makadam;
 use crate::qualify::tier::Ablated;
 use crate::report::{StudyOutcome, StudySection, StudyTest};
-use crate::study::{DocumentError, File, Table, cells};
+use crate::stability::{Campaign, Case, Outcome, Verdict, catalogue, known_exception};
+use crate::study::{DocumentError, File, RunCache, RunError, Table, cells};
+use std::path::PathBuf;
+
+/// Wall time after which a stress test is stopped, s: that of the whole catalogue.
+const TIME_LIMIT: f64 = 600.0;
+
+/// The stress tests of `makadam stability`, in Makadam.
+pub(super) struct StressTests<'a> {
+    place: Place<'a>,
+    folder: PathBuf,
+    cache: RunCache,
+    cases: Vec<Case>,
+}
+
+impl<'a> StressTests<'a> {
+    pub(super) fn open(filters: &[&str], place: Place<'a>) -> Result<StressTests<'a>, WriteError> {
+        let is_wanted = |case: &Case| filters.is_empty() || filters.iter().any(|filter| case.matches(filter));
+        let (folder, cases) = (place.folder("stability"), catalogue().into_iter().filter(is_wanted).collect());
+        Ok(StressTests { place, folder, cache: place.open("stability")?, cases })
+    }
+
+    fn outcome(&self, case: &Case) -> Result<Outcome, RunError> {
+        let (folder, cache) = (&self.folder, &self.cache);
+        Campaign { cases: &[], codes: &[], time_limit: TIME_LIMIT, folder, cache }.outcome(case, &Makadam)
+    }
+}
+
+impl Part for StressTests<'_> {
+    fn jobs(&self) -> Vec<Job<'_>> {
+        let job = |place: usize| Job {
+            identity: format!("stability {}", self.cases[place].name),
+            weight: weight(&self.cases[place].scene),
+            alone: false,
+            work: Box::new(move || {
+                let _display = (self.place.settings.announce)(&self.cases[place].name);
+                self.outcome(&self.cases[place]).map(|_| ())
+            }),
+        };
+        (0..self.cases.len()).map(job).collect()
+    }
+
+    fn section(&self) -> Result<StudySection, RunError> {
+        let outcomes = self.cases.iter().map(|case| self.outcome(case)).collect::<Result<Vec<_>, RunError>>()?;
+        Ok(StudySection {
+            name: "stability".into(),
+            title: "Hard cases".into(),
+            scope: "Scenes that break simulators, each with what is right by a closed form or a law of conservation."
+                .into(),
+            runs: outcomes.len(),
+            wall_seconds: outcomes.iter().map(|outcome| outcome.wall_seconds).sum(),
+            tests: self.cases.iter().zip(&outcomes).map(|(case, outcome)| case_test(case, outcome)).collect(),
+            ..StudySection::default()
+        })
+    }
+}
+
+fn case_test(case: &Case, outcome: &Outcome) -> StudyTest {
+    let measured = outcome.text();
+    let test = StudyTest::of(case.name.clone(), measured, case.right.clone(), outcome.verdict == Verdict::AsStated);
+    let remark = outcome.reason.clone().filter(|_| test.outcome == StudyOutcome::Failed);
+    StudyTest { remark, ..test }.with_exception(known_exception(&case.name))
+}
 
 /// Sweeps of a step, which turn the work of a law (grains times steps) into that of other jobs.
 const SWEEPS: f64 = 20.0;
@@ -16,49 +78,35 @@ const SWEEPS: f64 = 20.0;
 pub(super) struct Laws<'a> {
     place: Place<'a>,
     laws: Vec<Measured>,
-    /// Failure of a run of a law, by the name of the law.
-    failed: Results<String>,
 }
 
 /// A law and its runs.
 struct Measured {
-    law: &'static dyn Law,
-    cases: Vec<Case>,
+    law: &'static Law,
+    cases: Vec<LawCase>,
     seeds: u64,
-    kept: StoredRows,
-    /// Rows by case and seed.
-    rows: Results<laws::Row>,
+    cache: RunCache,
 }
 
 impl<'a> Laws<'a> {
     pub(super) fn open(laws: &[(&'static str, u64)], place: Place<'a>) -> Result<Laws<'a>, QualifyError> {
         let open = |&(name, seeds): &(&'static str, u64)| {
-            let law = laws::all().into_iter().find(|law| law.name() == name).expect("the table of tiers names laws");
-            let folder = place.folder("laws").join(name);
-            let plan = laws::Plan { seeds: &[], again: place.settings.again, folder: &folder };
-            let kept = StoredRows::open(law, &plan).map_err(of_law)?;
-            Ok(Measured { law, cases: law.cases(false), seeds, kept, rows: Results::new() })
+            let law = LAWS.iter().find(|law| law.name == name).expect("the table of tiers names laws");
+            let cache = place.open(&format!("laws/{name}"))?;
+            Ok(Measured { law, cases: (law.cases)(false), seeds, cache })
         };
-        let laws = laws.iter().map(open).collect::<Result<_, QualifyError>>()?;
-        Ok(Laws { place, laws, failed: Results::new() })
+        Ok(Laws { place, laws: laws.iter().map(open).collect::<Result<_, QualifyError>>()? })
+    }
+}
+
+impl Measured {
+    /// Cases, each with each seed.
+    fn runs(&self) -> impl Iterator<Item = (&LawCase, u64)> {
+        self.cases.iter().flat_map(|case| (1..=self.seeds).map(move |seed| (case, seed)))
     }
 
-    fn job<'s>(&'s self, measured: &'s Measured, place: usize, seed: u64) -> Job<'s> {
-        let case = &measured.cases[place];
-        Job {
-            identity: format!("law {} seed {seed}", case.name),
-            weight: laws::work(case) * SWEEPS,
-            alone: false,
-            work: Box::new(move || {
-                let share = (self.place.settings.announce)(&format!("{} seed {seed}", case.name));
-                match measured.kept.take(case, seed, &*share) {
-                    Ok(row) => measured.rows.add(&format!("{place:04} {seed:06}"), row),
-                    Err(error @ LawError::Worthless { .. }) => self.failed.add(measured.law.name(), error.to_string()),
-                    Err(error) => return Err(of_law(error)),
-                }
-                Ok(())
-            }),
-        }
+    fn row(&self, case: &LawCase, seed: u64, progress: &(dyn Fn(f64) + Sync)) -> Result<laws::Row, RunError> {
+        row_of(self.law, case, seed, &self.cache, progress)
     }
 }
 
@@ -66,14 +114,20 @@ impl Part for Laws<'_> {
     fn jobs(&self) -> Vec<Job<'_>> {
         let mut jobs = Vec::new();
         for measured in &self.laws {
-            for place in 0..measured.cases.len() {
-                jobs.extend((1..=measured.seeds).map(|seed| self.job(measured, place, seed)));
-            }
+            jobs.extend(measured.runs().map(|(case, seed)| Job {
+                identity: format!("law {} seed {seed}", case.name),
+                weight: laws::work(case) * SWEEPS,
+                alone: false,
+                work: Box::new(move || {
+                    let share = (self.place.settings.announce)(&format!("{} seed {seed}", case.name));
+                    unless_fatal(measured.row(case, seed, &*share))
+                }),
+            }));
         }
         jobs
     }
 
-    fn section(&self) -> Result<StudySection, QualifyError> {
+    fn section(&self) -> Result<StudySection, RunError> {
         let mut section = StudySection {
             name: "laws".into(),
             title: "Published laws".into(),
@@ -82,21 +136,27 @@ impl Part for Laws<'_> {
                 .into(),
             ..StudySection::default()
         };
-        for Measured { law, rows, .. } in &self.laws {
-            let name = law.name();
-            if let Some(problem) = self.failed.get(name) {
-                let right = "every run ends".into();
-                let test = StudyTest::of(format!("{name}: runs"), "no numbers".into(), right, false);
-                section.tests.push(StudyTest { outcome: StudyOutcome::NotMeasured, remark: Some(problem), ..test });
-                continue;
+        for measured in &self.laws {
+            let name = measured.law.name;
+            let rows = measured.runs().map(|(case, seed)| measured.row(case, seed, &|_| {}));
+            match rows.collect::<Result<Vec<_>, RunError>>() {
+                Ok(rows) => {
+                    let result = LawResult::new(measured.law, rows);
+                    section.runs += result.rows.len();
+                    section.wall_seconds += result.wall_seconds();
+                    section.tests.extend(law_tests(&result));
+                    section.notes.push(format!("{name}: {}. {}", result.statement, result.source));
+                    section.files.push(laws::runs(&result.rows).csv(&format!("laws-{name}"))?);
+                    section.figures.extend(result.figures);
+                }
+                Err(error) if error.ends_all() => return Err(error),
+                Err(error) => {
+                    let test =
+                        StudyTest::of(format!("{name}: runs"), "no numbers".into(), "every run ends".into(), false);
+                    let remark = Some(error.to_string());
+                    section.tests.push(StudyTest { outcome: StudyOutcome::NotMeasured, remark, ..test });
+                }
             }
-            let result = LawResult::new(*law, rows.all());
-            section.runs += result.rows.len();
-            section.wall_seconds += result.rows.iter().map(|row| row.wall_seconds).sum::<f64>();
-            section.tests.extend(law_tests(&result));
-            section.notes.push(format!("{name}: {}. {}", result.statement, result.source));
-            section.figures.extend(law.figures(&result.means));
-            section.files.push(laws::runs(&result.rows).csv(&format!("laws-{name}"))?);
         }
         Ok(section)
     }
@@ -104,9 +164,9 @@ impl Part for Laws<'_> {
 
 /// Returns the figures of a law that have bounds.
 fn law_tests(result: &LawResult) -> Vec<StudyTest> {
-    let bounded = result.findings.iter().filter(|finding| finding.bounds() != [None, None]);
+    let bounded = result.findings.iter().filter(|finding| [finding.low, finding.high] != [None, None]);
     let tests = bounded.map(|finding| {
-        let [measured, right] = laws::in_words(finding);
+        let [measured, right] = figure_and_bounds(finding);
         // A measured number is no part of a name.
         let what = finding.what.split(", I = ").next().unwrap_or(&finding.what);
         StudyTest::of(format!("{}: {what}", result.name), measured, right, finding.holds())
@@ -114,29 +174,17 @@ fn law_tests(result: &LawResult) -> Vec<StudyTest> {
     tests.collect()
 }
 
-fn of_law(error: LawError) -> QualifyError {
-    match error {
-        LawError::Interrupted => QualifyError::Interrupted,
-        LawError::Scene(error) => error.into(),
-        LawError::Write(error) => error.into(),
-        other => QualifyError::Failed(format!("laws: {other}")),
-    }
-}
-
 /// Scenes with each of their effects off, or on: an effect that a scene is known to need must move a measured value.
 pub(super) struct Ablations<'a> {
     place: Place<'a>,
     scenes: Vec<(Ablated, Named, Vec<u64>)>,
-    /// Wall time of each run, s.
-    spent: Results<f64>,
 }
 
 impl<'a> Ablations<'a> {
     pub(super) fn open(ablated: &[Ablated], place: Place<'a>) -> Result<Ablations<'a>, QualifyError> {
         let open =
             |&ablated: &Ablated| Ok((ablated, Named::open(ablated.scene, place)?, (1..=ablated.seeds).collect()));
-        let scenes = ablated.iter().map(open).collect::<Result<_, QualifyError>>()?;
-        Ok(Ablations { place, scenes, spent: Results::new() })
+        Ok(Ablations { place, scenes: ablated.iter().map(open).collect::<Result<_, QualifyError>>()? })
     }
 
     fn plan<'s>(&'s self, named: &'s Named, seeds: &'s [u64]) -> Plan<'s> {
@@ -145,7 +193,7 @@ impl<'a> Ablations<'a> {
             scene_file: &named.file,
             seeds,
             time_limit: self.place.settings.time_limit,
-            kept: self.place.kept,
+            cache: self.place.cache,
             announce: self.place.settings.announce,
         }
     }
@@ -158,20 +206,11 @@ impl Part for Ablations<'_> {
             for version in self.plan(named, seeds).versions() {
                 for &seed in seeds {
                     let version = version.clone();
-                    let identity = KeptRuns::identity(&self.plan(named, seeds).runs(&version, seed), &Makadam, seed);
                     jobs.push(Job {
-                        identity: identity.clone(),
+                        identity: self.plan(named, seeds).runs(&version, seed).key(&Makadam, seed, false).name().into(),
                         weight: weight(&version.scene),
                         alone: false,
-                        work: Box::new(move || match self.plan(named, seeds).one(&version, seed) {
-                            Ok(run) => {
-                                self.spent.add(&identity, run.wall_seconds);
-                                Ok(())
-                            }
-                            Err(error) if error.ends_all() => Err(error.into()),
-                            // Without an effect a scene may have no run; a failure of the scene as it is shows in the tests.
-                            Err(_) => Ok(()),
-                        }),
+                        work: Box::new(move || unless_fatal(self.plan(named, seeds).take(&version, seed))),
                     });
                 }
             }
@@ -179,20 +218,19 @@ impl Part for Ablations<'_> {
         jobs
     }
 
-    fn section(&self) -> Result<StudySection, QualifyError> {
-        let spent = self.spent.all();
+    fn section(&self) -> Result<StudySection, RunError> {
         let mut section = StudySection {
             name: "effects".into(),
             title: "Effects that scenes need".into(),
             scope: "Scenes with each of their effects off, and resistance to turning on: what a scene is known to need must move an \
                     observable by more than its margin."
                 .into(),
-            runs: spent.len(),
-            wall_seconds: spent.iter().sum(),
             ..StudySection::default()
         };
         for (ablated, named, seeds) in &self.scenes {
             let ablation = Ablation::run(&self.plan(named, seeds))?;
+            section.runs += ablation.runs;
+            section.wall_seconds += ablation.wall_seconds;
             section.tests.extend(ablation_tests(ablated, &ablation));
             section.files.push(ablation_rows(ablated.scene, &ablation)?);
         }

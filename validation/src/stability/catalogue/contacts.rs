@@ -22,7 +22,6 @@ pub(super) fn cases() -> Vec<Case> {
     ]
 }
 
-/// A ball on an incline that slides without friction or rolls without slip.
 fn incline(name: &str, degrees: f64, friction: f64) -> Case {
     let (sine, cosine) = f64::to_radians(degrees).sin_cos();
     let height = RADIUS - hertz_overlap(mass(RADIUS) * GRAVITY * cosine, [1e7; 2], RADIUS);
@@ -42,19 +41,12 @@ fn incline(name: &str, degrees: f64, friction: f64) -> Case {
         let rolling = RADIUS * grain.spin[1] / grain.velocity[0];
         let target = if friction == 0.0 { 0.0 } else { 1.0 };
         vec![
-            Finding::near(
-                "speed over that of the law",
-                "",
-                grain.velocity[0] / (share * GRAVITY * sine * 0.3),
-                1.0,
-                0.01,
-            ),
-            Finding::near("surface speed over speed", "", rolling, target, 0.01),
+            Finding::near("speed over that of the law", grain.velocity[0] / (share * GRAVITY * sine * 0.3), 1.0, 0.01),
+            Finding::near("surface speed over speed", rolling, target, 0.01),
         ]
     })
 }
 
-/// Four grains, one on three, with friction that nothing overcomes.
 fn pyramid() -> Case {
     let side = 2.0 * RADIUS;
     let from_axis = side / 3.0_f64.sqrt();
@@ -69,8 +61,8 @@ fn pyramid() -> Case {
     Case::new("friction", sketch.grain(RADIUS, [0.0, 0.0, top]).scene(), right, source, move |evidence| {
         let share = -evidence.wall_force(0.1).z / evidence.weight();
         vec![
-            Finding::at_most("top sunk over the radius", "", (top - evidence.grain(3).position[2]) / RADIUS, 0.01),
-            Finding::near("force on walls over weight", "", share, 1.0, 0.01),
+            Finding::at_most("top sunk over the radius", (top - evidence.grain(3).position[2]) / RADIUS, 0.01),
+            Finding::near("force on walls over weight", share, 1.0, 0.01),
         ]
     })
 }
@@ -79,7 +71,6 @@ fn disc(x: f64) -> Shape {
     Shape::Disc { centre: [x, 0.0, 0.0], normal: [0.0, 0.0, 1.0], radius: 0.2, hole: 0.0 }
 }
 
-/// A ball that rolls from one face onto another of the same height; codes with meshes cut the floor of a box into triangles.
 fn seam(name: &str, level: f64, faces: &[Shape]) -> Case {
     const SPEED: f64 = 0.5;
     let height = level + RADIUS - hertz_overlap(mass(RADIUS) * GRAVITY, [1e7; 2], RADIUS);
@@ -95,19 +86,13 @@ fn seam(name: &str, level: f64, faces: &[Shape]) -> Case {
         let grain = evidence.grain(0);
         let heights = evidence.frames().iter().map(|frame| (frame.particles[0].position[2] - height).abs());
         vec![
-            Finding::near("speed over that at the start", "", grain.velocity[0] / SPEED, 1.0, 0.01),
-            Finding::at_most(
-                "largest change of height over the radius",
-                "",
-                heights.fold(0.0, f64::max) / RADIUS,
-                0.01,
-            ),
-            Finding::at_most("speed aside over that along", "", grain.velocity[1].abs() / SPEED, 0.01),
+            Finding::near("speed over that at the start", grain.velocity[0] / SPEED, 1.0, 0.01),
+            Finding::at_most("largest change of height over the radius", heights.fold(0.0, f64::max) / RADIUS, 0.01),
+            Finding::at_most("speed aside over that along", grain.velocity[1].abs() / SPEED, 0.01),
         ]
     })
 }
 
-/// A ball that swings in a cylinder, rolling or sliding.
 fn around_a_cylinder(name: &str, friction: f64, inertia: f64) -> Case {
     const WIDE: f64 = 0.05;
     let swing = 10_f64.to_radians();
@@ -133,9 +118,9 @@ fn around_a_cylinder(name: &str, friction: f64, inertia: f64) -> Case {
             (x.hypot(z) - arm - overlap).abs()
         });
         vec![
-            Finding::near("angle after three swings over that at the start", "", x.atan2(-z) / swing, 1.0, 0.05),
-            Finding::at_most("way off the cylinder over the radius", "", furthest.fold(0.0, f64::max) / RADIUS, 0.02),
-            Finding::at_most("way along the axis over the radius", "", y.abs() / RADIUS, 0.01),
+            Finding::near("angle after three swings over that at the start", x.atan2(-z) / swing, 1.0, 0.05),
+            Finding::at_most("way off the cylinder over the radius", furthest.fold(0.0, f64::max) / RADIUS, 0.02),
+            Finding::at_most("way along the axis over the radius", y.abs() / RADIUS, 0.01),
         ]
     })
 }
@@ -152,7 +137,6 @@ fn closing(name: &str, gap: f64) -> Sketch {
         .grain(RADIUS, [0.0, 0.0, RADIUS])
 }
 
-/// A gap of nine tenths of the diameter, which elastic grains can have.
 fn wedge() -> Case {
     let gap = 1.8 * RADIUS;
     let force = hertz_force(RADIUS - 0.5 * gap, [1e7; 2], RADIUS);
@@ -166,16 +150,15 @@ fn wedge() -> Case {
             let place = (evidence.grain(0).position[2] - 0.5 * gap) / RADIUS;
             let both = [0, 1].map(|wall| evidence.force_on_wall(wall, 0.1).norm() / force);
             vec![
-                Finding::near("force on the fixed wall over Hertz's", "", both[0], 1.0, 0.02),
-                Finding::near("force on the moving wall over Hertz's", "", both[1], 1.0, 0.02),
-                Finding::near("place beside the middle over the radius", "", place, 0.0, 0.01),
-                Finding::at_most("speed at the end", "m/s", evidence.fastest(), 1e-3),
+                Finding::near("force on the fixed wall over Hertz's", both[0], 1.0, 0.02),
+                Finding::near("force on the moving wall over Hertz's", both[1], 1.0, 0.02),
+                Finding::near("place beside the middle over the radius", place, 0.0, 0.01),
+                Finding::at_most("speed at the end", evidence.fastest(), 1e-3).in_unit("m/s"),
             ]
         },
     )
 }
 
-/// No gap at all, between elastic or rigid contacts.
 fn impossible_gap(rigid: bool) -> Case {
     let name = if rigid { "impossible-gap-rigid" } else { "impossible-gap" };
     let sketch = closing(name, 0.0);
@@ -193,14 +176,13 @@ fn impossible_gap(rigid: bool) -> Case {
         let forces = evidence.frames().iter().flat_map(|frame| &frame.contacts).map(|contact| contact.normal_force);
         let place = evidence.grain(0).position[2] / RADIUS;
         vec![
-            Finding::between("largest force over that bound", "", forces.fold(0.0, f64::max) / bound, 0.0, 1.0),
-            Finding::near("place beside the middle over the radius", "", place, 0.0, 0.1),
-            Finding::at_most("speed at the end", "m/s", evidence.fastest(), 0.1),
+            Finding::between("largest force over that bound", forces.fold(0.0, f64::max) / bound, 0.0, 1.0),
+            Finding::near("place beside the middle over the radius", place, 0.0, 0.1),
+            Finding::at_most("speed at the end", evidence.fastest(), 0.1).in_unit("m/s"),
         ]
     })
 }
 
-/// A floor that rises and stops dead.
 fn wall_that_stops() -> Case {
     const SPEED: f64 = 1.0;
     let motion = Motion::Translating { velocity: [0.0, 0.0, SPEED], start: 0.0, stop: Some(0.2) };
@@ -215,8 +197,8 @@ fn wall_that_stops() -> Case {
         let highest = evidence.frames().iter().map(|frame| frame.particles[0].position[2]).fold(0.0, f64::max);
         let throw = SPEED * SPEED / (2.0 * GRAVITY);
         vec![
-            Finding::near("height of the throw over v^2/(2 g)", "", (highest - 0.2 - RADIUS) / throw, 1.0, 0.02),
-            Finding::near("height at the end over the radius", "", end_height(evidence), 1.0, 0.01),
+            Finding::near("height of the throw over v^2/(2 g)", (highest - 0.2 - RADIUS) / throw, 1.0, 0.02),
+            Finding::near("height at the end over the radius", end_height(evidence), 1.0, 0.01),
         ]
     })
 }

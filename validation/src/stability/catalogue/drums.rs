@@ -64,7 +64,7 @@ fn escaped(evidence: &Evidence<'_>) -> Finding {
         let [x, y, z] = grain.position;
         x.hypot(z) > WIDE || y.abs() > 0.5 * LONG
     });
-    Finding::at_most("grains outside the drum", "", outside.count() as f64, 0.0)
+    Finding::at_most("grains outside the drum", outside.count() as f64, 0.0)
 }
 
 fn rolling(froude: f64, duration: f64) -> Case {
@@ -79,14 +79,13 @@ fn rolling_findings(evidence: &Evidence<'_>, froude: f64) -> Vec<Finding> {
     // What falls through the drum is as fast as a free fall over its diameter.
     let fastest = rate(froude) * WIDE + (2.0 * GRAVITY * 2.0 * WIDE).sqrt();
     vec![
-        Finding::between("lean of the bed", "degrees", leaning, 5.0, 60.0),
+        Finding::between("lean of the bed", leaning, 5.0, 60.0).in_unit("degrees"),
         escaped(evidence),
-        Finding::at_most("largest overlap over the radius", "", evidence.largest_overlap(0.5), 0.1),
-        Finding::at_most("largest speed over that of free fall", "", evidence.fastest_ever() / fastest, 1.0),
+        Finding::at_most("largest overlap over the radius", evidence.largest_overlap(0.5), 0.1),
+        Finding::at_most("largest speed over that of free fall", evidence.fastest_ever() / fastest, 1.0),
     ]
 }
 
-/// The slowest drum for as long as the bed takes to turn as a whole by its angle of repose, three times.
 fn creeping_long() -> Case {
     let froude = 1e-5;
     let scene = drum("drum-creeping-long".into(), 100.0, turning(rate(froude))).interval(1.0).scene();
@@ -125,14 +124,13 @@ fn centrifuging() -> Case {
             f64::from(u8::from(far))
         }));
         vec![
-            Finding::near("angular velocity of the grains over the drum's", "", turning, 1.0, 0.05),
-            Finding::at_least("share of the grains beyond half the drum's radius", "", held, 0.95),
+            Finding::near("angular velocity of the grains over the drum's", turning, 1.0, 0.05),
+            Finding::at_least("share of the grains beyond half the drum's radius", held, 0.95),
             escaped(evidence),
         ]
     })
 }
 
-/// A grain at the highest point of a drum that turns with it.
 fn lone_grain(froude: f64) -> Case {
     let arm = WIDE - RADIUS;
     let rate = (froude * GRAVITY / arm).sqrt();
@@ -167,13 +165,12 @@ fn lone_grain(froude: f64) -> Case {
         let widest = evidence.frames().iter().map(gap).fold(f64::NEG_INFINITY, f64::max);
         let flown = arm * (1.0 - (1.0 - (1.0 - froude).powi(2)).sqrt());
         match stays {
-            true => vec![Finding::at_most("widest gap over the radius", "", widest / RADIUS, 0.01)],
-            false => vec![Finding::near("widest gap over that of the flight", "", widest / flown, 1.0, 0.05)],
+            true => vec![Finding::at_most("widest gap over the radius", widest / RADIUS, 0.01)],
+            false => vec![Finding::near("widest gap over that of the flight", widest / flown, 1.0, 0.05)],
         }
     })
 }
 
-/// A drum that stops.
 fn stopped() -> Case {
     let motion = Motion::Rotating {
         point: [0.0; 3],
@@ -188,14 +185,13 @@ fn stopped() -> Case {
     Case::new("drums", scene, right, CONTAINED, |evidence| {
         let leaning = lean(evidence, evidence.last());
         vec![
-            Finding::at_most("largest speed at the end", "m/s", evidence.fastest(), 0.01),
-            Finding::between("lean of the bed", "degrees", leaning, 5.0, 60.0),
+            Finding::at_most("largest speed at the end", evidence.fastest(), 0.01).in_unit("m/s"),
+            Finding::between("lean of the bed", leaning, 5.0, 60.0).in_unit("degrees"),
             escaped(evidence),
         ]
     })
 }
 
-/// A drum that turns back.
 fn reversed() -> Case {
     let motion = Motion::Rotating {
         point: [0.0; 3],
@@ -214,8 +210,8 @@ fn reversed() -> Case {
         };
         let (forth, back) = (over(2.0, 4.95), over(7.0, 10.01));
         vec![
-            Finding::between("lean of the bed before", "degrees", forth, 5.0, 60.0),
-            Finding::near("lean after over lean before", "", back / forth, -1.0, 0.2),
+            Finding::between("lean of the bed before", forth, 5.0, 60.0).in_unit("degrees"),
+            Finding::near("lean after over lean before", back / forth, -1.0, 0.2),
             escaped(evidence),
         ]
     })

@@ -39,7 +39,6 @@ fn fast(name: &str) -> Sketch {
         .interval(STEP)
 }
 
-/// A grain half a step's way from a plane.
 fn plane(name: &str, restitution: f64, rigid: bool) -> Case {
     let sketch = fast(name).restitution(restitution).floor().moving_grain(
         RADIUS,
@@ -59,12 +58,11 @@ fn rebound(evidence: &Evidence<'_>, away: [f64; 3], restitution: f64) -> Vec<Fin
     let along = |vector: [f64; 3]| vector.iter().zip(away).map(|(a, b)| a * b).sum::<f64>();
     let grain = evidence.grain(0);
     vec![
-        Finding::near("speed away from the wall over that before", "", along(grain.velocity) / FAST, restitution, 0.02),
-        Finding::at_least("centre in front of the wall, over the radius", "", along(grain.position) / RADIUS, 0.99),
+        Finding::near("speed away from the wall over that before", along(grain.velocity) / FAST, restitution, 0.02),
+        Finding::at_least("centre in front of the wall, over the radius", along(grain.position) / RADIUS, 0.99),
     ]
 }
 
-/// A grain that flies into a corner of a box.
 fn corner() -> Case {
     let part = FAST / 3.0_f64.sqrt();
     let scene = fast("fast-corner")
@@ -77,14 +75,13 @@ fn corner() -> Case {
         let inside = (x + 5.0).min(5.0 - x).min(y + 5.0).min(5.0 - y).min(z) / RADIUS;
         let slowest = evidence.grain(0).velocity.iter().fold(f64::INFINITY, |least, v| least.min(v.abs())) / part;
         vec![
-            Finding::at_least("centre inside the box, over the radius", "", inside, 0.99),
-            Finding::near("least component of the speed over that before", "", slowest, RESTITUTION, 0.02),
+            Finding::at_least("centre inside the box, over the radius", inside, 0.99),
+            Finding::near("least component of the speed over that before", slowest, RESTITUTION, 0.02),
         ]
     })
     .at_one_step()
 }
 
-/// A grain that flies at a disc.
 fn disc() -> Case {
     let scene = fast("fast-disc")
         .wall(Shape::Disc { centre: [0.0; 3], normal: [0.0, 0.0, 1.0], radius: 0.2, hole: 0.0 })
@@ -95,7 +92,6 @@ fn disc() -> Case {
         .at_one_step()
 }
 
-/// A grain that flies from the axis of a cylinder at its shell.
 fn shell() -> Case {
     const WIDE: f64 = 0.6;
     let scene = fast("fast-cylinder")
@@ -110,25 +106,18 @@ fn shell() -> Case {
         });
         let last = evidence.grain(0).position;
         vec![
-            Finding::at_most(
-                "distance from the axis at the end over the shell's",
-                "",
-                last[0].hypot(last[2]) / WIDE,
-                1.0,
-            ),
+            Finding::at_most("distance from the axis at the end over the shell's", last[0].hypot(last[2]) / WIDE, 1.0),
             Finding::at_most(
                 "largest distance from the axis, steps",
-                "",
                 furthest.fold(0.0, f64::max) / (FAST * STEP),
                 1.2,
             ),
-            Finding::at_most("largest speed over that before", "", evidence.fastest_ever() / FAST, 1.001),
+            Finding::at_most("largest speed over that before", evidence.fastest_ever() / FAST, 1.001),
         ]
     })
     .at_one_step()
 }
 
-/// A plane that flies at a grain.
 fn moving_wall() -> Case {
     let motion = Motion::Translating { velocity: [0.0, 0.0, FAST], start: 0.0, stop: Some(2.0 * STEP) };
     let scene = fast("fast-wall")
@@ -139,19 +128,13 @@ fn moving_wall() -> Case {
     Case::new("fast impacts", scene, right, NEWTON, |evidence| {
         let grain = evidence.grain(0);
         vec![
-            Finding::near("speed over the wall's", "", grain.velocity[2] / FAST, 1.0 + RESTITUTION, 0.02),
-            Finding::at_least(
-                "centre in front of the wall, over the radius",
-                "",
-                (grain.position[2] - 1.0) / RADIUS,
-                0.99,
-            ),
+            Finding::near("speed over the wall's", grain.velocity[2] / FAST, 1.0 + RESTITUTION, 0.02),
+            Finding::at_least("centre in front of the wall, over the radius", (grain.position[2] - 1.0) / RADIUS, 0.99),
         ]
     })
     .at_one_step()
 }
 
-/// Eight grains that fall into a box, at one of several steps.
 fn time_step(step: f64) -> Case {
     let fall = 2.0 * RADIUS;
     let mut sketch = Sketch::new(format!("step-{step:.0e}"), 1.0)
@@ -180,17 +163,16 @@ fn time_step(step: f64) -> Case {
         });
         let share = -evidence.wall_force(0.3).z / evidence.weight();
         vec![
-            Finding::at_least("least depth inside the box, radii", "", inside.fold(f64::INFINITY, f64::min), 0.9),
-            Finding::at_most("largest energy over that at the start", "", highest / start, 1.01),
-            Finding::at_most("largest speed over that of free fall", "", evidence.fastest_ever() / fastest, 1.01),
-            Finding::near("force on walls over weight", "", share, 1.0, 0.05),
-            Finding::at_most("largest overlap at the end over the radius", "", evidence.largest_overlap(0.0), 0.05),
+            Finding::at_least("least depth inside the box, radii", inside.fold(f64::INFINITY, f64::min), 0.9),
+            Finding::at_most("largest energy over that at the start", highest / start, 1.01),
+            Finding::at_most("largest speed over that of free fall", evidence.fastest_ever() / fastest, 1.01),
+            Finding::near("force on walls over weight", share, 1.0, 0.05),
+            Finding::at_most("largest overlap at the end over the radius", evidence.largest_overlap(0.0), 0.05),
         ]
     })
     .at_one_step()
 }
 
-/// A ball that falls and stays.
 fn no_restitution() -> Case {
     let scene = Sketch::new("restitution-0", 0.5).restitution(0.0).floor().grain(RADIUS, [0.0, 0.0, 0.1]).scene();
     let right = "a ball of restitution 0 does not bounce";
@@ -198,11 +180,10 @@ fn no_restitution() -> Case {
         let hit = (2.0 * (0.1 - RADIUS) / GRAVITY).sqrt();
         let after = evidence.frames().iter().filter(|frame| frame.time > hit + 0.01);
         let highest = after.map(|frame| frame.particles[0].position[2]).fold(0.0, f64::max);
-        vec![Finding::near("highest place after the impact over the radius", "", highest / RADIUS, 1.0, 0.01)]
+        vec![Finding::near("highest place after the impact over the radius", highest / RADIUS, 1.0, 0.01)]
     })
 }
 
-/// A ball that bounces for ever.
 fn full_restitution() -> Case {
     let drop = 0.1 - RADIUS;
     let scene = Sketch::new("restitution-1", 3.0)
@@ -217,8 +198,8 @@ fn full_restitution() -> Case {
         let ratios = (0..evidence.frames().len()).map(|frame| (mass_height(evidence, frame) - start) / drop);
         let (low, high) = ratios.fold((0.0_f64, 0.0_f64), |(low, high), ratio| (low.min(ratio), high.max(ratio)));
         vec![
-            Finding::at_most("largest gain of energy over the drop's", "", high, 0.05),
-            Finding::at_least("largest loss of energy over the drop's", "", low, -0.05),
+            Finding::at_most("largest gain of energy over the drop's", high, 0.05),
+            Finding::at_least("largest loss of energy over the drop's", low, -0.05),
         ]
     })
 }
@@ -228,7 +209,6 @@ fn mass_height(evidence: &Evidence<'_>, frame: usize) -> f64 {
     evidence.mechanical(&evidence.frames()[frame]) / (evidence.mass(0) * GRAVITY)
 }
 
-/// A ball whose bounces add up to a finite time.
 fn bouncing_to_rest() -> Case {
     let fall = (2.0 * (0.1 - RADIUS) / GRAVITY).sqrt();
     let end = fall * (1.0 + 0.5) / (1.0 - 0.5);
@@ -237,13 +217,12 @@ fn bouncing_to_rest() -> Case {
     Case::new("restitution", scene, right, "geometric series of the bounces' durations", |evidence| {
         let height = evidence.grain(0).position[2] / RADIUS;
         vec![
-            Finding::near("height over the radius at 1.2 times that", "", height, 1.0, 0.01),
-            Finding::at_most("speed at 1.2 times that", "m/s", evidence.fastest(), 0.01),
+            Finding::near("height over the radius at 1.2 times that", height, 1.0, 0.01),
+            Finding::at_most("speed at 1.2 times that", evidence.fastest(), 0.01).in_unit("m/s"),
         ]
     })
 }
 
-/// A row of grains that one grain runs into.
 fn inelastic_collapse() -> Case {
     const COUNT: usize = 20;
     let mut sketch = Sketch::new("inelastic-collapse", 0.5).gravity([0.0; 3]).restitution(0.3).moving_grain(
@@ -264,18 +243,16 @@ fn inelastic_collapse() -> Case {
         let order = last.particles.windows(2).map(|pair| pair[1].position[0] - pair[0].position[0]);
         let momentum = evidence.momentum(last).x / evidence.momentum(first).x;
         vec![
-            Finding::near("momentum over that at the start", "", momentum, 1.0, 1e-6),
+            Finding::near("momentum over that at the start", momentum, 1.0, 1e-6),
             Finding::between(
                 "kinetic energy over that at the start",
-                "",
                 kinetic[kinetic.len() - 1] / kinetic[0],
                 1.0 / COUNT as f64,
                 1.0,
             ),
-            Finding::at_most("largest rise of kinetic energy, share", "", rise, 0.01),
+            Finding::at_most("largest rise of kinetic energy, share", rise, 0.01),
             Finding::at_least(
                 "least distance of neighbours, diameters",
-                "",
                 order.fold(f64::INFINITY, f64::min) / (2.0 * RADIUS),
                 0.98,
             ),

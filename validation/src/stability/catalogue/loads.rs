@@ -25,16 +25,15 @@ pub(super) fn cases() -> Vec<Case> {
     cases
 }
 
-/// What all grains at rest have in common: the walls bear the weight, nothing moves.
+/// Tests for rest: the walls carry the weight, nothing moves.
 fn at_rest(evidence: &Evidence<'_>) -> Vec<Finding> {
     let share = -evidence.wall_force(0.1).z / evidence.weight();
     vec![
-        Finding::near("force on walls over weight", "", share, 1.0, WEIGHT),
-        Finding::at_most("largest speed at the end", "m/s", evidence.fastest(), AT_REST),
+        Finding::near("force on walls over weight", share, 1.0, WEIGHT),
+        Finding::at_most("largest speed at the end", evidence.fastest(), AT_REST).in_unit("m/s"),
     ]
 }
 
-/// A heavy grain on a light one, the lower one on the floor.
 fn mass_ratio(exponent: i32) -> Case {
     const MODULUS: f64 = 1e10;
     const LIGHT: f64 = 100.0;
@@ -63,13 +62,12 @@ fn mass_ratio(exponent: i32) -> Case {
     Case::new("mass ratios", scene, right, BALANCE, move |evidence| {
         let sunk = (height - evidence.grain(1).position[2]) / RADIUS;
         let mut findings =
-            vec![Finding::near("heavy grain below its place, over the light one's radius", "", sunk, 0.0, 0.01)];
+            vec![Finding::near("heavy grain below its place, over the light one's radius", sunk, 0.0, 0.01)];
         findings.extend(at_rest(evidence));
         findings
     })
 }
 
-/// A stack of grains, placed at the overlaps of equilibrium.
 fn stack(count: usize, modulus: f64) -> Case {
     let weight = mass(RADIUS) * GRAVITY;
     let overlap = |index: usize| {
@@ -93,15 +91,14 @@ fn stack(count: usize, modulus: f64) -> Case {
     Case::new("stacks", sketch.scene(), right, BALANCE, move |evidence| {
         let sunk = (height - evidence.grain(count - 1).position[2]) / height;
         let mut findings = vec![
-            Finding::near("top grain below its place, over its height", "", sunk, 0.0, 1e-3),
-            Finding::at_most("largest overlap over the static one", "", evidence.largest_overlap(1.0) / largest, 1.5),
+            Finding::near("top grain below its place, over its height", sunk, 0.0, 1e-3),
+            Finding::at_most("largest overlap over the static one", evidence.largest_overlap(1.0) / largest, 1.5),
         ];
         findings.extend(at_rest(evidence));
         findings
     })
 }
 
-/// A narrow bed two hundred diameters deep.
 fn deep_column() -> Case {
     const WIDTH: f64 = 9.0 * RADIUS;
     const COUNT: usize = 4500;
@@ -137,17 +134,16 @@ fn deep_column() -> Case {
         let mean_force = forces().sum::<f64>() / frame.contacts.len().max(1) as f64;
         let largest_force = forces().fold(0.0, f64::max);
         vec![
-            Finding::between("force on the floor over weight", "", floor / evidence.weight(), 1e-3, 0.25),
-            Finding::near("force on walls over weight", "", share, 1.0, 0.02),
-            Finding::at_most("mean force over that of weight and impact", "", mean_force / bearable, 1.0),
-            Finding::at_most("largest force over the mean", "", largest_force / mean_force, 12.0),
-            Finding::at_most("grains lost", "", evidence.lost(), 0.0),
-            Finding::at_most("largest speed at the end", "m/s", evidence.fastest(), 0.01),
+            Finding::between("force on the floor over weight", floor / evidence.weight(), 1e-3, 0.25),
+            Finding::near("force on walls over weight", share, 1.0, 0.02),
+            Finding::at_most("mean force over that of weight and impact", mean_force / bearable, 1.0),
+            Finding::at_most("largest force over the mean", largest_force / mean_force, 12.0),
+            Finding::at_most("grains lost", evidence.lost(), 0.0),
+            Finding::at_most("largest speed at the end", evidence.fastest(), 0.01).in_unit("m/s"),
         ]
     })
 }
 
-/// A grain in a right-angled groove.
 fn groove(friction: f64) -> Case {
     let s = FRAC_1_SQRT_2;
     let height = RADIUS * SQRT_2;
@@ -165,16 +161,15 @@ fn groove(friction: f64) -> Case {
     Case::new("hyperstatic", scene, right, "balance of forces", move |evidence| {
         let aside = evidence.grain(0).position[0].abs() / RADIUS;
         let force = evidence.force_on_wall(0, 0.1).norm() / evidence.weight();
-        let mut findings = vec![Finding::at_most("grain beside the groove's middle, over its radius", "", aside, 1e-3)];
+        let mut findings = vec![Finding::at_most("grain beside the groove's middle, over its radius", aside, 1e-3)];
         if friction == 0.0 {
-            findings.insert(0, Finding::near("force on one side over weight", "", force, s, WEIGHT * s));
+            findings.insert(0, Finding::near("force on one side over weight", force, s, WEIGHT * s));
         }
         findings.extend(at_rest(evidence));
         findings
     })
 }
 
-/// A cube of grains that fills its box exactly.
 fn jam() -> Case {
     let half = 3.0 * RADIUS;
     let mut sketch = Sketch::new("jam-27", 0.5).open_box([-half, -half, 0.0], [half, half, 0.1]);
@@ -197,15 +192,14 @@ fn jam() -> Case {
             .flat_map(|(end, start)| [0, 1].map(|axis| (end.position[axis] - start.position[axis]).abs()))
             .fold(0.0, f64::max);
         let mut findings = vec![
-            Finding::between("deepest sunk over smooth columns", "", sunk / sink, 0.0, 1.01),
-            Finding::at_most("furthest aside over the radius", "", aside / RADIUS, 0.01),
+            Finding::between("deepest sunk over smooth columns", sunk / sink, 0.0, 1.01),
+            Finding::at_most("furthest aside over the radius", aside / RADIUS, 0.01),
         ];
         findings.extend(at_rest(evidence));
         findings
     })
 }
 
-/// A large grain on three small ones.
 fn size_ratio(ratio: f64) -> Case {
     const LARGE: f64 = 0.05;
     const MODULUS: f64 = 1e10;
@@ -227,13 +221,12 @@ fn size_ratio(ratio: f64) -> Case {
     let source = "Coulomb's cone holds: the tangent of half the lean, 3/(ratio + 1), is below the friction of 0.5";
     Case::new("size ratios", sketch.grain(LARGE, [0.0, 0.0, height]).scene(), right, source, move |evidence| {
         let sunk = (height - evidence.grain(3).position[2]) / small;
-        let mut findings = vec![Finding::between("large grain sunk, over the small radius", "", sunk, 0.0, most)];
+        let mut findings = vec![Finding::between("large grain sunk, over the small radius", sunk, 0.0, most)];
         findings.extend(at_rest(evidence));
         findings
     })
 }
 
-/// Soft and stiff grains in one stack.
 fn stiffness_contrast() -> Case {
     const SOFT: f64 = 1e5;
     const STIFF: f64 = 1e11;
@@ -253,7 +246,7 @@ fn stiffness_contrast() -> Case {
     let right = "two stiff grains rest on one a million times as soft, at the static overlaps";
     Case::new("stiffness contrast", scene, right, BALANCE, move |evidence| {
         let sunk = (5.0 * RADIUS - evidence.grain(2).position[2]) / sink;
-        let mut findings = vec![Finding::near("top grain's sinking over the static one", "", sunk, 1.0, 0.02)];
+        let mut findings = vec![Finding::near("top grain's sinking over the static one", sunk, 1.0, 0.02)];
         findings.extend(at_rest(evidence));
         findings
     })

@@ -11,7 +11,6 @@ pub(super) fn cases() -> Vec<Case> {
     cases
 }
 
-/// Two grains that start inside each other.
 fn overlap(percent: u32) -> Case {
     let apart = RADIUS * (1.0 - f64::from(percent) / 100.0);
     let scene = Sketch::new(format!("overlap-{percent}"), 0.05)
@@ -27,31 +26,24 @@ fn overlap(percent: u32) -> Case {
         let fastest = (stored / evidence.mass(0)).sqrt();
         let momentum = evidence.momentum(evidence.last()).norm() / (evidence.mass(0) * fastest);
         vec![
-            Finding::at_most(
-                "kinetic energy over what was stored",
-                "",
-                evidence.kinetic(evidence.last()) / stored,
-                1.01,
-            ),
-            Finding::at_most("overlap at the end over the radius", "", evidence.largest_overlap(0.0), 1e-3),
-            Finding::at_most("momentum over one grain's largest", "", momentum, 1e-6),
+            Finding::at_most("kinetic energy over what was stored", evidence.kinetic(evidence.last()) / stored, 1.01),
+            Finding::at_most("overlap at the end over the radius", evidence.largest_overlap(0.0), 1e-3),
+            Finding::at_most("momentum over one grain's largest", momentum, 1e-6),
         ]
     })
 }
 
-/// Nothing at all.
 fn empty() -> Case {
     let scene = Sketch::new("no-grains", 0.1).floor().scene();
     let right = "a scene without grains runs to its end";
     Case::new("small scenes", scene, right, "nothing happens", |evidence| {
         vec![
-            Finding::near("end of the run", "s", evidence.last().time, 0.1, 1e-9),
-            Finding::at_most("grains", "", evidence.last().particles.len() as f64, 0.0),
+            Finding::near("end of the run", evidence.last().time, 0.1, 1e-9).in_unit("s"),
+            Finding::at_most("grains", evidence.last().particles.len() as f64, 0.0),
         ]
     })
 }
 
-/// A grain that falls and comes to rest.
 fn one_grain() -> Case {
     let place = RADIUS - hertz_overlap(mass(RADIUS) * GRAVITY, [1e7; 2], RADIUS);
     let scene = Sketch::new("one-grain", 1.0).floor().grain(RADIUS, [0.0, 0.0, 0.05]).scene();
@@ -59,13 +51,12 @@ fn one_grain() -> Case {
     Case::new("small scenes", scene, right, "Hertz's law", move |evidence| {
         let above = (evidence.grain(0).position[2] - place) / RADIUS;
         vec![
-            Finding::near("grain above its place, over its radius", "", above, 0.0, 1e-4),
-            Finding::at_most("largest speed at the end", "m/s", evidence.fastest(), 1e-4),
+            Finding::near("grain above its place, over its radius", above, 0.0, 1e-4),
+            Finding::at_most("largest speed at the end", evidence.fastest(), 1e-4).in_unit("m/s"),
         ]
     })
 }
 
-/// A grain on which nothing acts.
 fn drift() -> Case {
     let scene = Sketch::new("drift", 1.0)
         .gravity([0.0; 3])
@@ -76,14 +67,14 @@ fn drift() -> Case {
     Case::new("zero gravity", scene, right, "Newton's first law", |evidence| {
         let grain = evidence.grain(0);
         vec![
-            Finding::near("way over 0.5 m", "", (grain.position[0] + 0.3) / 0.5, 1.0, 1e-6),
-            Finding::at_most("way aside", "m", grain.position[1].abs().max((grain.position[2] - 0.4).abs()), 1e-9),
-            Finding::near("spin over 100 rad/s", "", grain.spin[2] / 100.0, 1.0, 1e-6),
+            Finding::near("way over 0.5 m", (grain.position[0] + 0.3) / 0.5, 1.0, 1e-6),
+            Finding::at_most("way aside", grain.position[1].abs().max((grain.position[2] - 0.4).abs()), 1e-9)
+                .in_unit("m"),
+            Finding::near("spin over 100 rad/s", grain.spin[2] / 100.0, 1.0, 1e-6),
         ]
     })
 }
 
-/// Two grains that meet head-on.
 fn collision() -> Case {
     const RESTITUTION: f64 = 0.8;
     let scene = Sketch::new("collision", 0.2)
@@ -101,14 +92,14 @@ fn collision() -> Case {
         |evidence| {
             let [first, second] = [0, 1].map(|id| evidence.grain(id).velocity[0]);
             vec![
-                Finding::near("speed of the grain that is struck", "m/s", second, 0.5 * (1.0 + RESTITUTION), 0.01),
-                Finding::near("sum of both speeds", "m/s", first + second, 1.0, 1e-6),
+                Finding::near("speed of the grain that is struck", second, 0.5 * (1.0 + RESTITUTION), 0.01)
+                    .in_unit("m/s"),
+                Finding::near("sum of both speeds", first + second, 1.0, 1e-6).in_unit("m/s"),
             ]
         },
     )
 }
 
-/// A bed all of whose contacts lie in one box of the solver.
 fn one_box() -> Case {
     const HALF: f64 = 4.0 * RADIUS;
     let scene = Sketch::new("one-box", 1.0)
@@ -120,9 +111,9 @@ fn one_box() -> Case {
     Case::new("small scenes", scene, right, "balance of forces", |evidence| {
         let share = -evidence.wall_force(0.1).z / evidence.weight();
         vec![
-            Finding::near("force on walls over weight", "", share, 1.0, 0.01),
-            Finding::at_most("largest speed at the end", "m/s", evidence.fastest(), 0.01),
-            Finding::at_most("grains lost", "", evidence.lost(), 0.0),
+            Finding::near("force on walls over weight", share, 1.0, 0.01),
+            Finding::at_most("largest speed at the end", evidence.fastest(), 0.01).in_unit("m/s"),
+            Finding::at_most("grains lost", evidence.lost(), 0.0),
         ]
     })
 }

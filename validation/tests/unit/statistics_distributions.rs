@@ -1,4 +1,4 @@
-//! Unit tests of `src/statistics/rank.rs`.
+//! Unit tests of `src/statistics/distributions.rs`.
 
 use super::ranked;
 use std::convert::Infallible;

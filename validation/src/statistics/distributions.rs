@@ -1,0 +1,113 @@
+//! Distributions of values: inequality, distances, a value of a given rank.
+//!
+//! Measures of inequality are free of the values' unit, and NaN for no values. For an exponential distribution they are
+//! 1 - 1/e = 0.632, 1/2, 2 and 1 - 2/e = 0.264, in the order below.
+
+use super::ensemble::mean;
+
+/// Share of the values that lie below their mean.
+pub fn share_below_mean(values: &[f64]) -> f64 {
+    let middle = mean(values);
+    values.iter().filter(|value| **value < middle).count() as f64 / values.len() as f64
+}
+
+/// Gini coefficient: half the mean absolute difference of two values over the mean, 0 for equal values.
+///
+/// From sorted values x_1 to x_n: sum of (2 i - n - 1) x_i over n sum x.
+pub fn gini(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let count = sorted.len() as f64;
+    let ranked: f64 =
+        sorted.iter().enumerate().map(|(index, value)| (2.0 * (index as f64 + 1.0) - count - 1.0) * value).sum();
+    ranked / (count * sorted.iter().sum::<f64>())
+}
+
+/// Second moment over the square of the mean, `<f^2>/<f>^2`.
+pub fn second_moment(values: &[f64]) -> f64 {
+    let middle = mean(values);
+    values.iter().map(|value| value * value).sum::<f64>() / (values.len() as f64 * middle * middle)
+}
+
+/// Share of the sum that the values below the mean make up.
+pub fn weak_load_share(values: &[f64]) -> f64 {
+    let middle = mean(values);
+    let weak: f64 = values.iter().filter(|value| **value < middle).sum();
+    weak / values.iter().sum::<f64>()
+}
+
+/// Two-sample Kolmogorov-Smirnov statistic: the largest difference of the cumulative shares, 0 to 1.
+///
+/// NaN if a sample is empty.
+pub fn kolmogorov_smirnov(first: &[f64], second: &[f64]) -> f64 {
+    match first.is_empty() || second.is_empty() {
+        true => f64::NAN,
+        false => steps(first, second).map(|(_, gap)| gap).fold(0.0, f64::max),
+    }
+}
+
+/// Wasserstein-1 (earth mover's) distance: the area between the cumulative shares, in the unit of the values.
+///
+/// NaN if a sample is empty.
+pub fn wasserstein(first: &[f64], second: &[f64]) -> f64 {
+    match first.is_empty() || second.is_empty() {
+        true => f64::NAN,
+        false => steps(first, second).map(|(width, gap)| width * gap).sum(),
+    }
+}
+
+/// Walks through the values of both samples in order: the way to the next value, and the difference of the
+/// cumulative shares on that way.
+fn steps(first: &[f64], second: &[f64]) -> impl Iterator<Item = (f64, f64)> {
+    let share = |sample: &[f64], sign: f64| {
+        let weight = sign / sample.len() as f64;
+        sample.iter().map(move |value| (*value, weight)).collect::<Vec<_>>()
+    };
+    let mut values = share(first, 1.0);
+    values.extend(share(second, -1.0));
+    values.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (mut sum, mut index) = (0.0, 0);
+    std::iter::from_fn(move || {
+        let here = values.get(index)?.0;
+        // Equal values count at once: between them there is no way.
+        while let Some((_, weight)) = values.get(index).filter(|(value, _)| *value == here) {
+            sum += weight;
+            index += 1;
+        }
+        let width = values.get(index).map_or(0.0, |(next, _)| next - here);
+        Some((width, f64::abs(sum)))
+    })
+}
+
+/// Bits that one look tells.
+const DIGIT: u32 = 16;
+
+/// The number of a rank, from 0 for the smallest, among those that `each` goes through: none of them negative, and more of them
+/// than the rank. `each` is called four times and gives the same numbers each time; they are counted, not kept.
+///
+/// # Errors
+/// Those of `each`.
+pub fn ranked<E>(rank: u64, mut each: impl FnMut(&mut dyn FnMut(f64)) -> Result<(), E>) -> Result<f64, E> {
+    // The bits of numbers that are not negative are in the order of the numbers: a digit is known after each look.
+    let (mut known, mut left) = (0_u64, rank);
+    for shift in [3 * DIGIT, 2 * DIGIT, DIGIT, 0] {
+        let mut counts = vec![0_u64; 1 << DIGIT];
+        each(&mut |number| {
+            let bits = number.to_bits() >> shift;
+            if bits >> DIGIT == known {
+                counts[(bits & ((1 << DIGIT) - 1)) as usize] += 1;
+            }
+        })?;
+        let mut digit = 0;
+        while left >= counts[digit] && digit + 1 < counts.len() {
+            left -= counts[digit];
+            digit += 1;
+        }
+        known = known << DIGIT | digit as u64;
+    }
+    Ok(f64::from_bits(known))
+}
+
+#[cfg(test)]
+#[path = "../../tests/unit/statistics_distributions.rs"]
+mod tests;
