@@ -13,7 +13,6 @@ mod dump;
 mod format;
 mod frames;
 mod identity;
-mod legacy_vtk;
 mod manifest;
 mod table;
 mod text;
