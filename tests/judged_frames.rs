@@ -269,7 +269,7 @@ fn frames_that_exist_are_judged() {
         (&["none*/"], 2, "there is no such folder; give one folder for each seed"),
         (&["unnumbered"], 2, "the name of a folder ends with the number of its seed"),
         (&["own1", "other1"], 2, "is of seed 1 too"),
-        (&["other1"], 1, "there is no file *"),
+        (&["other1"], 1, "there is no file of this pattern"),
         (&["own1", "--seeds", "2"], 2, "cannot be used with"),
     ];
     for (words, wanted, said) in refused {

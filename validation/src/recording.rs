@@ -1,4 +1,4 @@
-//! What one run of one code leaves behind: its frames and where they came from.
+//! Frames of one run of one code, with their origin.
 
 use crate::plan::Scene;
 use makadam::checkpoint::{open, seal, write_atomically};
@@ -39,26 +39,26 @@ pub struct Recording {
     pub simulated_seconds: f64,
     /// Frames, in the order of time, the last one at the end of the run.
     pub frames: Vec<Snapshot>,
-    /// What the frames do not tell; what needs it is not measured.
+    /// Contents that the frames lack; observables that need them are not measured.
     pub lacks: Vec<Content>,
-    /// What a watchdog noticed on the way, the first of each kind.
+    /// Diagnostics of a watchdog, the first of each kind.
     pub alarms: Vec<Noticed>,
-    /// What a reader must know of frames that were read from files of any code, in sentences. A file does not say it.
+    /// Notes for the reader on frames that were read from files of any code. A file does not store them.
     #[serde(skip)]
     pub notes: Vec<String>,
 }
 
-/// What a watchdog noticed and did not end the run for.
+/// Diagnostic of a watchdog that did not end the run.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Noticed {
-    /// What, where and when.
+    /// Kind, place and time.
     pub what: String,
-    /// Whether it makes the numbers of the run worthless.
+    /// True if it invalidates the numbers of the run.
     pub grave: bool,
 }
 
 impl Noticed {
-    /// What a watchdog has noticed so far.
+    /// Returns the diagnostics of a watchdog so far.
     pub fn by(watchdog: &Watchdog) -> Vec<Noticed> {
         let noticed = watchdog.noticed().iter();
         noticed.map(|alarm| Noticed { what: alarm.to_string(), grave: alarm.trouble.is_grave() }).collect()
@@ -73,7 +73,7 @@ impl Noticed {
     }
 }
 
-/// What a frame may hold beside the places and sizes of its grains.
+/// Optional content of a frame, next to positions and radii.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Content {
@@ -85,7 +85,7 @@ pub enum Content {
     Contacts,
     /// Contacts with walls, with their forces.
     WallContacts,
-    /// How far driven walls have moved.
+    /// Displacements of driven walls.
     DrivenWalls,
 }
 
@@ -102,7 +102,7 @@ impl Content {
     }
 }
 
-/// Why a recording file could not be written or read.
+/// Error of a recording file.
 #[derive(Debug, thiserror::Error)]
 pub enum RecordingError {
     /// The system refused.
@@ -114,6 +114,27 @@ pub enum RecordingError {
 }
 
 impl Recording {
+    /// Frames of one run on one thread: without a time step, wall time or diagnostics, with all contents.
+    pub fn new(scene: &Scene, code: &str, version: impl Into<String>, seed: u64, frames: Vec<Snapshot>) -> Recording {
+        Recording {
+            scene: scene.name.clone(),
+            code: code.into(),
+            version: version.into(),
+            seed,
+            time_step: 0.0,
+            rayleigh_fraction: None,
+            stiffness_factor: 1.0,
+            threads: 1,
+            wall_seconds: 0.0,
+            core_seconds: None,
+            simulated_seconds: frames.last().map_or(0.0, |frame| frame.time),
+            frames,
+            lacks: Vec::new(),
+            alarms: Vec::new(),
+            notes: Vec::new(),
+        }
+    }
+
     /// The recording with a seal, by which damage is seen.
     pub fn to_bytes(&self) -> Vec<u8> {
         seal(MARK, &postcard::to_stdvec(self).expect("a recording holds only numbers, plain text and lists"))
@@ -127,7 +148,7 @@ impl Recording {
         write_atomically(path, &self.to_bytes()).map_err(|e| RecordingError::Io(path.display().to_string(), e))
     }
 
-    /// Whether it is of a scene: by the scene's name, and by what its frames hold.
+    /// Checks that it is of a scene, by the scene's name and the content of the frames.
     ///
     /// # Errors
     /// What does not go with the scene, in words.
@@ -180,7 +201,7 @@ impl Recording {
     }
 }
 
-/// Whether a frame can be of a scene: as many grains, of sizes that the scene can have, in contact with walls that it has.
+/// Checks that a frame can be of a scene: number of grains, radii, walls in contact.
 ///
 /// # Errors
 /// What does not go with the scene, in words.
@@ -198,7 +219,7 @@ pub fn frame_belongs_to(frame: &Snapshot, scene: &Scene) -> Result<(), String> {
     wall.map_or(Ok(()), |number| of(format!("a grain touches wall {number}, and the scene has {}", scene.wall.len())))
 }
 
-/// Whether the grains of a frame have sizes that those of a scene can have.
+/// Checks that the radii of a frame are among those of a scene.
 ///
 /// # Errors
 /// What does not go with the scene, in words.

@@ -132,7 +132,7 @@ fn a_gsd_file_has_the_period_of_the_scene_and_the_steps_of_its_frames() {
     }
     let run = RunFrames::open(folder.path()).unwrap();
     let frame = run.read(1).unwrap();
-    assert_eq!(frame.repeats.unwrap().lengths, [0.1, 0.06, 0.0]);
+    assert_eq!(frame.repeats.unwrap()[0], [0.1, 0.06, 0.0]);
     Format::of(FrameFormat::Gsd).write(&run, folder.path(), &|_| {}).unwrap();
     let bytes = std::fs::read(folder.path().join("grains.gsd")).unwrap();
     let cell = chunk(&bytes, 0, "configuration/box").unwrap();

@@ -1,16 +1,13 @@
 //! LAMMPS without the program: what it is told, what it is not asked, and how its dumps are read.
 
-use makadam::scene::populate;
 use makadam::snapshot::Partner;
 use makadam_validation::import::{Column, column_of};
-use makadam_validation::peers::lammps::read_frames;
 use makadam_validation::peers::{Code, CodeError, Job, Lammps, Purpose};
 use makadam_validation::plan::Scene;
+use makadam_validation::recording::Recording;
 use std::path::Path;
 use std::process::Command;
 use std::time::Duration;
-
-const STEP: f64 = 0.05;
 
 fn scene(materials: &str, body: &str) -> Scene {
     let text = format!(
@@ -38,11 +35,11 @@ fn grain(material: &str, x: f64) -> String {
 
 const FIXED: &str = "kind = 'fixed'";
 
-/// What LAMMPS is told of a scene, or why it is not asked: a program stands in that fails at once.
-fn deck(scene: &Scene) -> Result<String, String> {
-    let folder = tempfile::tempdir().unwrap();
-    let (draft, program) = (folder.path().join("draft"), folder.path().join("lmp"));
-    std::fs::write(&draft, "#!/bin/sh\nexit 1\n").unwrap();
+/// Runs a scene in a program that stands in for LAMMPS, a shell script; `folder` is that of the run.
+fn run(scene: &Scene, folder: &Path, script: &str) -> Result<Recording, CodeError> {
+    let place = tempfile::tempdir().unwrap();
+    let (draft, program) = (place.path().join("draft"), place.path().join("lmp"));
+    std::fs::write(&draft, format!("#!/bin/sh\n{script}\n")).unwrap();
     // Installed by another process: the system runs no file that one of this process's children may still hold open for writing.
     assert!(Command::new("install").args(["-m", "755"]).args([&draft, &program]).status().unwrap().success());
     let job = Job {
@@ -52,12 +49,18 @@ fn deck(scene: &Scene) -> Result<String, String> {
         seed: 1,
         stiffness_factor: 1.0,
         rayleigh_fraction: 0.2,
-        work_folder: &folder.path().join("run"),
+        work_folder: folder,
         time_limit: Duration::from_secs(10),
         progress: &|_| {},
     };
-    match Lammps::new(&program).simulate(&job).unwrap_err() {
-        CodeError::Crashed { .. } => Ok(std::fs::read_to_string(folder.path().join("run/deck.in")).unwrap()),
+    Lammps::new(&program).simulate(&job)
+}
+
+/// What LAMMPS is told of a scene, or why it is not asked: the program fails at once.
+fn deck(scene: &Scene) -> Result<String, String> {
+    let folder = tempfile::tempdir().unwrap();
+    match run(scene, folder.path(), "exit 1").unwrap_err() {
+        CodeError::Crashed { .. } => Ok(std::fs::read_to_string(folder.path().join("deck.in")).unwrap()),
         error => Err(error.to_string()),
     }
 }
@@ -199,22 +202,36 @@ fn what_has_no_region_is_refused_with_the_reason() {
 fn contacts_have_the_force_on_the_partner_and_the_point_in_the_overlap() {
     let floor = wall("floor", "kind = 'plane', point = [0, 0, -0.006], normal = [0, 0, 1]", FIXED);
     let scene = scene(&material("soft", 1e7, 0.5, ""), &(floor + &grain("soft", 0.0) + &grain("soft", 0.011)));
-    let grains = populate(&scene, 1).unwrap();
-    let rows = |file: &Path| match file.to_str().unwrap() {
-        "grains.dump" => "2 0.0098 0 0 0 0 0 0 0 0\n1 0 0 0 0 0 0 0 0 0\n",
-        "pairs.dump" => "2 1 3 0 0 0 0.5 0\n",
-        "wall0.dump" => "1 0.25 0 2 0 0 -0.0049 0\n",
-        other => panic!("{other}"),
-    };
-    let open = |file: &Path| {
-        let (rows, header) = (rows(file), "ITEM: BOX BOUNDS ff ff ff\n0 1\n0 1\n0 1\nITEM: ATOMS");
+    let folder = tempfile::tempdir().unwrap();
+    let _ = run(&scene, folder.path(), "exit 1");
+    let text = std::fs::read_to_string(folder.path().join("deck.in")).unwrap();
+    let last: u64 = text.lines().find_map(|line| line.strip_prefix("run ")).unwrap().parse().unwrap();
+    let dump = |head: &str, rows: &str| {
+        let count = rows.lines().count();
         let frame = |step: u64| {
-            format!("ITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ATOMS\n{}\n{header}\n{rows}", rows.lines().count())
+            format!(
+                "ITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ATOMS\n{count}\nITEM: BOX BOUNDS ff ff ff\n0 1\n0 1\n0 1\nITEM: ATOMS {head}\n{rows}"
+            )
         };
         // Both ends of the run are there twice.
-        Ok(std::io::Cursor::new([0, 0, 2, 3, 4, 4].map(frame).concat()))
+        [0, 0, last / 2, 3 * last / 4, last, last].map(frame).concat()
     };
-    let frames = read_frames(&scene, &grains, STEP, Path::new(""), open).unwrap();
+    let made = tempfile::tempdir().unwrap();
+    for (name, head, rows) in [
+        ("grains", "id x y z vx vy vz omegax omegay omegaz", "2 0.0098 0 0 0 0 0 0 0 0\n1 0 0 0 0 0 0 0 0 0\n"),
+        ("pairs", "id1 id2 fnx fny fnz ftx fty ftz", "2 1 3 0 0 0 0.5 0\n"),
+        ("wall0", "id1 fx fy fz px py pz wall", "1 0.25 0 2 0 0 -0.0049 0\n"),
+    ] {
+        std::fs::write(made.path().join(format!("{name}.dump")), dump(head, rows)).unwrap();
+    }
+    std::fs::write(made.path().join("engine.log"), "Loop time of 12.5 on 1 procs\n").unwrap();
+    let script = format!(
+        "[ \"$1\" = -help ] && echo 'Parallel Simulator - 1.2' && exit\ncp {0}/*.dump {0}/engine.log .",
+        made.path().display()
+    );
+    let recording = run(&scene, folder.path(), &script).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(recording.wall_seconds, 12.5);
+    let frames = recording.frames;
     assert_eq!(frames.len(), 4);
     let [pair, wall] = &frames[3].contacts[..] else { panic!("{:?}", frames[3].contacts) };
     assert_eq!((pair.first, pair.second, wall.first, wall.second), (1, Partner::Grain(0), 0, Partner::Wall(0)));

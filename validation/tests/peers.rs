@@ -2,9 +2,9 @@
 
 use makadam::scene::{Domain, Shape};
 use makadam::snapshot::{Contact, Partner};
-use makadam_validation::import::{merge_wall_contacts, read_dump};
+use makadam_validation::import::{StatedColumns, merge_wall_contacts, parse};
+use makadam_validation::output::mesh::{FINE, Mesh, wall_mesh};
 use makadam_validation::peers::liggghts::loop_seconds;
-use makadam_validation::peers::mesh::{Mesh, wall_mesh};
 use makadam_validation::peers::yade::read_frames;
 use makadam_validation::peers::{Code, CodeError, Job, Lammps, Liggghts, Purpose, Yade, lammps};
 use makadam_validation::plan::Scene;
@@ -29,7 +29,7 @@ fn areas(mesh: &Mesh) -> (Vector3<f64>, f64) {
 #[test]
 fn a_closed_box_encloses_its_volume_and_looks_inwards() {
     let shape = Shape::Box { min: [-0.1, -0.2, 0.0], max: [0.3, 0.2, 0.5], open: vec![] };
-    let mesh = wall_mesh(&shape, &DOMAIN, 0.005);
+    let mesh = wall_mesh(&shape, &DOMAIN, 0.005, FINE);
     let (vector, area) = areas(&mesh);
     assert!(vector.norm() < 1e-12 && (area - 2.0 * (0.16 + 0.2 + 0.2)).abs() < 1e-12, "{vector} {area}");
     // The divergence theorem: with normals inwards the volume comes out negative.
@@ -44,7 +44,7 @@ fn a_closed_box_encloses_its_volume_and_looks_inwards() {
 #[test]
 fn an_open_face_is_left_out_and_its_neighbours_go_on() {
     let shape = Shape::Box { min: [-0.1; 3], max: [0.1; 3], open: vec!["+z".into()] };
-    let mesh = wall_mesh(&shape, &DOMAIN, 0.005);
+    let mesh = wall_mesh(&shape, &DOMAIN, 0.005, FINE);
     assert_eq!(mesh.triangles.len(), 10);
     let top = mesh.triangles.iter().flatten().map(|corner| corner[2]).fold(0.0, f64::max);
     assert!(top > 0.9, "{top}");
@@ -54,7 +54,7 @@ fn an_open_face_is_left_out_and_its_neighbours_go_on() {
 fn planes_are_cut_beyond_the_domain_and_face_the_grains() {
     let normal = Vector3::new(0.3, -0.2, 1.0);
     let shape = Shape::Plane { point: [0.0, 0.0, 0.1], normal: normal.into() };
-    let mesh = wall_mesh(&shape, &DOMAIN, 0.005);
+    let mesh = wall_mesh(&shape, &DOMAIN, 0.005, FINE);
     let (vector, area) = areas(&mesh);
     assert!((vector.norm() - area).abs() < 1e-12 && vector.dot(&normal) > 0.0);
     for corner in mesh.triangles.iter().flatten() {
@@ -62,13 +62,13 @@ fn planes_are_cut_beyond_the_domain_and_face_the_grains() {
         assert!(corner.iter().all(|x| x.abs() < 2.0 + 1e-6), "{corner:?}");
     }
     let beyond = Shape::Plane { point: [0.0, 0.0, 5.0], normal: [0.0, 0.0, 1.0] };
-    assert!(wall_mesh(&beyond, &DOMAIN, 0.005).triangles.is_empty());
+    assert!(wall_mesh(&beyond, &DOMAIN, 0.005, FINE).triangles.is_empty());
 }
 
 #[test]
 fn cylinders_and_discs_have_their_areas_and_fine_facets() {
     let shape = Shape::Cylinder { base: [0.0, -0.1, 0.0], axis: [0.0, 2.0, 0.0], radius: 0.1, length: 0.2 };
-    let mesh = wall_mesh(&shape, &DOMAIN, 0.005);
+    let mesh = wall_mesh(&shape, &DOMAIN, 0.005, FINE);
     let (vector, area) = areas(&mesh);
     let exact = std::f64::consts::TAU * 0.1 * 0.2;
     assert!(vector.norm() < 1e-12 && (area / exact - 1.0).abs() < 1e-3, "{area} {exact}");
@@ -83,12 +83,12 @@ fn cylinders_and_discs_have_their_areas_and_fine_facets() {
     assert!(mesh.bend < 360.0 / 100.0 + 1e-9);
 
     let disc = Shape::Disc { centre: [0.1, 0.0, 0.0], normal: [0.0, 1.0, 1.0], radius: 0.1, hole: 0.0 };
-    let (vector, area) = areas(&wall_mesh(&disc, &DOMAIN, 0.005));
+    let (vector, area) = areas(&wall_mesh(&disc, &DOMAIN, 0.005, FINE));
     assert!((area / (std::f64::consts::PI * 0.01) - 1.0).abs() < 0.01, "{area}");
     assert!((vector.normalize() - Vector3::new(0.0, 1.0, 1.0).normalize()).norm() < 1e-9);
 
     let ring = Shape::Disc { centre: [0.1, 0.0, 0.0], normal: [0.0, 1.0, 1.0], radius: 0.1, hole: 0.04 };
-    let (vector, area) = areas(&wall_mesh(&ring, &DOMAIN, 0.005));
+    let (vector, area) = areas(&wall_mesh(&ring, &DOMAIN, 0.005, FINE));
     assert!((area / (std::f64::consts::PI * (0.01 - 0.0016)) - 1.0).abs() < 0.01, "{area}");
     // All triangles face the same way.
     assert!((vector.norm() / area - 1.0).abs() < 1e-9);
@@ -112,7 +112,7 @@ fn no_mesh_has_triangles_without_an_area_or_like_needles() {
     // LIGGGHTS refuses meshes with angles of a degree. No grain of 5 mm sees a hole of a micrometre.
     for hole in [1e-300, 1e-9, 1e-6, 4e-4, 6e-4, 0.001, 0.01, 0.05, 0.099] {
         let shape = Shape::Disc { centre: [0.1, 0.0, 0.0], normal: [0.0, 1.0, 1.0], radius: 0.1, hole };
-        let mesh = wall_mesh(&shape, &DOMAIN, 0.005);
+        let mesh = wall_mesh(&shape, &DOMAIN, 0.005, FINE);
         let (vector, area) = areas(&mesh);
         let exact = std::f64::consts::PI * (0.01 - hole * hole);
         assert!((area / exact - 1.0).abs() < 0.01 && (vector.norm() / area - 1.0).abs() < 1e-9, "{hole}: {area}");
@@ -122,7 +122,7 @@ fn no_mesh_has_triangles_without_an_area_or_like_needles() {
     // A plane through a corner of the domain leaves nothing, or a sliver, of which no triangle is made.
     for shift in [0.0, 1e-16, 1e-13] {
         let shape = Shape::Plane { point: [2.0 - shift; 3], normal: [-1.0; 3] };
-        let mesh = wall_mesh(&shape, &DOMAIN, 0.005);
+        let mesh = wall_mesh(&shape, &DOMAIN, 0.005, FINE);
         assert!(mesh.triangles.is_empty() || sharpest_angle(&mesh) > 0.1, "{mesh:?}");
     }
 }
@@ -146,23 +146,25 @@ fn contacts_with_two_triangles_of_one_face_are_one() {
 
 fn dump_text(rows: &str, count: usize) -> String {
     format!(
-        "ITEM: TIMESTEP\n40\nITEM: NUMBER OF ENTRIES\n{count}\nITEM: BOX BOUNDS ff ff ff\n0 1\n0 1\n0 1\nITEM: ENTRIES c_1 \n{rows}"
+        "ITEM: TIMESTEP\n40\nITEM: NUMBER OF ENTRIES\n{count}\nITEM: BOX BOUNDS ff ff ff\n0 1\n0 1\n0 1\nITEM: ENTRIES c_1[1] c_1[2] c_1[3] \n{rows}"
     )
 }
 
 #[test]
 fn dumps_are_read_frame_by_frame() {
+    let columns = "c_1:fx,fy,fz".parse::<StatedColumns>().unwrap();
+    let read = |text: &[u8]| parse(Path::new("a.dump"), text.to_vec(), &columns);
     let text = dump_text("1 2 -3.5e-3\n4 5 6 \n", 2) + &dump_text("", 0);
-    let frames = read_dump(text.as_bytes(), 3).unwrap();
+    let frames = read(text.as_bytes()).unwrap();
     assert_eq!(frames.len(), 2);
     assert_eq!((frames[0].step, frames[0].line), (Some(40), 10));
     assert_eq!(frames[0].rows().collect::<Vec<_>>(), [&[1.0, 2.0, -3.5e-3][..], &[4.0, 5.0, 6.0]]);
     assert_eq!(frames[1].rows().count(), 0);
     // Torn, short and blown-up dumps say where.
-    assert_eq!(read_dump(dump_text("1 2 3\n", 2).as_bytes(), 3).unwrap_err().line, 11);
-    assert!(read_dump(dump_text("1 2\n", 1).as_bytes(), 3).unwrap_err().problem.contains("3 belong"));
-    assert!(read_dump(dump_text("1 nan 3\n", 1).as_bytes(), 3).unwrap_err().problem.contains("blown up"));
-    assert!(read_dump(&[0xFF, 0xFE, b'\n'][..], 3).is_err());
+    assert_eq!(read(dump_text("1 2 3\n", 2).as_bytes()).unwrap_err().line, 11);
+    assert!(read(dump_text("1 2\n", 1).as_bytes()).unwrap_err().problem.contains("3 belong"));
+    assert!(read(dump_text("1 nan 3\n", 1).as_bytes()).unwrap_err().problem.contains("blown up"));
+    assert!(read(&[0xFF, 0xFE, b'\n']).is_err());
 }
 
 #[test]
@@ -177,8 +179,8 @@ fn stepping_time_leaves_output_out() {
 
 proptest! {
     #[test]
-    fn no_bytes_make_the_parsers_panic(bytes in proptest::collection::vec(any::<u8>(), 0..400), columns in 0usize..5) {
-        let _ = read_dump(&bytes[..], columns);
+    fn no_bytes_make_the_parsers_panic(bytes in proptest::collection::vec(any::<u8>(), 0..400)) {
+        let _ = parse(Path::new("a"), bytes.clone(), &StatedColumns::default());
         let _ = read_frames(&bytes, &[0.1, 0.2], 1);
         let _ = loop_seconds(&String::from_utf8_lossy(&bytes));
         let _ = lammps::loop_seconds(&String::from_utf8_lossy(&bytes));
@@ -187,7 +189,7 @@ proptest! {
     #[test]
     fn no_rows_make_the_parsers_panic(rows in "[0-9a-z .\\-\n]{0,120}", count in 0usize..6,
                                       numbers in proptest::collection::vec(-3.0f64..6.0, 0..60)) {
-        let _ = read_dump(dump_text(&rows, count).as_bytes(), 3);
+        let _ = parse(Path::new("a"), dump_text(&rows, count).into_bytes(), &StatedColumns::default());
         let bytes: Vec<u8> = numbers.iter().flat_map(|x| x.round().to_le_bytes()).collect();
         let _ = read_frames(&bytes, &[0.1, 0.2], 1);
     }

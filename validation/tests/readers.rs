@@ -75,9 +75,7 @@ fn numbers_that_are_none_are_refused_wherever_they_stand() {
     refuses("yade_result", changed("yade_result", "12.5", "-12.5"));
     refuses("liggghts_log", changed("liggghts_log", "Loop time of 12.5", "Loop time of inf"));
     refuses("lammps_log", changed("lammps_log", "Loop time of 12.5", "Loop time of inf"));
-    // Forces and normals that are finite in the file, and not in sums and products.
-    refuses("liggghts_frames", changed("liggghts_frames", "4 0.5 0 ", "4 1.7e308 0 "));
-    refuses("lammps_frames", changed("lammps_frames", "1 2 -0.5 0.1 0 0.1", "1 2 1.7e308 0.1 0 1.7e308"));
+    // Forces that are finite in the file, and not in sums and products.
     let mut frames = (readers::named("yade_frames").documents)().swap_remove(0);
     let one = 1.0_f64.to_le_bytes();
     for place in (0..frames.len()).step_by(8).filter(|place| place / 8 > 66) {

@@ -5,7 +5,8 @@ use super::beforehand::refuse_picture_beyond_memory;
 use super::{Console, Failure};
 use crate::output::create_folder_of;
 use crate::pictures::{
-    Animation, Content, Cut, Picture, Style, Subject, View, camera, caption, draw, has_scale, memory, write_png,
+    Animation, Content, Cut, Picture, Style, Subject, View, camera, caption, draw, has_scale, is_animation, memory,
+    write_png,
 };
 use crate::run_frames::{Quantity, RunFolderError, RunFrame, RunFrames, rounded};
 use clap::Args;
@@ -97,10 +98,7 @@ fn range(text: &str) -> Result<[f64; 2], String> {
 }
 
 pub(super) fn picture(arguments: &PictureArguments, console: &Console) -> Result<ExitCode, Failure> {
-    let animated = |path: &PathBuf| {
-        path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("gif") || ending.eq_ignore_ascii_case("apng"))
-    };
-    match arguments.output.as_ref().filter(|path| animated(path)) {
+    match arguments.output.as_ref().filter(|path| is_animation(path)) {
         Some(output) => animation(arguments, output, console),
         None => image(arguments, console),
     }

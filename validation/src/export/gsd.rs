@@ -9,7 +9,7 @@
 //! store among them; what is written here is little.
 
 use super::{ExportError, Written};
-use crate::output::{DRIVEN_WALLS, WriteError, create_folder};
+use crate::output::{DRIVEN_WALLS, Draft, WriteError, create_folder};
 use crate::provenance::VERSION;
 use crate::run_frames::{RunFrame, RunFrames};
 use makadam::snapshot::DrivenWall;
@@ -43,7 +43,6 @@ const OWN: [(&str, &str); 2] = [("velocity", "particles/velocity"), ("mass", "pa
 /// A file that is being written.
 struct Gsd {
     file: BufWriter<File>,
-    /// Where the next chunk comes to lie.
     place: u64,
     frame: u64,
     names: Vec<String>,
@@ -125,19 +124,8 @@ impl Gsd {
 pub(super) fn write(run: &RunFrames, folder: &Path, progress: &dyn Fn(f64)) -> Result<Vec<Written>, ExportError> {
     create_folder(folder)?;
     let path = folder.join("grains.gsd");
-    let draft = folder.join(format!("grains.gsd.part{}", std::process::id()));
-    let written = write_draft(&draft, run, progress)
-        .and_then(|()| Ok(std::fs::rename(&draft, &path).map_err(|error| WriteError::new(&path, error))?));
-    if let Err(error) = written {
-        // A draft that cannot be removed is recognised by its name.
-        let _ = std::fs::remove_file(&draft);
-        return Err(error);
-    }
-    Ok(vec![Written { path, frames: run.count() }])
-}
-
-fn write_draft(draft: &Path, run: &RunFrames, progress: &dyn Fn(f64)) -> Result<(), ExportError> {
-    let refused = |error| ExportError::Write(WriteError::new(draft, error));
+    let draft = Draft::of(&path);
+    let refused = |error| ExportError::Write(WriteError::new(draft.name(), error));
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for number in 0..run.count() {
         for particle in &run.snapshot(number)?.particles {
@@ -147,7 +135,7 @@ fn write_draft(draft: &Path, run: &RunFrames, progress: &dyn Fn(f64)) -> Result<
             }
         }
     }
-    let mut gsd = Gsd::create(draft).map_err(refused)?;
+    let mut gsd = Gsd::create(draft.name()).map_err(refused)?;
     for number in 0..run.count() {
         let frame = run.read(number)?;
         let (middle, sides) = cell(&frame, [low, high]);
@@ -158,7 +146,9 @@ fn write_draft(draft: &Path, run: &RunFrames, progress: &dyn Fn(f64)) -> Result<
             return Err(ExportError::Interrupted);
         }
     }
-    gsd.finish().map_err(refused)
+    gsd.finish().map_err(refused)?;
+    draft.finish()?;
+    Ok(vec![Written { path, frames: run.count() }])
 }
 
 /// Middle and sides of the box, m. Readers take every box to repeat itself: along axes along which the scene does not, it has room for no
@@ -167,9 +157,9 @@ fn cell(frame: &RunFrame, [low, high]: [[f64; 3]; 2]) -> ([f64; 3], [f64; 3]) {
     let room = 4.0 * frame.grains.radii.iter().copied().fold(0.0, f64::max);
     let (mut middle, mut sides) = ([0.0; 3], [0.0; 3]);
     for axis in 0..3 {
-        let repeats = frame.repeats.filter(|repeats| repeats.lengths[axis] > 0.0);
+        let repeats = frame.repeats.filter(|[lengths, _]| lengths[axis] > 0.0);
         (middle[axis], sides[axis]) = match repeats {
-            Some(repeats) => (repeats.starts[axis] + 0.5 * repeats.lengths[axis], repeats.lengths[axis]),
+            Some([lengths, starts]) => (starts[axis] + 0.5 * lengths[axis], lengths[axis]),
             None => (f64::midpoint(low[axis], high[axis]), (high[axis] - low[axis] + room).max(1e-9)),
         };
     }
@@ -185,26 +175,28 @@ fn put(gsd: &mut Gsd, frame: &RunFrame, step: u64, middle: [f64; 3], sides: [f64
     let places = grains.positions.iter().flat_map(|position| (0..3).map(move |axis| position[axis] - middle[axis]));
     gsd.singles("particles/position", 3, places)?;
     gsd.singles("particles/diameter", 1, grains.radii.iter().map(|radius| 2.0 * radius))?;
-    let field = |name: &str| grains.fields.iter().find(|array| array.name == name);
+    let field = |name: &str| frame.table.field(&frame.snapshot, name);
     for (name, called) in OWN {
         if let Some(array) = field(name) {
             gsd.singles(called, array.components as u32, array.values().into_iter())?;
         }
     }
-    if let Some(material) = field("material").filter(|_| !grains.materials.is_empty()) {
+    let materials = &frame.table.materials;
+    if let Some(material) = field("material").filter(|_| !materials.is_empty()) {
         let bytes: Vec<u8> = material.values().iter().flat_map(|kind| (*kind as u32).to_le_bytes()).collect();
         gsd.chunk("particles/typeid", WHOLE, 1, count as u64, &bytes)?;
-        let width = grains.materials.iter().map(String::len).max().unwrap_or(0) + 1;
-        let names = grains.materials.iter().flat_map(|name| name.bytes().chain(std::iter::repeat(0)).take(width));
-        gsd.chunk("particles/types", BYTES, width as u32, grains.materials.len() as u64, &names.collect::<Vec<u8>>())?;
+        let width = materials.iter().map(String::len).max().unwrap_or(0) + 1;
+        let names = materials.iter().flat_map(|name| name.bytes().chain(std::iter::repeat(0)).take(width));
+        gsd.chunk("particles/types", BYTES, width as u32, materials.len() as u64, &names.collect::<Vec<u8>>())?;
     }
     for name in LOGGED {
         if let Some(array) = field(name) {
             gsd.singles(&format!("log/particles/{name}"), array.components as u32, array.values().into_iter())?;
         }
     }
-    if !frame.driven_walls.is_empty() {
-        let (walls, rows) = (&frame.driven_walls, frame.driven_walls.len() as u64);
+    let walls = &frame.snapshot.driven_walls;
+    if !walls.is_empty() {
+        let rows = walls.len() as u64;
         let [wall, displacement, rate] = DRIVEN_WALLS.map(|name| format!("log/{name}"));
         let doubles =
             |of: fn(&DrivenWall) -> f64| walls.iter().flat_map(|one| of(one).to_le_bytes()).collect::<Vec<u8>>();

@@ -57,7 +57,7 @@ impl Format {
     }
 }
 
-/// Why frames cannot be exported.
+/// Error of an export.
 #[derive(Debug, thiserror::Error)]
 pub enum ExportError {
     /// The frames cannot be read.
@@ -71,7 +71,7 @@ pub enum ExportError {
     Format {
         /// The file.
         file: String,
-        /// What is wrong.
+        /// Fault.
         problem: String,
     },
     /// The user asked to stop.

@@ -7,7 +7,7 @@
 
 use super::{ExportError, Written};
 use crate::output::vtk::{Array, Cells, Kind as Number, PolyData};
-use crate::output::{DRIVEN_WALLS, FIELD_DATA, WriteError, create_folder};
+use crate::output::{DRIVEN_WALLS, Draft, FIELD_DATA, create_folder};
 use crate::run_frames::{Kind, RunFrames};
 use hdf5_pure::{AttrValue, DatasetBuilder, File, FileBuilder};
 use std::ops::Range;
@@ -28,7 +28,7 @@ const TOPOLOGIES: [&str; 4] = ["Vertices", "Lines", "Polygons", "Strips"];
 /// Most bytes that one pass over the frames gathers, unless a single array takes more.
 const PASS: usize = 1 << 28;
 
-/// What is known of the frames before their arrays are read.
+/// Sizes of the frames, known before their arrays are read.
 #[derive(Default)]
 struct Survey {
     times: Vec<f64>,
@@ -61,42 +61,34 @@ fn write_kind(path: &Path, run: &RunFrames, kind: Kind, progress: &dyn Fn(f64)) 
     let poses = if kind == Kind::Grains { poses(run)? } else { Vec::new() };
     let failed =
         |error: hdf5_pure::Error| ExportError::Format { file: path.display().to_string(), problem: error.to_string() };
-    let draft = path.with_extension(format!("vtkhdf.part{}", std::process::id()));
-    let written = skeleton(&survey, &arrays, &poses).write(&draft).and_then(|()| File::open_rw(&draft)).map_err(failed);
-    let filled = written.and_then(|file| {
-        let passes = survey.passes(&arrays);
-        for (pass, range) in passes.iter().enumerate() {
-            let own = &arrays[range.clone()];
-            let mut gathered = vec![(Vec::new(), 0); own.len()];
-            for number in run.numbers(kind) {
-                let data = run.poly_data(number, kind)?;
-                for ((group, array), (bytes, rows)) in own.iter().zip(&mut gathered) {
-                    let found = arrays_of(&data).find(|(of, found)| of == group && found.name == array.name);
-                    let (_, found) = found.expect("all frames of a run have the same arrays");
-                    bytes.extend(as_kind(found, array.kind));
-                    *rows += found.tuples() as u64;
-                }
-                if crate::interrupt::requested() {
-                    return Err(ExportError::Interrupted);
-                }
+    let draft = Draft::of(path);
+    skeleton(&survey, &arrays, &poses).write(draft.name()).map_err(failed)?;
+    let file = File::open_rw(draft.name()).map_err(failed)?;
+    let passes = survey.passes(&arrays);
+    for (pass, range) in passes.iter().enumerate() {
+        let own = &arrays[range.clone()];
+        let mut gathered = vec![(Vec::new(), 0); own.len()];
+        for number in run.numbers(kind) {
+            let data = run.poly_data(number, kind)?;
+            for ((group, array), (bytes, rows)) in own.iter().zip(&mut gathered) {
+                let found = arrays_of(&data).find(|(of, found)| of == group && found.name == array.name);
+                let (_, found) = found.expect("all frames of a run have the same arrays");
+                bytes.extend(as_kind(found, array.kind));
+                *rows += found.tuples() as u64;
             }
-            for ((group, array), (bytes, rows)) in own.iter().zip(gathered) {
-                add(&file, &format!("VTKHDF/{group}{}", array.name), &bytes, array, rows).map_err(failed)?;
+            if crate::interrupt::requested() {
+                return Err(ExportError::Interrupted);
             }
-            progress((pass + 1) as f64 / (passes.len() + 1) as f64);
         }
-        connectivity(run, kind, &survey, &file, &failed)?;
-        file.close().map_err(failed)?;
-        progress(1.0);
-        Ok(())
-    });
-    if let Err(error) = filled {
-        // A draft that cannot be removed is recognised by its name.
-        let _ = std::fs::remove_file(&draft);
-        return Err(error);
+        for ((group, array), (bytes, rows)) in own.iter().zip(gathered) {
+            add(&file, &format!("VTKHDF/{group}{}", array.name), &bytes, array, rows).map_err(failed)?;
+        }
+        progress((pass + 1) as f64 / (passes.len() + 1) as f64);
     }
-    std::fs::rename(&draft, path).map_err(|source| WriteError::new(path, source))?;
-    Ok(())
+    connectivity(run, kind, &survey, &file, &failed)?;
+    file.close().map_err(failed)?;
+    progress(1.0);
+    Ok(draft.finish()?)
 }
 
 /// Arrays with their groups below `VTKHDF`.

@@ -213,7 +213,7 @@ impl<'a> ContactList<'a> {
             if let Partner::Wall(wall) = partner {
                 // Triangles of one wall are touched at points of their own.
                 let known = self.walls.entry((first.id, wall)).or_default();
-                if known.iter().any(|index| self.contacts[*index] == contact) {
+                if table.first_id.is_none() && known.iter().any(|index| self.contacts[*index] == contact) {
                     return Err(fault(format!("{} are listed twice, at one point; list each contact once", both())));
                 }
                 known.push(self.contacts.len());

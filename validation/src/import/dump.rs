@@ -2,61 +2,26 @@
 
 use super::columns::{StatedColumns, column_of, number};
 use super::table::{FrameTable, ImportError, Periods};
-use std::io::BufRead;
 use std::path::Path;
-
-/// Error of a dump that cannot be read.
-#[derive(Clone, Debug, PartialEq)]
-pub struct DumpFault {
-    /// Line, from 1.
-    pub line: usize,
-    /// Problem and remedy.
-    pub problem: String,
-}
-
-/// Reads every frame of a dump of which each row has `columns` numbers, whatever their names.
-///
-/// # Errors
-/// [`DumpFault`] for anything that is not a whole dump of finite numbers.
-pub fn read_dump(reader: impl BufRead, columns: usize) -> Result<Vec<FrameTable>, DumpFault> {
-    let mut lines = Lines::new(reader);
-    let columns = vec![String::new(); columns.max(1)];
-    let mut frames = Vec::new();
-    while let Some(Header { step, time, count, .. }) = lines.header()? {
-        let line = lines.number + 1;
-        let mut values = Vec::new();
-        for _ in 0..count {
-            lines.next()?;
-            for cell in lines.cells(columns.len())? {
-                values.push(number(cell).map_err(|problem| lines.fault(problem))?);
-            }
-        }
-        let columns = columns.clone();
-        frames.push(FrameTable { step: Some(step), time, line, columns, values, ..FrameTable::default() });
-    }
-    Ok(frames)
-}
 
 /// Reads every frame of a dump, with as many cells per row as its head has names.
 ///
 /// # Errors
 /// [`ImportError`] for anything that is not a whole dump, and for a cell that has a meaning and is not a finite number.
-pub(super) fn read_named_dump(
-    file: &Path,
-    bytes: &[u8],
-    stated: &StatedColumns,
-) -> Result<Vec<FrameTable>, ImportError> {
-    let refused = |fault: DumpFault| ImportError::new(file, fault.line, fault.problem);
-    let mut lines = Lines::new(bytes);
+pub(super) fn dump(file: &Path, bytes: &[u8], stated: &StatedColumns) -> Result<Vec<FrameTable>, ImportError> {
+    let mut lines = Lines { file, bytes, number: 0, text: String::new() };
     let mut frames = Vec::new();
-    while let Some(Header { step, time, count, periods, names }) = lines.header().map_err(refused)? {
+    while let Some(Header { step, time, count, periods, names }) = lines.header()? {
         let heads = stated.heads(file, lines.number, of_code(names))?;
         let line = lines.number + 1;
         let mut table = FrameTable { line, time, step: Some(step), periods, ..heads.table(file) };
         for _ in 0..count {
-            lines.next().map_err(refused)?;
-            let cells = lines.cells(heads.count()).map_err(refused)?;
-            heads.add_row(&mut table, &cells).map_err(|problem| refused(lines.fault(problem)))?;
+            lines.next()?;
+            let cells: Vec<&str> = lines.text.split_ascii_whitespace().collect();
+            if cells.len() != heads.count() {
+                return Err(lines.fault(format!("{} numbers where {} belong", cells.len(), heads.count())));
+            }
+            heads.add_row(&mut table, &cells).map_err(|problem| lines.fault(problem))?;
         }
         frames.push(table);
     }
@@ -84,21 +49,19 @@ struct Header {
     names: Vec<String>,
 }
 
-struct Lines<R> {
-    reader: R,
+struct Lines<'a> {
+    file: &'a Path,
+    /// Bytes behind the line.
+    bytes: &'a [u8],
+    /// Number of the line, from 1.
     number: usize,
     text: String,
-    bytes: Vec<u8>,
 }
 
-impl<R: BufRead> Lines<R> {
-    fn new(reader: R) -> Lines<R> {
-        Lines { reader, number: 0, text: String::new(), bytes: Vec::new() }
-    }
-
+impl Lines<'_> {
     /// Reads the head of the next frame; none at the end of the file.
-    fn header(&mut self) -> Result<Option<Header>, DumpFault> {
-        if !self.advance()? {
+    fn header(&mut self) -> Result<Option<Header>, ImportError> {
+        if !self.advance() {
             return Ok(None);
         }
         let mut time = None;
@@ -126,7 +89,7 @@ impl<R: BufRead> Lines<R> {
     }
 
     /// Reads the bounds of the box: lengths along the periodic axes, where the head names boundaries (`pp ff ff`).
-    fn periods(&mut self) -> Result<Option<Periods>, DumpFault> {
+    fn periods(&mut self) -> Result<Option<Periods>, ImportError> {
         let head = self.text["ITEM: BOX BOUNDS".len()..].to_string();
         let words: Vec<&str> = head.split_ascii_whitespace().collect();
         let is_boundary = |word: &&&str| word.len() == 2 && word.bytes().all(|letter| b"pfsm".contains(&letter));
@@ -161,51 +124,38 @@ impl<R: BufRead> Lines<R> {
         Ok((flags.len() == 3).then_some(periods))
     }
 
-    /// Splits the line into the cells of a row.
-    fn cells(&self, count: usize) -> Result<Vec<&str>, DumpFault> {
-        let cells: Vec<&str> = self.text.split_ascii_whitespace().collect();
-        match cells.len() == count {
-            true => Ok(cells),
-            false => Err(self.fault(format!("{} numbers where {count} belong", cells.len()))),
-        }
-    }
-
     /// Reads the next line; false at the end of the file.
-    fn advance(&mut self) -> Result<bool, DumpFault> {
-        self.bytes.clear();
+    fn advance(&mut self) -> bool {
         self.number += 1;
-        match self.reader.read_until(b'\n', &mut self.bytes) {
-            Ok(0) => Ok(false),
-            Ok(_) => {
-                self.text.clear();
-                self.text.push_str(&String::from_utf8_lossy(&self.bytes));
-                Ok(true)
-            }
-            Err(error) => Err(self.fault(error.to_string())),
-        }
+        let end = self.bytes.iter().position(|byte| *byte == b'\n').map_or(self.bytes.len(), |end| end + 1);
+        let (line, rest) = self.bytes.split_at(end);
+        self.text.clear();
+        self.text.push_str(&String::from_utf8_lossy(line));
+        self.bytes = rest;
+        !line.is_empty()
     }
 
-    fn next(&mut self) -> Result<(), DumpFault> {
-        match self.advance()? {
+    fn next(&mut self) -> Result<(), ImportError> {
+        match self.advance() {
             true => Ok(()),
             false => Err(self.fault("the file ends in the middle of a frame".into())),
         }
     }
 
-    fn expect(&self, start: &str) -> Result<(), DumpFault> {
+    fn expect(&self, start: &str) -> Result<(), ImportError> {
         match self.text.starts_with(start) {
             true => Ok(()),
             false => Err(self.fault(format!("'{start}' belongs here"))),
         }
     }
 
-    fn real(&mut self) -> Result<f64, DumpFault> {
+    fn real(&mut self) -> Result<f64, ImportError> {
         self.next()?;
         number(self.text.trim()).map_err(|problem| self.fault(problem))
     }
 
     /// Reads the units of the dump: numbers in others than SI would be taken for metres, seconds and newtons.
-    fn units(&mut self) -> Result<(), DumpFault> {
+    fn units(&mut self) -> Result<(), ImportError> {
         self.next()?;
         match self.text.trim() {
             "si" => Ok(()),
@@ -216,12 +166,12 @@ impl<R: BufRead> Lines<R> {
         }
     }
 
-    fn integer(&mut self) -> Result<u64, DumpFault> {
+    fn integer(&mut self) -> Result<u64, ImportError> {
         self.next()?;
         self.text.trim().parse().map_err(|_| self.fault("a count belongs here".into()))
     }
 
-    fn fault(&self, problem: String) -> DumpFault {
-        DumpFault { line: self.number, problem }
+    fn fault(&self, problem: String) -> ImportError {
+        ImportError::new(self.file, self.number, problem)
     }
 }

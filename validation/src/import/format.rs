@@ -2,7 +2,7 @@
 
 use super::columns::StatedColumns;
 use super::table::{FrameTable, ImportError};
-use super::{dump, text, vtk};
+use super::{dump, text, vtkhdf, xml};
 use crate::output::HDF5;
 use flate2::read::MultiGzDecoder;
 use std::io::Read;
@@ -67,9 +67,9 @@ pub fn parse(file: &Path, bytes: Vec<u8>, columns: &StatedColumns) -> Result<Vec
         is_whole(file, &bytes)?;
     }
     match format {
-        Format::Dump => dump::read_named_dump(file, &bytes, columns),
-        Format::Hdf => vtk::hdf(file, bytes, columns),
-        Format::Xml => vtk::xml(file, &bytes, columns),
+        Format::Dump => dump::dump(file, &bytes, columns),
+        Format::Hdf => vtkhdf::hdf(file, bytes, columns),
+        Format::Xml => xml::xml(file, &bytes, columns),
         Format::Yade => text::yade(file, &bytes, columns),
         Format::Csv => text::csv(file, &bytes, columns),
     }

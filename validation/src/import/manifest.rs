@@ -114,7 +114,8 @@ impl Manifest {
         let fault = |problem: String| ImportError::new(&whole, 1, problem);
         let glob = PathBuf::from(glob::Pattern::escape(&self.folder.to_string_lossy())).join(pattern.glob());
         let found = glob::glob(&glob.to_string_lossy()).map_err(|error| fault(error.to_string()))?;
-        let files: Vec<PathBuf> = found.flatten().filter(|file| pattern.stamp(file).is_some()).collect();
+        let files: Vec<PathBuf> =
+            found.flatten().filter(|file| file.is_file() && pattern.stamp(file).is_some()).collect();
         if files.is_empty() {
             Err(fault("there is no file of this pattern ({step} and {time} stand for numbers)".into()))
         } else {
@@ -180,7 +181,7 @@ impl FilePattern {
 #[derive(Default)]
 pub(super) struct Missing {
     lines: Vec<[String; 2]>,
-    /// Where the first of them is missing.
+    /// File and line at which the first of them is missing.
     fault: Option<ImportError>,
 }
 

@@ -16,12 +16,12 @@ mod identity;
 mod manifest;
 mod table;
 mod text;
-mod vtk;
+mod vtkhdf;
+mod xml;
 
 pub use columns::{Column, StatedColumns, column_of};
 pub use contacts::merge_wall_contacts;
 pub(crate) use contacts::{contact_from_force, measurable};
-pub use dump::{DumpFault, read_dump};
 pub use format::parse;
 pub use manifest::{FilePattern, Manifest};
 pub use table::{FrameTable, ImportError, Periods};
@@ -165,24 +165,11 @@ pub fn assemble(scene: &Scene, manifest: &Manifest, tables: &Tables) -> Result<I
         let snapshot = Snapshot { time: frame.time, particles, contacts, driven_walls, ..Snapshot::default() };
         snapshots.push(measurable(snapshot).map_err(|problem| frame.grains.fault(0, problem))?);
     }
-    let recording = Recording {
-        scene: scene.name.clone(),
-        code: manifest.name.clone().unwrap_or_else(|| "frames".into()),
-        version: manifest.version.clone().unwrap_or_else(|| "unknown".into()),
-        seed: manifest.seed.unwrap_or(scene.seed),
-        // Frames state no step of the code; the one by which they are numbered need not be it.
-        time_step: 0.0,
-        rayleigh_fraction: None,
-        stiffness_factor: 1.0,
-        threads: 1,
-        wall_seconds: 0.0,
-        core_seconds: None,
-        simulated_seconds: snapshots.last().map_or(0.0, |frame| frame.time),
-        frames: snapshots,
-        lacks: lacks(scene, tables),
-        alarms: Vec::new(),
-        notes: Vec::new(),
-    };
+    let code = manifest.name.as_deref().unwrap_or("frames");
+    let version = manifest.version.as_deref().unwrap_or("unknown");
+    // Frames state no step of the code; the one by which they are numbered need not be it.
+    let recording = Recording::new(scene, code, version, manifest.seed.unwrap_or(scene.seed), snapshots);
+    let recording = Recording { lacks: lacks(scene, tables), ..recording };
     Ok(Imported { recording, notes })
 }
 

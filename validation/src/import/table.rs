@@ -80,6 +80,7 @@ impl ImportError {
 }
 
 /// Array of a VTK file.
+#[derive(Debug, PartialEq)]
 pub(super) struct Named {
     name: String,
     components: usize,

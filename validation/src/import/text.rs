@@ -112,7 +112,7 @@ fn by_frame(table: FrameTable) -> Result<Vec<FrameTable>, ImportError> {
     frames.into_iter().map(told).collect()
 }
 
-/// What YADE writes in columns; the first line names the format.
+/// Reads YADE's columns; the first line names the format.
 ///
 /// # Errors
 /// [`ImportError`] with the line.

@@ -1,4 +1,4 @@
-//! What frames hold of grains, taken from a snapshot and the scene.
+//! Tables of grains and contacts, computed from a snapshot and the scene.
 
 use super::vtk::{Array, Cells, Kind, PolyData};
 use crate::plan::{GrainField, Roster, Scene};
@@ -6,6 +6,7 @@ use makadam::effects::gravity::Field;
 use makadam::effects::period::Period;
 use makadam::snapshot::{DrivenWall, Particle, Partner, Snapshot};
 use nalgebra::Vector3;
+use std::cell::OnceCell;
 use std::f64::consts::PI;
 
 type Vector = Vector3<f64>;
@@ -28,24 +29,38 @@ pub(crate) fn driven_walls(values: impl Fn(&str) -> Option<Vec<f64>>) -> Result<
     Ok(poses.map(|(&wall, (&displacement, &rate))| DrivenWall { wall: wall as u32, displacement, rate }).collect())
 }
 
-/// Tables of the grains and contacts of frames, by what the scene states of the grains.
+/// Fields of grains in the order of files, with the key by which a scene requests one; the first three are always there.
+const FIELDS: [(&str, Option<GrainField>); 12] = [
+    ("diameter", None),
+    ("id", None),
+    ("material", None),
+    ("population", Some(GrainField::Population)),
+    ("mass", Some(GrainField::Mass)),
+    ("speed", Some(GrainField::Speed)),
+    ("velocity", Some(GrainField::Velocity)),
+    ("angular_velocity", Some(GrainField::AngularVelocity)),
+    ("force", Some(GrainField::Force)),
+    ("coordination_number", Some(GrainField::CoordinationNumber)),
+    ("stress", Some(GrainField::Stress)),
+    ("pressure", Some(GrainField::Pressure)),
+];
+
+/// Tables of the grains and contacts of frames of a scene.
 #[derive(Clone, Debug)]
 pub(crate) struct GrainTable {
-    /// Fields of grains; all, if absent.
-    fields: Option<Vec<GrainField>>,
     /// Names of the materials, in the order of their numbers.
-    materials: Vec<String>,
+    pub materials: Vec<String>,
     /// Density of each material, kg/m3.
     densities: Vec<f64>,
     roster: Roster,
     period: Period,
-    /// Lengths of the axes along which the scene repeats itself, zero for the others, and where they begin, m; none without such axes.
-    repeats: Option<[[f64; 3]; 2]>,
+    /// Lengths of the periodic axes, zero for the others, and their starts, m; none without such axes.
+    pub repeats: Option<[[f64; 3]; 2]>,
     gravity: Field,
     scene: String,
 }
 
-/// What contacts do to a grain.
+/// Contact forces on a grain.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Loads {
     /// Sum of their forces, N.
@@ -57,65 +72,85 @@ struct Loads {
 }
 
 impl GrainTable {
-    /// Tables of the frames of a scene, with these fields of grains, or all.
-    pub fn new(scene: &Scene, fields: Option<&[GrainField]>) -> GrainTable {
+    pub fn new(scene: &Scene) -> GrainTable {
+        let repeats = || {
+            let mut repeats = [[0.0; 3]; 2];
+            for axis in scene.domain.periodic.iter().map(|axis| axis.number()) {
+                repeats[0][axis] = scene.domain.max[axis] - scene.domain.min[axis];
+                repeats[1][axis] = scene.domain.min[axis];
+            }
+            repeats
+        };
         GrainTable {
-            fields: fields.map(<[GrainField]>::to_vec),
             densities: scene.material.values().map(|material| material.density).collect(),
             materials: scene.material.keys().cloned().collect(),
             roster: Roster::new(scene),
             period: scene.domain.period(),
-            repeats: (!scene.domain.periodic.is_empty()).then(|| repeats(scene)),
+            repeats: (!scene.domain.periodic.is_empty()).then(repeats),
             gravity: scene.gravity_field(),
             scene: scene.name.clone(),
         }
     }
 
-    fn has(&self, field: GrainField) -> bool {
-        self.fields.as_ref().is_none_or(|fields| fields.contains(&field))
+    /// Names of all fields.
+    pub fn names() -> impl Iterator<Item = &'static str> {
+        FIELDS.iter().map(|(name, _)| *name)
     }
 
-    /// The grains of a frame: points with the fields that the scene asks for.
-    pub fn grains(&self, frame: &Snapshot) -> PolyData {
+    /// Returns a field of a frame, by its name.
+    pub fn field(&self, frame: &Snapshot, name: &str) -> Option<Array> {
+        let name = GrainTable::names().find(|known| *known == name)?;
+        Some(self.array(frame, name, &OnceCell::new()))
+    }
+
+    fn array(&self, frame: &Snapshot, name: &str, loads: &OnceCell<Vec<Loads>>) -> Array {
         let particles = &frame.particles;
-        let has = |field| self.has(field);
         let kind = |particle: &Particle| self.roster.kind(frame, particle.id);
-        let population = |particle: &Particle| kind(particle).population.map_or(-1, |place| place as i32);
-        let mass = |particle: &Particle| self.densities[usize::from(kind(particle).material)] * volume(particle);
-        let mut data = vec![
-            Array::floats("diameter", 1, particles.iter().map(|p| 2.0 * p.radius)),
-            Array::integers("id", particles.iter().map(|p| p.id as i32)),
-            Array {
-                name: "material".into(),
-                components: 1,
-                kind: Kind::UInt8,
-                bytes: particles.iter().map(|p| kind(p).material).collect(),
-            },
-        ];
-        if has(GrainField::Population) {
-            data.push(Array::integers("population", particles.iter().map(population)));
+        let loads = || loads.get_or_init(|| self::loads(frame, self.period)).iter();
+        let each = || loads().zip(particles);
+        match name {
+            "diameter" => Array::floats(name, 1, particles.iter().map(|p| 2.0 * p.radius)),
+            "id" => Array::integers(name, particles.iter().map(|p| p.id as i32)),
+            "material" => {
+                let bytes = particles.iter().map(|p| kind(p).material).collect();
+                Array { name: name.into(), components: 1, kind: Kind::UInt8, bytes }
+            }
+            "population" => {
+                let population = |p: &Particle| kind(p).population.map_or(-1, |place| place as i32);
+                Array::integers(name, particles.iter().map(population))
+            }
+            "mass" => {
+                let mass = |p: &Particle| self.densities[usize::from(kind(p).material)] * volume(p);
+                Array::floats(name, 1, particles.iter().map(mass))
+            }
+            "speed" => Array::floats(name, 1, particles.iter().map(|p| Vector::from(p.velocity).norm())),
+            "velocity" => Array::floats(name, 3, particles.iter().flat_map(|p| p.velocity)),
+            "angular_velocity" => Array::floats(name, 3, particles.iter().flat_map(|p| p.spin)),
+            "force" => Array::floats(name, 3, loads().flat_map(|load| <[f64; 3]>::from(load.force))),
+            "coordination_number" => Array::integers(name, loads().map(|load| load.contacts)),
+            "stress" => {
+                Array::floats(name, 6, each().flat_map(|(load, p)| load.moments.map(|moment| moment / volume(p))))
+            }
+            _ => {
+                let pressure = |load: &Loads, p| load.moments[..3].iter().sum::<f64>() / 3.0 / volume(p);
+                Array::floats(name, 1, each().map(|(load, p)| pressure(load, p)))
+            }
         }
-        if has(GrainField::Mass) {
-            data.push(Array::floats("mass", 1, particles.iter().map(mass)));
-        }
-        if has(GrainField::Speed) {
-            data.push(Array::floats("speed", 1, particles.iter().map(|p| Vector::from(p.velocity).norm())));
-        }
-        if has(GrainField::Velocity) {
-            data.push(Array::floats("velocity", 3, particles.iter().flat_map(|p| p.velocity)));
-        }
-        if has(GrainField::AngularVelocity) {
-            data.push(Array::floats("angular_velocity", 3, particles.iter().flat_map(|p| p.spin)));
-        }
-        let of_contacts = [GrainField::Force, GrainField::CoordinationNumber, GrainField::Stress, GrainField::Pressure];
-        if of_contacts.into_iter().any(has) {
-            self.add_loads(frame, &mut data);
-        }
+    }
+
+    /// The grains of a frame: points with the requested fields, or all.
+    pub fn grains(&self, frame: &Snapshot, fields: Option<&[GrainField]>) -> PolyData {
+        let loads = OnceCell::new();
+        let is_requested = |field: &Option<GrainField>| match (fields, field) {
+            (Some(fields), Some(field)) => fields.contains(field),
+            _ => true,
+        };
+        let requested = FIELDS.iter().filter(|(_, field)| is_requested(field));
         PolyData {
             time: frame.time,
-            points: Array::coordinates("Points", particles.iter().flat_map(|p| p.position), smallest_radius(frame)),
+            points: coordinates("Points", frame.particles.iter().flat_map(|p| p.position), frame),
             cells: Cells::Vertices,
-            point_data: data,
+            point_data: requested.map(|(name, _)| self.array(frame, name, &loads)).collect(),
             cell_data: Vec::new(),
             field_data: self.field_data(frame),
             texts: vec![
@@ -125,10 +160,14 @@ impl GrainTable {
         }
     }
 
+    /// Returns the acceleration of gravity at a time (s), m/s2.
+    pub fn gravity_at(&self, time: f64) -> [f64; 3] {
+        self.gravity.at(time).into()
+    }
+
     /// Gravity at the frame's time, periods, and poses of the driven walls.
     fn field_data(&self, frame: &Snapshot) -> Vec<Array> {
-        let gravity: [f64; 3] = self.gravity.at(frame.time).into();
-        let mut data = vec![Array::doubles("gravity", 3, gravity.into_iter())];
+        let mut data = vec![Array::doubles("gravity", 3, self.gravity_at(frame.time).into_iter())];
         if !frame.driven_walls.is_empty() {
             let [wall, displacement, rate] = DRIVEN_WALLS;
             let walls = || frame.driven_walls.iter();
@@ -151,14 +190,14 @@ impl GrainTable {
         let ends = self.ends(frame);
         PolyData {
             time: frame.time,
-            points: Array::coordinates("Points", ends.iter().flatten().flatten().copied(), smallest_radius(frame)),
+            points: coordinates("Points", ends.iter().flatten().flatten().copied(), frame),
             cells: Cells::Lines,
             point_data: Vec::new(),
             cell_data: vec![
                 Array::floats("normal_force", 1, contacts.iter().map(|c| c.normal_force)),
                 Array::floats("tangential_force", 3, contacts.iter().flat_map(|c| c.tangential_force)),
                 Array::floats("normal", 3, contacts.iter().flat_map(|c| c.normal)),
-                Array::coordinates("point", contacts.iter().flat_map(|c| c.point), smallest_radius(frame)),
+                coordinates("point", contacts.iter().flat_map(|c| c.point), frame),
                 Array::integers("first", contacts.iter().map(|c| c.first as i32)),
                 Array::integers("second_grain", contacts.iter().map(|c| grain(c.second))),
                 Array::integers("second_wall", contacts.iter().map(|c| wall(c.second))),
@@ -183,40 +222,6 @@ impl GrainTable {
         });
         line.collect()
     }
-
-    fn add_loads(&self, frame: &Snapshot, data: &mut Vec<Array>) {
-        let loads = loads(frame, self.period);
-        let each = || loads.iter().zip(&frame.particles);
-        if self.has(GrainField::Force) {
-            data.push(Array::floats(
-                "force",
-                3,
-                loads.iter().flat_map(|load| [load.force.x, load.force.y, load.force.z]),
-            ));
-        }
-        if self.has(GrainField::CoordinationNumber) {
-            data.push(Array::integers("coordination_number", loads.iter().map(|load| load.contacts)));
-        }
-        if self.has(GrainField::Stress) {
-            let stresses = each().flat_map(|(load, particle)| load.moments.map(|moment| moment / volume(particle)));
-            data.push(Array::floats("stress", 6, stresses));
-        }
-        if self.has(GrainField::Pressure) {
-            let pressures =
-                each().map(|(load, particle)| load.moments[..3].iter().sum::<f64>() / 3.0 / volume(particle));
-            data.push(Array::floats("pressure", 1, pressures));
-        }
-    }
-}
-
-/// Returns the lengths of the periodic axes, zero along the others, and the starts of the periods, m.
-pub(crate) fn repeats(scene: &Scene) -> [[f64; 3]; 2] {
-    let mut repeats = [[0.0; 3]; 2];
-    for axis in scene.domain.periodic.iter().map(|axis| axis.number()) {
-        repeats[0][axis] = scene.domain.max[axis] - scene.domain.min[axis];
-        repeats[1][axis] = scene.domain.min[axis];
-    }
-    repeats
 }
 
 /// m3.
@@ -224,7 +229,7 @@ fn volume(particle: &Particle) -> f64 {
     4.0 / 3.0 * PI * particle.radius.powi(3)
 }
 
-/// What contacts do to each grain: the sum of their forces, and the mean stress times the volume V of the grain,
+/// Contact loads on each grain: the sum of forces, and the mean stress times the volume V of the grain,
 ///
 /// ```text
 /// V sigma = - sum over contacts of sym(f (x) l)
@@ -260,7 +265,8 @@ impl Loads {
     }
 }
 
-/// m.
-fn smallest_radius(frame: &Snapshot) -> f64 {
-    frame.particles.iter().map(|particle| particle.radius).fold(f64::INFINITY, f64::min)
+/// Places that differ by less than the smallest radius.
+fn coordinates(name: &str, values: impl Iterator<Item = f64> + Clone, frame: &Snapshot) -> Array {
+    let smallest = frame.particles.iter().map(|particle| particle.radius).fold(f64::INFINITY, f64::min);
+    Array::coordinates(name, values, smallest)
 }

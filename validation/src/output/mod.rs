@@ -4,17 +4,17 @@ mod cache;
 pub(crate) mod cells;
 mod grain_fields;
 mod lock;
+pub mod mesh;
 mod names;
 mod record;
 mod run_files;
 mod shown;
 mod table;
 pub(crate) mod vtk;
-mod vtk_read;
 mod wall_mesh;
 
 pub use cache::{cache_folder, run_folder};
-pub(crate) use grain_fields::{DRIVEN_WALLS, GrainTable, driven_walls, repeats};
+pub(crate) use grain_fields::{DRIVEN_WALLS, GrainTable, driven_walls};
 pub use lock::{FolderLock, LockError};
 pub use names::file_stem;
 pub use record::record_folder;
@@ -22,18 +22,21 @@ pub use run_files::RunFiles;
 pub(crate) use shown::shown;
 pub(crate) use table::open_to_grow;
 pub use table::{TableWritten, TimeTable};
-pub(crate) use vtk_read::{FIELD_DATA, outline as outline_vtk};
 pub(crate) use wall_mesh::WallMesh;
+pub use wall_mesh::Walls;
 
 /// Version of the JSON documents, raised when a field changes its meaning or goes away.
 pub const JSON_VERSION: u32 = 1;
+
+/// Section of the arrays of a whole file in VTK's formats.
+pub(crate) const FIELD_DATA: &str = "FieldData";
 
 /// First bytes of every HDF5 file.
 pub(crate) const HDF5: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
 
 use makadam::checkpoint::{replace_with, write_atomically};
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Error of a file that cannot be written.
 #[derive(Debug, thiserror::Error)]
@@ -70,6 +73,40 @@ pub fn create_folder_of(file: &Path) -> Result<(), WriteError> {
     match file.parent().filter(|folder| !folder.as_os_str().is_empty()) {
         Some(folder) => create_folder(folder),
         None => Ok(()),
+    }
+}
+
+/// A file under a temporary name, which is removed unless it is finished.
+pub(crate) struct Draft {
+    path: PathBuf,
+    draft: PathBuf,
+}
+
+impl Draft {
+    pub fn of(path: &Path) -> Draft {
+        let mut draft = path.as_os_str().to_owned();
+        draft.push(format!(".part{}", std::process::id()));
+        Draft { path: path.to_path_buf(), draft: draft.into() }
+    }
+
+    /// Returns the temporary name.
+    pub fn name(&self) -> &Path {
+        &self.draft
+    }
+
+    /// Gives the file its name.
+    ///
+    /// # Errors
+    /// [`WriteError`] if the system refuses.
+    pub fn finish(self) -> Result<(), WriteError> {
+        std::fs::rename(&self.draft, &self.path).map_err(|source| WriteError::new(&self.path, source))
+    }
+}
+
+impl Drop for Draft {
+    fn drop(&mut self) {
+        // A draft that cannot be removed is recognised by its name.
+        let _ = std::fs::remove_file(&self.draft);
     }
 }
 

@@ -12,76 +12,56 @@ use std::io::Write as _;
 /// Bytes of a whole block before compression.
 const BLOCK: usize = 1 << 16;
 
-/// Kind of the numbers of an array. Runs write bytes, `Int32`, `Float32` and `Float64`; other codes write all of them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Kind {
-    /// Bytes.
-    UInt8,
-    /// Signed integers of 8 bits.
-    Int8,
-    /// Integers of 16 bits.
-    Int16,
-    /// Unsigned integers of 16 bits.
-    UInt16,
-    /// Integers of 32 bits.
-    Int32,
-    /// Unsigned integers of 32 bits.
-    UInt32,
-    /// Integers of 64 bits.
-    Int64,
-    /// Unsigned integers of 64 bits.
-    UInt64,
-    /// Single precision.
-    Float32,
-    /// Double precision.
-    Float64,
-}
-
-impl Kind {
-    const NAMES: [(Kind, &str, usize); 10] = [
-        (Kind::UInt8, "UInt8", 1),
-        (Kind::Int8, "Int8", 1),
-        (Kind::Int16, "Int16", 2),
-        (Kind::UInt16, "UInt16", 2),
-        (Kind::Int32, "Int32", 4),
-        (Kind::UInt32, "UInt32", 4),
-        (Kind::Int64, "Int64", 8),
-        (Kind::UInt64, "UInt64", 8),
-        (Kind::Float32, "Float32", 4),
-        (Kind::Float64, "Float64", 8),
-    ];
-
-    /// The kind of a name in a file.
-    pub fn of(name: &str) -> Option<Kind> {
-        Kind::NAMES.iter().find(|(_, known, _)| *known == name).map(|(kind, ..)| *kind)
-    }
-
-    /// Its name in a file.
-    pub fn name(self) -> &'static str {
-        Kind::NAMES[self as usize].1
-    }
-
-    /// Bytes of a number.
-    pub fn size(self) -> usize {
-        Kind::NAMES[self as usize].2
-    }
-
-    /// The bytes of a number that stands as text.
-    pub fn bytes(self, number: f64) -> Vec<u8> {
-        match self {
-            Kind::UInt8 => (number as u8).to_le_bytes().to_vec(),
-            Kind::Int8 => (number as i8).to_le_bytes().to_vec(),
-            Kind::Int16 => (number as i16).to_le_bytes().to_vec(),
-            Kind::UInt16 => (number as u16).to_le_bytes().to_vec(),
-            Kind::Int32 => (number as i32).to_le_bytes().to_vec(),
-            Kind::UInt32 => (number as u32).to_le_bytes().to_vec(),
-            Kind::Int64 => (number as i64).to_le_bytes().to_vec(),
-            Kind::UInt64 => (number as u64).to_le_bytes().to_vec(),
-            Kind::Float32 => (number as f32).to_le_bytes().to_vec(),
-            Kind::Float64 => number.to_le_bytes().to_vec(),
+/// Defines the kinds of numbers with their Rust types; VTK's names are those of the kinds.
+macro_rules! kinds {
+    ($($kind:ident $type:ty),*) => {
+        /// Kind of the numbers of an array. Runs write `UInt8`, `Int32`, `Float32` and `Float64`; other codes write all.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub(crate) enum Kind {
+            $(#[doc = stringify!($type)] $kind),*
         }
-    }
+
+        impl Kind {
+            /// Returns the kind of a name in a file.
+            pub fn of(name: &str) -> Option<Kind> {
+                match name {
+                    $(stringify!($kind) => Some(Kind::$kind),)*
+                    _ => None,
+                }
+            }
+
+            /// Returns the name in a file.
+            pub fn name(self) -> &'static str {
+                match self {
+                    $(Kind::$kind => stringify!($kind)),*
+                }
+            }
+
+            /// Returns the bytes of a number.
+            pub fn size(self) -> usize {
+                match self {
+                    $(Kind::$kind => size_of::<$type>()),*
+                }
+            }
+
+            /// Converts a number to bytes.
+            pub fn bytes(self, number: f64) -> Vec<u8> {
+                match self {
+                    $(Kind::$kind => (number as $type).to_le_bytes().to_vec()),*
+                }
+            }
+
+            /// Converts bytes to numbers.
+            fn numbers(self, bytes: &[u8]) -> Vec<f64> {
+                match self {
+                    $(Kind::$kind => bytes.as_chunks().0.iter().map(|one| <$type>::from_le_bytes(*one) as f64).collect()),*
+                }
+            }
+        }
+    };
 }
+
+kinds!(UInt8 u8, Int8 i8, Int16 i16, UInt16 u16, Int32 i32, UInt32 u32, Int64 i64, UInt64 u64, Float32 f32, Float64 f64);
 
 /// A named array: tuples of numbers, as bytes in little endian.
 #[derive(Clone, Debug, PartialEq)]
@@ -90,7 +70,7 @@ pub(crate) struct Array {
     pub name: String,
     /// Numbers of a tuple.
     pub components: usize,
-    /// What its numbers are.
+    /// Kind of its numbers.
     pub kind: Kind,
     /// The numbers, tuple after tuple.
     pub bytes: Vec<u8>,
@@ -131,21 +111,7 @@ impl Array {
 
     /// The numbers, tuple after tuple.
     pub fn values(&self) -> Vec<f64> {
-        fn each<const SIZE: usize>(bytes: &[u8], number: impl Fn([u8; SIZE]) -> f64) -> Vec<f64> {
-            bytes.as_chunks::<SIZE>().0.iter().map(|bytes| number(*bytes)).collect()
-        }
-        match self.kind {
-            Kind::UInt8 => each(&self.bytes, |[byte]: [u8; 1]| f64::from(byte)),
-            Kind::Int8 => each(&self.bytes, |bytes| f64::from(i8::from_le_bytes(bytes))),
-            Kind::Int16 => each(&self.bytes, |bytes| f64::from(i16::from_le_bytes(bytes))),
-            Kind::UInt16 => each(&self.bytes, |bytes| f64::from(u16::from_le_bytes(bytes))),
-            Kind::UInt32 => each(&self.bytes, |bytes| f64::from(u32::from_le_bytes(bytes))),
-            Kind::UInt64 => each(&self.bytes, |bytes| u64::from_le_bytes(bytes) as f64),
-            Kind::Int32 => each(&self.bytes, |bytes| f64::from(i32::from_le_bytes(bytes))),
-            Kind::Int64 => each(&self.bytes, |bytes| i64::from_le_bytes(bytes) as f64),
-            Kind::Float32 => each(&self.bytes, |bytes| f64::from(f32::from_le_bytes(bytes))),
-            Kind::Float64 => each(&self.bytes, f64::from_le_bytes),
-        }
+        self.kind.numbers(&self.bytes)
     }
 }
 
@@ -156,7 +122,7 @@ fn bytes_of<const SIZE: usize>(numbers: impl Iterator<Item = [u8; SIZE]>) -> Vec
     bytes
 }
 
-/// What connects the points of a file.
+/// Cells that connect the points of a file.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Cells {
     /// One vertex per point.
@@ -168,7 +134,7 @@ pub(crate) enum Cells {
 }
 
 impl Cells {
-    /// What VTK calls them.
+    /// Returns VTK's name.
     pub fn name(&self) -> &'static str {
         match self {
             Cells::Vertices => "Verts",
@@ -211,7 +177,7 @@ pub(crate) struct PolyData {
     pub time: f64,
     /// Three coordinates for each point, m.
     pub points: Array,
-    /// What connects the points.
+    /// Cells on the points.
     pub cells: Cells,
     /// Arrays over points.
     pub point_data: Vec<Array>,

@@ -1,4 +1,4 @@
-//! How much of a core a run got: on a busy machine wall time tells of the neighbours.
+//! Fraction of a core that a run got: on a busy machine wall time depends on other processes.
 //!
 //! The time of a run is the processor time of its stepping on one core, for every code: the wall time of the stepping, without set-up and
 //! output, times the share of a core that the run got.

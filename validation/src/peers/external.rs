@@ -4,15 +4,13 @@
 //! code.toml ─> folder with scene.json, grains.csv, frames.csv, wall0.stl ... ─> the command ─> files of frames ─> import ─> Recording
 //! ```
 
-mod frames;
-
-use super::mesh::wall_mesh;
 use super::process::{Run, locate};
 use super::run_folder::{RunFolder, check_pattern};
 use super::stl::stl;
 use super::{Code, CodeError, CodeName, Job, starting_grains};
 use crate::import::{FilePattern, ImportError, Imported, Manifest, Tables, assemble, unlike};
 use crate::observables::measured_frames;
+use crate::output::mesh::{FINE, wall_mesh};
 use crate::output::{RunFiles, cells::csv_below, shown};
 use crate::plan::{Measure, Scene};
 use crate::recording::{Recording, SAME_SIZE, frame_belongs_to, outside_domain};
@@ -36,13 +34,13 @@ pub struct External {
     folders: Option<BTreeMap<u64, PathBuf>>,
 }
 
-/// Why a description cannot be used.
+/// Error of a description.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: {problem}", file.display())]
 pub struct DescriptionError {
     /// The file.
     pub file: PathBuf,
-    /// What is wrong, and the remedy.
+    /// Fault and remedy.
     pub problem: String,
 }
 
@@ -68,6 +66,41 @@ impl External {
         Ok(External::new(description, here, None))
     }
 
+    /// Frames in folders that `patterns` name, one folder a seed, whose number ends the folder's name. `file` describes the code; its
+    /// command is not run. Without it a folder is that of a run of Makadam, or each of its files holds grains.
+    ///
+    /// # Errors
+    /// [`DescriptionError`].
+    pub fn of_frames(file: Option<&Path>, patterns: &[String]) -> Result<External, DescriptionError> {
+        let mut folders = BTreeMap::new();
+        for pattern in patterns {
+            let fault = |problem: String| DescriptionError { file: pattern.into(), problem };
+            let found = glob::glob(pattern).map_err(|error| fault(format!("is no pattern of folders: {error}")))?;
+            let found: Vec<PathBuf> = found.flatten().filter(|path| path.is_dir()).collect();
+            if found.is_empty() {
+                return Err(fault("there is no such folder; give one folder for each seed, such as 'seed*/'".into()));
+            }
+            for folder in found {
+                let fault = |problem: String| DescriptionError { file: folder.clone(), problem };
+                let seed = seed_of(&folder).ok_or_else(|| {
+                    fault("the name of a folder ends with the number of its seed, such as seed1".into())
+                })?;
+                let other = folders.insert(seed, folder.clone()).filter(|other| *other != folder);
+                if let Some(other) = other {
+                    return Err(fault(format!(
+                        "{} is of seed {seed} too; give one folder for each seed",
+                        other.display()
+                    )));
+                }
+            }
+        }
+        let (description, here) = match file {
+            Some(file) => read_description(file)?,
+            None => (Manifest { grains: vec!["*".into()], ..Manifest::default() }, PathBuf::new()),
+        };
+        Ok(External::new(description, here, Some(folders)))
+    }
+
     fn new(description: Manifest, here: PathBuf, folders: Option<BTreeMap<u64, PathBuf>>) -> External {
         // Codes are known by names that live as long as the program; one is judged at a time.
         let name = description.name.as_deref().unwrap_or("frames");
@@ -85,7 +118,7 @@ impl External {
             .into()
     }
 
-    /// Where the frames of a run are.
+    /// Returns the folder of the frames of a run.
     fn place<'p>(&'p self, job: &'p Job<'_>) -> &'p Path {
         self.folders.as_ref().and_then(|folders| folders.get(&job.seed)).map_or(job.work_folder, PathBuf::as_path)
     }
@@ -102,27 +135,24 @@ impl External {
         CodeError::Output { code: self.name, file: file.to_path_buf(), line, problem }
     }
 
-    /// Adds the files of the description's patterns, which `files` finds, to tables.
-    fn fill(
-        &self,
-        tables: &mut Tables,
-        files: impl Fn(&str) -> Result<Vec<PathBuf>, CodeError>,
-    ) -> Result<(), CodeError> {
+    /// Reads the files that the description names and a run has left.
+    fn tables_of(&self, run: &RunFolder, folder: &Path) -> Result<Tables, CodeError> {
         let refused = |ImportError { file, line, problem }: ImportError| self.output(&file, line, problem);
         let named = |pattern: &FilePattern| -> Result<Vec<PathBuf>, CodeError> {
-            let mut found = files(&pattern.glob())?;
+            let mut found = run.files(&pattern.glob()).map_err(|problem| self.output(folder, 1, problem))?;
             found.retain(|file| pattern.names(file));
             Ok(found)
         };
-        for pattern in &self.description.grains {
+        let (mut tables, own) = (Tables::default(), &self.description);
+        for pattern in &own.grains {
             let mut found = named(pattern)?.into_iter();
-            found.try_for_each(|file| tables.add_grains(&file, pattern, &self.description)).map_err(refused)?;
+            found.try_for_each(|file| tables.add_grains(&file, pattern, own)).map_err(refused)?;
         }
-        for pattern in &self.description.contacts {
+        for pattern in &own.contacts {
             let mut found = named(pattern)?.into_iter();
-            found.try_for_each(|file| tables.add_contacts(&file, pattern, &self.description)).map_err(refused)?;
+            found.try_for_each(|file| tables.add_contacts(&file, pattern, own)).map_err(refused)?;
         }
-        Ok(())
+        Ok(tables)
     }
 
     /// The frames of a run in tables; `grains` are those that it was started from, where they are known.
@@ -271,7 +301,9 @@ impl Code for External {
                 let recording = run.recording(self.name, job.seed, job.scene);
                 return recording.map_err(|error| refused(error.to_string()));
             }
-            let tables = self.tables_in(self.place(job))?;
+            let manifest = Manifest { folder: folder.into(), ..self.description.clone() };
+            let tables = Tables::read(&manifest);
+            let tables = tables.map_err(|ImportError { file, line, problem }| self.output(&file, line, problem))?;
             return self.recording(job, &tables, None, 0.0);
         }
         let grains = starting_grains(job)?;
@@ -291,9 +323,7 @@ impl Code for External {
         }
         .execute()?;
         let wall_seconds = clock.elapsed().as_secs_f64();
-        let mut tables = Tables::default();
-        let files = |pattern: &str| folder.files(pattern).map_err(|problem| self.output(job.work_folder, 1, problem));
-        self.fill(&mut tables, files)?;
+        let tables = self.tables_of(&folder, job.work_folder)?;
         let recording = self.recording(job, &tables, Some(&grains), wall_seconds)?;
         (job.progress)(1.0);
         Ok(recording)
@@ -327,7 +357,14 @@ fn read_description(file: &Path) -> Result<(Manifest, PathBuf), DescriptionError
     Ok((description, here.parent().unwrap_or(Path::new("/")).to_path_buf()))
 }
 
-/// What a code is given: names and contents of files.
+/// The number that ends the name of a folder.
+fn seed_of(folder: &Path) -> Option<u64> {
+    let name = folder.file_name()?.to_str()?;
+    let digits = name.len() - name.trim_end_matches(|letter: char| letter.is_ascii_digit()).len();
+    name[name.len() - digits..].parse().ok()
+}
+
+/// Names and contents of the files that a code is given.
 fn input(job: &Job<'_>, grains: &[Grain]) -> Vec<(String, Vec<u8>)> {
     let scene = job.scene;
     let smallest = grains.iter().map(|grain| grain.radius).fold(f64::INFINITY, f64::min);
@@ -345,7 +382,7 @@ fn input(job: &Job<'_>, grains: &[Grain]) -> Vec<(String, Vec<u8>)> {
         ("frames.csv".to_string(), csv_below(&["time"], asked(scene).into_iter().map(|time| [time])).expect(numbers)),
     ];
     for (place, wall) in scene.wall.iter().enumerate() {
-        let mesh = wall_mesh(&wall.shape, &scene.domain, smallest);
+        let mesh = wall_mesh(&wall.shape, &scene.domain, smallest, FINE);
         if !mesh.triangles.is_empty() {
             files.push((format!("wall{place}.stl"), stl(&mesh).into_bytes()));
         }

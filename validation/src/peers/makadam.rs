@@ -40,21 +40,13 @@ impl Code for Makadam {
             Halt::Interrupted | Halt::OutOfTime(_) => CodeError::Interrupted { code: "Makadam" },
         })?;
         Ok(Recording {
-            scene: scene.name.clone(),
-            code: self.name().into(),
-            version: Build::here().summary(),
-            seed: job.seed,
             time_step: step_seconds,
-            rayleigh_fraction: None,
             stiffness_factor: job.stiffness_factor,
-            threads: 1,
             wall_seconds: wall.as_secs_f64(),
             core_seconds: clock.core_seconds(wall),
             simulated_seconds: simulation.time() - beginning,
-            frames,
-            lacks: Vec::new(),
             alarms: Noticed::by(&watchdog),
-            notes: Vec::new(),
+            ..Recording::new(scene, self.name(), Build::here().summary(), job.seed, frames)
         })
     }
 }
@@ -81,7 +73,7 @@ pub fn starting_grains(job: &Job<'_>) -> Result<Vec<Grain>, CodeError> {
     starting_grains_if(job, |_| Ok(()))
 }
 
-/// The same where a code can run the scene: `check` is shown the grains as they are placed and may refuse, before the time that preparing a
+/// Grains at the start of a job's run, once `check` has accepted the grains as they are placed: a refusal does not wait until preparing a
 /// state takes.
 pub(super) fn starting_grains_if(
     job: &Job<'_>,

@@ -2,13 +2,11 @@
 
 mod code_name;
 mod core_share;
-mod data_file;
-mod deck_run;
+mod deck;
 pub mod external;
 pub mod lammps;
 pub mod liggghts;
 mod makadam;
-pub mod mesh;
 mod palette;
 mod plan;
 mod primitives;
@@ -38,10 +36,10 @@ use std::time::Duration;
 /// Hertz's spring and Mindlin's, both damped for the restitution of the scene: what explicit codes do where nothing else is said.
 pub const HERTZ_MINDLIN: &str = "Hertz-Mindlin, damped";
 
-/// What decks of earlier versions said: the tangential spring without damping.
+/// Law of decks of earlier versions: the tangential spring without damping.
 pub const UNDAMPED_TANGENT: &str = "Hertz-Mindlin, tangent undamped";
 
-/// What a run is for. The same scene at the same time step either way.
+/// Purpose of a run. Scene and time step are the same either way.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Purpose {
     /// Measuring: the frames tell of all contacts, and curved walls are fine meshes where the code has no others.
@@ -57,7 +55,7 @@ pub struct Job<'a> {
     pub scene: &'a Scene,
     /// File that the scene came from, named in errors.
     pub scene_file: &'a Path,
-    /// What it is for.
+    /// Its purpose.
     pub purpose: Purpose,
     /// Seed of the initial positions.
     pub seed: u64,
@@ -84,7 +82,7 @@ pub trait Code: Sync {
     fn contact_law(&self) -> &'static str {
         ""
     }
-    /// What it is told otherwise where it is timed, as the end of a sentence; `None` where it is told the same.
+    /// Difference of the input for timing, as the end of a sentence; `None` where there is none.
     fn timing_input(&self) -> Option<&'static str> {
         None
     }
@@ -107,7 +105,7 @@ pub trait Code: Sync {
     fn simulate(&self, job: &Job<'_>) -> Result<Recording, CodeError>;
 }
 
-/// Why a code gave no recording.
+/// Error of a code that gave no recording.
 #[derive(Debug, thiserror::Error)]
 pub enum CodeError {
     /// It is not on this machine.
@@ -121,7 +119,7 @@ pub enum CodeError {
     Unsupported {
         /// The code.
         code: &'static str,
-        /// What it lacks.
+        /// Missing capability.
         reason: String,
     },
     /// It ended with an error.
@@ -164,7 +162,7 @@ pub enum CodeError {
     Worthless {
         /// The code.
         code: &'static str,
-        /// What was noticed.
+        /// Diagnostic.
         alarm: ::makadam::watch::Alarm,
     },
     /// The user asked to stop.
@@ -182,7 +180,7 @@ pub enum CodeError {
         file: PathBuf,
         /// Line, from 1.
         line: usize,
-        /// What is wrong.
+        /// Fault.
         problem: String,
     },
     /// The scene cannot be populated.
@@ -200,15 +198,15 @@ pub enum CodeError {
     /// The system refused.
     #[error("{path}: {source}; {}", remedy(source))]
     Io {
-        /// What was being written or read.
+        /// Path of the file or folder.
         path: String,
-        /// What the system said.
+        /// Error of the system.
         source: std::io::Error,
     },
 }
 
 impl CodeError {
-    /// Whether the user asked to stop.
+    /// Returns true if the user asked to stop.
     pub fn is_interruption(&self) -> bool {
         matches!(self, CodeError::Interrupted { .. })
     }
@@ -220,7 +218,7 @@ impl CodeError {
     }
 }
 
-/// What to do about a file that the system refused.
+/// Remedy for a file that the system refused.
 fn remedy(source: &std::io::Error) -> &'static str {
     match source.kind() {
         std::io::ErrorKind::NotFound => "nothing has written it: see the logs beside it",
@@ -268,7 +266,7 @@ fn supported_start(code: &'static str, has: &[&'static Effect], job: &Job<'_>) -
     makadam::starting_grains_if(job, |grains| refuse_unsupported(code, has, job.scene, grains))
 }
 
-/// What no soft peer can do with a scene, told before it is started.
+/// Refuses scenes that no soft-sphere code can run.
 fn refuse_unsupported(
     code: &'static str,
     has: &[&'static Effect],

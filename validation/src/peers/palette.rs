@@ -37,7 +37,7 @@ impl<'a> Palette<'a> {
         pairs.filter_map(|(a, b)| self.coefficients(a, b).map(|coefficients| (a, b, coefficients)))
     }
 
-    /// Whether an entry is a material of walls; these come last.
+    /// Returns true if an entry is a material of walls; these come last.
     pub fn is_wall(&self, entry: usize) -> bool {
         self.entries[entry].1
     }

@@ -62,21 +62,12 @@ impl Plan {
         frames: Vec<Snapshot>,
     ) -> Recording {
         Recording {
-            scene: job.scene.name.clone(),
-            code: code.into(),
-            version,
-            seed: job.seed,
             time_step: self.time_step,
             rayleigh_fraction: Some(job.rayleigh_fraction),
             stiffness_factor: job.stiffness_factor,
-            threads: 1,
             wall_seconds,
-            core_seconds: None,
             simulated_seconds: self.steps as f64 * self.time_step,
-            frames,
-            lacks: Vec::new(),
-            alarms: Vec::new(),
-            notes: Vec::new(),
+            ..Recording::new(job.scene, code, version, job.seed, frames)
         }
     }
 

@@ -3,7 +3,7 @@
 //! Both are endless there. So a wall is one only where no grain can come to where the scene's wall has ended: a plane has no end, the faces of
 //! a box have none for grains that are inside, and a cylinder has none for grains between two lids that close it, nor has such a lid.
 
-use super::mesh::reach;
+use crate::output::mesh::reach;
 use crate::plan::Scene;
 use makadam::scene::{Grain, Motion, Shape, Wall};
 use nalgebra::Vector3;
@@ -18,7 +18,7 @@ pub(super) enum Primitive {
     Plane {
         /// The axis, 0 to 2.
         axis: usize,
-        /// Where on it, m.
+        /// Place on the axis, m.
         at: f64,
     },
     /// Along an axis, seen from inside.
@@ -93,7 +93,7 @@ struct Tube {
 }
 
 impl Tube {
-    /// What a wall is, if it is such a cylinder.
+    /// Converts a wall, if it is such a cylinder.
     fn of(wall: &Wall, scene: &Scene, grains: &[Grain]) -> Option<Tube> {
         let Shape::Cylinder { base, axis: direction, radius, length } = &wall.shape else { return None };
         let (axis, sign) = along(direction)?;
@@ -128,12 +128,11 @@ impl Tube {
             && along < self.ends[1]
     }
 
-    /// Whether a point lies on the centre line.
     fn is_central(&self, point: &[f64; 3]) -> bool {
         (0..3).all(|at| at == self.axis || (point[at] - self.centre[at]).abs() <= SLACK * self.radius)
     }
 
-    /// Whether a disc lies across it from side to side, at one of its ends or between them.
+    /// Returns true if a disc lies across it from side to side, at one of its ends or between them.
     fn has_lid(&self, shape: &Shape) -> bool {
         let Shape::Disc { centre, normal, radius, hole } = shape else { return false };
         let slack = SLACK * self.radius;
@@ -146,7 +145,7 @@ impl Tube {
             && *radius >= self.radius - slack
     }
 
-    /// Whether a wall that does not leave its place closes an end, 0 the lower one.
+    /// Returns true if a wall that does not leave its place closes an end, 0 the lower one.
     fn is_closed_by(&self, wall: &Wall, end: usize) -> bool {
         let inwards = [1.0, -1.0][end];
         let faces = |normal: &[f64; 3]| along(normal) == Some((self.axis, inwards));

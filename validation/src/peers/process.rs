@@ -62,7 +62,7 @@ fn variable_of(code: &str) -> String {
     format!("MAKADAM_{code}")
 }
 
-/// Why a code's program is not there, and what to do.
+/// Reason for which a code's program is missing, and the remedy.
 pub(crate) fn absent(code: &str) -> String {
     let variable = variable_of(code);
     match std::env::var_os(&variable) {
@@ -172,7 +172,7 @@ impl Run<'_> {
         }
     }
 
-    /// Why it failed, in its own words; the log named to the user holds them all.
+    /// Returns the program's own reason of its failure; the log named to the user holds all of its output.
     fn last_words(&self) -> String {
         let printed = ending(&self.log);
         let own: Vec<String> = self.own_logs.iter().map(|log| ending(log)).collect();
@@ -189,7 +189,6 @@ impl Run<'_> {
     }
 }
 
-/// Whether a log is longer than what is kept of one.
 fn is_too_long(log: &File) -> bool {
     log.metadata().is_ok_and(|log| log.len() > LONGEST_LOG << 20)
 }
@@ -250,7 +249,7 @@ pub(super) fn locate(program: &OsStr) -> Option<PathBuf> {
     std::env::split_paths(&std::env::var_os("PATH")?).map(|folder| folder.join(program)).find(|file| file.is_file())
 }
 
-/// What a program prints when asked for its version; nothing if it is not there, empty if it cannot be started or does
+/// Reads a program's answer about its version; none if it is not there, empty if it cannot be started or does
 /// not answer in time. Why it cannot be started is told by the run that follows.
 fn first_words(program: &OsStr, arguments: &[&str]) -> Option<String> {
     let program = locate(program)?;

@@ -86,7 +86,7 @@ impl RunFolder {
     }
 }
 
-/// Whether a pattern names files below the folder of a run.
+/// Checks that a pattern names files below the folder of a run.
 ///
 /// # Errors
 /// Why not, and the remedy.

@@ -1,6 +1,6 @@
 //! Meshes as STL, in text.
 
-use super::mesh::Mesh;
+use crate::output::mesh::Mesh;
 use nalgebra::Vector3;
 use std::fmt::Write;
 

@@ -1,6 +1,5 @@
 //! YADE: a job file for `yade_driver.py`, which runs inside it, and the frames that come back.
 
-use super::mesh::{COARSE, FINE, Mesh, Triangle, cut_wall};
 use super::palette::Palette;
 use super::plan::{MotionPhase, Plan};
 use super::primitives::{Primitive, primitives};
@@ -8,6 +7,7 @@ use super::process::{self, Program, Run, io};
 use super::yade_rolling::{Rolling, rolling};
 use super::{Code, CodeError, HERTZ_MINDLIN, Job, Purpose, supported_start};
 use crate::import::{contact_from_force, measurable, merge_wall_contacts};
+use crate::output::mesh::{COARSE, FINE, Mesh, Triangle, wall_mesh};
 use crate::recording::Recording;
 use makadam::effects::catalogue::{
     COHESION, COMPLIANCE, DRIVEN_WALLS, Effect, FRICTION, GRAVITY, RESTITUTION, ROLLING, SIZE_SPREAD, SPIN,
@@ -106,7 +106,7 @@ struct GrainEntry<'a> {
 #[derive(Serialize)]
 struct WallEntry {
     material: usize,
-    /// Whether the triangles stand for a curved surface.
+    /// True if the triangles approximate a curved surface.
     curved: bool,
     triangles: Vec<Triangle>,
     /// Endless planes across an axis: the axis, 0 to 2, and where on it they are, m.
@@ -143,7 +143,7 @@ struct MotionEntry {
     last: u64,
 }
 
-/// What the driver tells of the run itself.
+/// Statement of the driver about the run.
 #[derive(Debug, Deserialize)]
 pub struct RunResult {
     /// Wall time of the stepping, s.
@@ -359,7 +359,7 @@ fn surfaces(job: &Job<'_>, grains: &[Grain], rolls: bool) -> Vec<(Mesh, Vec<(usi
         .filter_map(plane)
         .collect::<Vec<_>>()
     {
-        planes if planes.is_empty() => (cut_wall(&wall.shape, &scene.domain, smallest, fineness), planes),
+        planes if planes.is_empty() => (wall_mesh(&wall.shape, &scene.domain, smallest, fineness), planes),
         planes => (Mesh::default(), planes),
     };
     scene.wall.iter().zip(&found).map(of).collect()

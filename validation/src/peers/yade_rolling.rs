@@ -39,7 +39,7 @@ pub(super) struct Rolling {
     krot: f64,
 }
 
-/// What stands for the scene's rolling resistance, if it has any; an error says what YADE cannot do.
+/// Returns the scene's rolling resistance in YADE's terms, if it has any; an error states a limit of YADE.
 pub(super) fn rolling(palette: &Palette<'_>, grains: &[Grain]) -> Result<Option<Rolling>, String> {
     let eta = |(_, b, pair): (usize, usize, makadam::scene::ContactCoefficients)| {
         pair.rolling_friction / if palette.is_wall(b) { FACET } else { 2.0 }

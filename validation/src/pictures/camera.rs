@@ -16,7 +16,7 @@ const FILLED: f64 = 0.94;
 /// Share of the grains on either side of each axis that may be strays, which are not waited for.
 const STRAYS: f64 = 0.0025;
 
-/// How far walls reach beyond the grains, over the size of what the grains fill, and are still looked at.
+/// Distance beyond the grains within which walls are looked at, over the size of the bed.
 const AROUND: f64 = 0.35;
 
 /// A direction to look along.
@@ -52,7 +52,7 @@ pub struct Camera {
     middle: [f64; 2],
 }
 
-/// What a picture is to show.
+/// Subject of a picture.
 #[derive(Clone, Debug)]
 pub struct Subject {
     points: Vec<(Vector, f64)>,
@@ -113,7 +113,7 @@ fn neighbourhood(walls: &Walls) -> Option<[Vector; 2]> {
     Some([low - room, high + room])
 }
 
-/// Where a viewer begins: directions, angles, distance.
+/// Initial view of a page: directions, angles, distance.
 #[derive(Clone, Debug, Serialize)]
 pub struct Outlook {
     /// Unit vector against gravity.
@@ -126,7 +126,7 @@ pub struct Outlook {
     elevation: f64,
     /// The point that is looked at, m.
     target: [f64; 3],
-    /// How far away it is, m.
+    /// Distance of the eye from it, m.
     away: f64,
     /// Half the size of what is looked at, m.
     size: f64,
@@ -135,7 +135,7 @@ pub struct Outlook {
 }
 
 impl Subject {
-    /// Where a viewer begins whose window may have any shape.
+    /// Returns the initial view for a window of any shape.
     pub fn outlook(&self, frame: &RunFrame) -> Outlook {
         let (front, up, best) = natural(frame);
         let camera = Camera::looking_at(self, frame, View::Natural, [1000.0, 1000.0], 0.0);
@@ -286,7 +286,7 @@ impl Camera {
         (self.up * 0.75 - self.right * 0.45 - self.forward * 0.65).normalize()
     }
 
-    /// The same camera for a picture that is so many times as large.
+    /// Scales the camera to a picture that is larger by a factor.
     pub(super) fn enlarged(&self, factor: f64) -> Camera {
         Camera { focal: factor * self.focal, middle: self.middle.map(|place| factor * place), ..self.clone() }
     }
@@ -318,7 +318,7 @@ impl std::str::FromStr for View {
 pub struct Cut {
     /// Axis, 0 to 2.
     pub axis: usize,
-    /// Where the plane meets the axis, m.
+    /// Place of the plane on the axis, m.
     pub at: f64,
 }
 

@@ -43,7 +43,7 @@ const KINDS: [&str; 2] = ["material", "population"];
 /// Most kinds that are told apart by colours.
 pub const MOST_KINDS: usize = PALETTE.len();
 
-/// How values become colours.
+/// Map of values to colours.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Scale {
     /// From one value to another.
@@ -82,7 +82,7 @@ impl Scale {
         }
     }
 
-    /// Where a value lies on the scale, 0 to 1, or the colour of its kind.
+    /// Returns the colour of a value.
     pub(super) fn colour(&self, value: f64) -> Colour {
         match self {
             Scale::Range([low, high]) => viridis((value - low) / (high - low)),
@@ -105,7 +105,7 @@ pub(super) fn viridis(share: f64) -> Colour {
     })
 }
 
-/// What a frame is best coloured by where nobody says: speed, or the pressure in grains where all are at rest, whichever there is.
+/// Chooses the field to colour a frame by: speed, or pressure where all grains are at rest, whichever there is.
 pub fn telling(frame: &RunFrame) -> &'static str {
     let has = |name: &str| frame.quantity(name).map(|quantity| quantity.values);
     let diameter = 2.0 * frame.grains.radii.iter().copied().fold(0.0, f64::max);

@@ -1,7 +1,7 @@
 //! Pictures into files: PNG, and animations as APNG or GIF.
 
 use super::Picture;
-use crate::output::{WriteError, write_whole};
+use crate::output::{Draft, WriteError, write_whole};
 use color_quant::NeuQuant;
 use gif::{Encoder, Frame, Repeat};
 use std::fs::File;
@@ -11,13 +11,13 @@ use std::path::{Path, PathBuf};
 /// Colours of a GIF.
 const COLOURS: usize = 256;
 
-/// How thoroughly colours are chosen for a GIF, 1 (best) to 30.
+/// Sampling of colours for a GIF, 1 (best) to 30.
 const THOROUGH: i32 = 10;
 
 /// Frames from which the colours of a GIF are chosen.
 const SAMPLES: usize = 3;
 
-/// Why a picture cannot be written.
+/// Error of a picture that cannot be written.
 #[derive(Debug, thiserror::Error)]
 pub enum PictureError {
     /// The system refuses.
@@ -62,6 +62,11 @@ pub(crate) fn png(picture: &Picture) -> Vec<u8> {
     bytes
 }
 
+/// Returns true if a file is named as an animation.
+pub fn is_animation(path: &Path) -> bool {
+    matches!(&*ending(path), "gif" | "apng")
+}
+
 fn ending(path: &Path) -> String {
     path.extension().map_or(String::new(), |ending| ending.to_string_lossy().to_ascii_lowercase())
 }
@@ -71,16 +76,6 @@ pub struct Animation {
     path: PathBuf,
     draft: Draft,
     format: Format,
-}
-
-/// A file that is removed unless it was given its name: whatever goes wrong, nothing half written stays.
-struct Draft(PathBuf);
-
-impl Drop for Draft {
-    fn drop(&mut self) {
-        // One that cannot be removed is told from the file by its name; one that has its name is not there.
-        let _ = std::fs::remove_file(&self.0);
-    }
 }
 
 /// The colour of the GIF that is nearest to one of a picture, by the upper bits of its red, green and blue, as far as that was asked
@@ -109,10 +104,8 @@ impl Animation {
             _ => return Err(format()),
         };
         let first = samples.first().ok_or_else(format)?;
-        let mut draft = path.as_os_str().to_owned();
-        draft.push(format!(".part{}", std::process::id()));
-        let draft = Draft(PathBuf::from(draft));
-        let file = File::create(&draft.0).map_err(|source| WriteError::new(path, source))?;
+        let draft = Draft::of(path);
+        let file = File::create(draft.name()).map_err(|source| WriteError::new(path, source))?;
         let file = BufWriter::new(file);
         let (width, height) = (first.width, first.height);
         let format = match is_gif {
@@ -151,7 +144,7 @@ impl Animation {
         samples
     }
 
-    /// How long a frame is shown, s: the format's nearest to what was asked for.
+    /// Returns the duration of a frame, s: the format's nearest to the requested one.
     pub fn seconds_per_frame(&self) -> f64 {
         match &self.format {
             Format::Gif { delay, .. } => 0.01 * f64::from(*delay),
@@ -192,7 +185,7 @@ impl Animation {
             }
             Format::Apng { writer, .. } => writer.finish().map_err(|error| refused(&path, error))?,
         }
-        Ok(std::fs::rename(&draft.0, &path).map_err(|source| WriteError::new(&path, source))?)
+        Ok(draft.finish()?)
     }
 }
 

@@ -22,7 +22,7 @@ pub(super) struct Sheet<'a> {
     pub height: usize,
 }
 
-/// Where a text stands from its place.
+/// Alignment of a text at its place.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Anchor {
     Left,

@@ -17,7 +17,7 @@ mod shade;
 pub use camera::{Camera, Cut, Subject, View};
 pub use colours::{MOST_KINDS, PALETTE, Scale, VIRIDIS, telling};
 pub(crate) use files::png;
-pub use files::{Animation, PictureError, write_png};
+pub use files::{Animation, PictureError, is_animation, write_png};
 pub(crate) use lettering::ticks;
 pub use of_run::{Content, caption};
 
@@ -36,7 +36,7 @@ const FINER: usize = 2;
 /// Cosine of the angle between two triangles from which on their common edge is drawn.
 const SHARP: f64 = 0.9;
 
-/// How a picture is drawn.
+/// Style of a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Style {
     /// Width and height, pixels.
@@ -45,7 +45,7 @@ pub struct Style {
     pub view: View,
     /// A plane in front of which nothing is shown.
     pub cut: Option<Cut>,
-    /// Whether walls are drawn.
+    /// True if walls are drawn.
     pub walls: bool,
 }
 
@@ -68,7 +68,7 @@ impl Picture {
     }
 }
 
-/// What is seen of a frame.
+/// Frame with camera and clipping plane.
 struct Sight<'a> {
     frame: &'a RunFrame,
     camera: &'a Camera,
@@ -82,7 +82,7 @@ pub fn camera(subject: &Subject, frame: &RunFrame, style: &Style) -> Camera {
     Camera::looking_at(subject, frame, style.view, [width as f64, height as f64], strip as f64)
 }
 
-/// Whether pictures of a size have room for the colour scale.
+/// Returns true if pictures of a size have space for the colour scale.
 pub fn has_scale([width, height]: [usize; 2]) -> bool {
     Sheet { colours: &mut [], width, height }.strip() > 0
 }
@@ -164,14 +164,14 @@ fn flats(walls: &Walls, sight: &Sight<'_>) -> (Vec<Flat>, Vec<Flat>) {
         if is_cut_away(&corners, sight) {
             continue;
         }
-        let hides = walls.shapes.get(*wall as usize).is_some_and(|shape| shape == "spheres");
+        let hides = walls.shapes.get(*wall as usize).is_some_and(|shape| *shape == "spheres");
         let flat = Flat::of(corners, sight.camera);
         if hides { stone.extend(flat) } else { glass.extend(flat) }
     }
     (stone, glass)
 }
 
-/// Whether all corners lie in front of the clipping plane.
+/// Returns true if all corners lie in front of the clipping plane.
 fn is_cut_away(corners: &[Vector], sight: &Sight<'_>) -> bool {
     sight.cut.is_some_and(|cut| {
         let normal = cut.normal(sight);
@@ -195,7 +195,7 @@ pub(crate) fn wall_edges(walls: &Walls) -> Vec<[[f64; 3]; 2]> {
     let key = |point: &[f64; 3]| point.map(|place| (place / size * 1e6).round() as i64);
     let mut sides: BTreeMap<Side, (Vec<Vector>, [[f64; 3]; 2])> = BTreeMap::new();
     for (triangle, &wall) in walls.triangles.iter().zip(&walls.wall) {
-        if walls.shapes.get(wall as usize).is_some_and(|shape| shape == "spheres") {
+        if walls.shapes.get(wall as usize).is_some_and(|shape| *shape == "spheres") {
             continue;
         }
         let corners = triangle.map(|corner| walls.points[corner as usize]);

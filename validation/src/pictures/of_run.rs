@@ -28,7 +28,7 @@ impl Content {
     /// Draws a frame of a run.
     ///
     /// # Errors
-    /// [`RunFolderError::NoField`] or [`RunFolderError::ManyNumbers`] for a field that cannot be drawn.
+    /// [`RunFolderError::Unknown`] for a field that cannot be drawn.
     pub fn picture(&self, run: &RunFrames, frame: &RunFrame, style: &Style) -> Result<Picture, RunFolderError> {
         let quantity = run.field(frame, &self.field_of(frame))?;
         let scale = self.scale_of(&quantity.title, &quantity.values);

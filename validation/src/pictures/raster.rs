@@ -1,4 +1,4 @@
-//! What is seen through each pixel: the foremost grain, or the foremost of the walls that hide what is behind them.
+//! Visible surface of each pixel: the foremost grain, or the foremost of the walls that hide what is behind them.
 
 use super::{Sight, camera::Camera};
 use crate::interrupt;
@@ -10,7 +10,7 @@ type Vector = Vector3<f64>;
 /// Lines of a picture that are filled by one task.
 const BAND: usize = 32;
 
-/// What is seen through a pixel.
+/// Visible surface of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Pixel {
     /// Distance along the line of sight, m; infinite where there is nothing.

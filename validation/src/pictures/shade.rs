@@ -31,13 +31,13 @@ const NEIGHBOURS: usize = 14;
 /// Lines of a picture that are coloured by one task.
 const BAND: usize = 16;
 
-/// What there is to shade.
+/// Pixels to shade.
 pub(super) struct Surface<'a> {
     pub raster: &'a Raster,
     pub camera: &'a Camera,
     /// Colour of each grain.
     pub colours: &'a [Colour],
-    /// How far things hide each other from the sky, m.
+    /// Distance within which surfaces hide each other from the sky, m.
     pub reach: f64,
     /// [`places`].
     pub places: [[f64; 2]; NEIGHBOURS],

@@ -1,6 +1,6 @@
 //! The frames of a run, in its folder or in memory.
 
-use super::frame::{FrameTables, Kind, RunFrame};
+use super::frame::{FrameTables, Kind, Quantity, RunFrame};
 use super::store::Store;
 use crate::output::RunFiles;
 use crate::output::vtk::PolyData;
@@ -11,70 +11,19 @@ use makadam::snapshot::Snapshot;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Why frames cannot be read.
+/// Error of frames of a run.
 #[derive(Debug, thiserror::Error)]
 pub enum RunFolderError {
-    /// There is no such folder.
-    #[error(
-        "no run '{run}': there is no folder of that name, here or below results; give the folder that makadam run wrote into"
-    )]
-    NoFolder {
-        /// Requested run.
-        run: String,
-    },
-    /// There are no frames in it.
-    #[error("{folder} holds no frames of a run: {problem}; give the folder that makadam run wrote into")]
-    NoFrames {
-        /// The folder.
-        folder: String,
-        /// Missing file or frame.
-        problem: String,
-    },
-    /// A time outside the run.
-    #[error("{folder}: {time} s lies outside the run, whose {count} frames are from {first} s to {last} s")]
-    OutOfRange {
-        /// The folder.
-        folder: String,
-        /// Requested time, s.
-        time: f64,
-        /// Number of frames.
-        count: usize,
-        /// Time of the first one, s.
-        first: f64,
-        /// Time of the last one, s.
-        last: f64,
-    },
-    /// A file that is not what it should be.
+    /// A run, a time or a field that does not exist.
+    #[error("{0}")]
+    Unknown(String),
+    /// A damaged file.
     #[error("{file} {problem}; run the scene again")]
     Damaged {
         /// The file.
         file: String,
         /// Fault of the file.
         problem: String,
-    },
-    /// A field that colours cannot show.
-    #[error(
-        "'{field}' is in the frames of {folder}, but {numbers} numbers of a grain are no colour; give one of: {known}"
-    )]
-    ManyNumbers {
-        /// Requested field.
-        field: String,
-        /// The folder.
-        folder: String,
-        /// Numbers per grain.
-        numbers: usize,
-        /// Fields that can be drawn.
-        known: String,
-    },
-    /// A field that is not there.
-    #[error("no field '{field}' in the frames of {folder}; there are: {known}")]
-    NoField {
-        /// Requested field.
-        field: String,
-        /// The folder.
-        folder: String,
-        /// Fields of the frames.
-        known: String,
     },
 }
 
@@ -109,9 +58,20 @@ impl RunFrames {
     pub fn open(run: &Path) -> Result<RunFrames, RunFolderError> {
         let below = Path::new("results").join(run);
         let folder = [run, &below].into_iter().find(|folder| folder.is_dir());
-        let folder = folder.ok_or_else(|| RunFolderError::NoFolder { run: run.display().to_string() })?.to_path_buf();
+        let folder = folder.ok_or_else(|| {
+            let run = run.display();
+            RunFolderError::Unknown(format!(
+                "no run '{run}': there is no folder of that name, here or below results; give the folder that makadam run wrote into"
+            ))
+        })?;
+        let folder = folder.to_path_buf();
         let file = folder.join(RunFiles::FRAMES);
-        let none = |problem: String| RunFolderError::NoFrames { folder: folder.display().to_string(), problem };
+        let none = |problem: String| {
+            let folder = folder.display();
+            RunFolderError::Unknown(format!(
+                "{folder} holds no frames of a run: {problem}; give the folder that makadam run wrote into"
+            ))
+        };
         // A pipe would never answer.
         if !file.is_file() {
             return Err(none(format!("there is no {} in it", RunFiles::FRAMES)));
@@ -177,31 +137,30 @@ impl RunFrames {
     /// Returns the number of the frame nearest to a time (s).
     ///
     /// # Errors
-    /// [`RunFolderError::OutOfRange`] if the time lies outside the run.
+    /// [`RunFolderError::Unknown`] if the time lies outside the run.
     pub fn at(&self, time: f64) -> Result<usize, RunFolderError> {
         let (first, last) = (self.time(0), self.time(self.count() - 1));
         // Times are typed with few digits.
         let slack = 1e-6 * (last - first).abs().max(1e-9);
         if !(first - slack..=last + slack).contains(&time) {
-            let folder = self.folder.display().to_string();
-            return Err(RunFolderError::OutOfRange {
-                folder,
-                time,
-                count: self.count(),
-                first: rounded(first),
-                last: rounded(last),
-            });
+            return Err(RunFolderError::Unknown(format!(
+                "{}: {time} s lies outside the run, whose {} frames are from {} s to {} s",
+                self.folder.display(),
+                self.count(),
+                rounded(first),
+                rounded(last)
+            )));
         }
         let off = |number: &usize| (self.time(*number) - time).abs();
         Ok((0..self.count()).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(0))
     }
 
-    /// Reads a frame with all its fields.
+    /// Reads a frame.
     ///
     /// # Errors
     /// [`RunFolderError::Damaged`] if it cannot be read.
     pub fn read(&self, number: usize) -> Result<RunFrame, RunFolderError> {
-        Ok(self.tables.frame(&*self.snapshot(number)?))
+        Ok(self.tables.frame(&self.snapshot(number)?))
     }
 
     /// Reads a part of a frame as polygonal data, with the fields that the scene requests.
@@ -251,21 +210,10 @@ impl RunFrames {
             false => vec![Content::Contacts, Content::WallContacts],
         };
         Ok(Recording {
-            scene: scene.name.clone(),
-            code: code.into(),
-            version: VERSION.into(),
-            seed,
             time_step: own.solver.step,
-            rayleigh_fraction: None,
-            stiffness_factor: 1.0,
-            threads: 1,
-            wall_seconds: 0.0,
-            core_seconds: None,
-            simulated_seconds: self.time(self.count() - 1),
-            frames,
             lacks,
-            alarms: Vec::new(),
             notes: self.alarms.iter().cloned().chain(self.of_other_scene(scene)).collect(),
+            ..Recording::new(scene, code, VERSION, seed, frames)
         })
     }
 
@@ -285,15 +233,18 @@ impl RunFrames {
     /// Returns a requested field, by its name with hyphens or underscores.
     ///
     /// # Errors
-    /// [`RunFolderError::NoField`] if the frame has none of that name.
-    pub fn field(&self, frame: &RunFrame, name: &str) -> Result<super::Quantity, RunFolderError> {
+    /// [`RunFolderError::Unknown`] if the frame has none of that name.
+    pub fn field(&self, frame: &RunFrame, name: &str) -> Result<Quantity, RunFolderError> {
         let name = name.replace('-', "_");
         frame.quantity(&name).ok_or_else(|| {
             let (known, folder) = (frame.quantities().join(", "), self.folder.display().to_string());
-            match frame.grains.fields.iter().find(|array| array.name == name) {
-                Some(array) => RunFolderError::ManyNumbers { field: name, folder, numbers: array.components, known },
-                None => RunFolderError::NoField { folder, known, field: name },
-            }
+            RunFolderError::Unknown(match frame.table.field(&frame.snapshot, &name) {
+                Some(array) => format!(
+                    "'{name}' is in the frames of {folder}, but {} numbers of a grain are no colour; give one of: {known}",
+                    array.components
+                ),
+                None => format!("no field '{name}' in the frames of {folder}; there are: {known}"),
+            })
         })
     }
 }

@@ -1,10 +1,10 @@
 //! One frame of a run in memory.
 
-use crate::output::vtk::{Array, Cells, PolyData};
-use crate::output::{GrainTable, WallMesh, repeats};
+use crate::output::vtk::PolyData;
+use crate::output::{GrainTable, WallMesh, Walls};
 use crate::plan::Scene;
-use makadam::effects::gravity::Field;
-use makadam::snapshot::{DrivenWall, Particle, Snapshot};
+use makadam::snapshot::{Particle, Snapshot};
+use std::sync::Arc;
 
 /// Part of a frame that is a file of its own in exports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,19 +44,10 @@ pub struct RunFrame {
     pub walls: Option<Walls>,
     /// Acceleration of gravity, m/s2.
     pub gravity: [f64; 3],
-    /// Poses of the walls that forces drive.
-    pub driven_walls: Vec<DrivenWall>,
-    /// Periodic axes of the domain; none without such axes.
-    pub repeats: Option<Repeats>,
-}
-
-/// Periodic axes of a domain.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Repeats {
-    /// Length of the period along each axis, m; zero along the other axes.
-    pub lengths: [f64; 3],
-    /// Start of the period, m.
-    pub starts: [f64; 3],
+    /// Lengths of the periodic axes, zero along the others, and their starts, m; none without such axes.
+    pub repeats: Option<[[f64; 3]; 2]>,
+    pub(crate) table: Arc<GrainTable>,
+    pub(crate) snapshot: Arc<Snapshot>,
 }
 
 /// The grains of a frame.
@@ -66,10 +57,6 @@ pub struct Grains {
     pub positions: Vec<[f64; 3]>,
     /// Radii, m.
     pub radii: Vec<f64>,
-    /// Further arrays, each with a tuple per grain.
-    pub(crate) fields: Vec<Array>,
-    /// Names of the materials, by their numbers; empty where they are not known.
-    pub materials: Vec<String>,
 }
 
 /// A contact as it is drawn.
@@ -81,21 +68,30 @@ pub struct ContactLine {
     pub normal_force: f64,
 }
 
-/// Walls as triangles.
+/// A number of every grain, with its unit.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Walls {
-    /// Corners, m.
-    pub points: Vec<[f64; 3]>,
-    /// Triangles, by the numbers of their corners.
-    pub triangles: Vec<[u32; 3]>,
-    /// Number of the wall that a triangle belongs to.
-    pub wall: Vec<u32>,
-    /// Names of the walls, by their numbers.
+pub struct Quantity {
+    /// Its name in words, such as "angular velocity".
+    pub title: String,
+    /// Its unit; empty for plain numbers.
+    pub unit: &'static str,
+    /// One value per grain.
+    pub values: Vec<f64>,
+    /// Names of the values where they number something that has names.
     pub names: Vec<String>,
-    /// Kinds of their shapes, as the scene calls them, by their numbers; empty where they are not known.
-    pub shapes: Vec<String>,
-    /// Unit vectors along the axes that walls turn about, by their numbers; zero for those that do not turn.
-    pub axes: Vec<[f64; 3]>,
+}
+
+/// Returns the unit of a field, by its name; empty for numbers.
+pub fn unit_of(name: &str) -> &'static str {
+    match name {
+        "diameter" => "m",
+        "mass" => "kg",
+        "speed" | "velocity" => "m/s",
+        "angular_velocity" => "rad/s",
+        "force" => "N",
+        "stress" | "pressure" => "Pa",
+        _ => "",
+    }
 }
 
 impl RunFrame {
@@ -103,28 +99,36 @@ impl RunFrame {
     pub(crate) fn of_state(scene: &Scene, time: f64, particles: &[Particle]) -> RunFrame {
         let is_finite =
             |grain: &&Particle| grain.position.iter().chain(&grain.velocity).all(|number| number.is_finite());
-        let grains: Vec<&Particle> = particles.iter().filter(is_finite).collect();
-        let walls = surfaces(WallMesh::new(scene).at(time, &[]));
-        let walls = {
-            let is_known = |(_, wall): &([u32; 3], u32)| !scene.wall[*wall as usize].motion.is_driven();
-            let (triangles, wall) = walls.triangles.into_iter().zip(walls.wall).filter(is_known).unzip();
-            Walls { triangles, wall, ..walls }
-        };
-        let velocities = grains.iter().flat_map(|grain| grain.velocity).collect::<Vec<f64>>();
-        RunFrame {
-            time,
-            gravity: scene.gravity,
-            grains: Grains {
-                positions: grains.iter().map(|grain| grain.position).collect(),
-                radii: grains.iter().map(|grain| grain.radius).collect(),
-                fields: vec![Array::floats("velocity", 3, velocities.into_iter())],
-                materials: Vec::new(),
-            },
-            contacts: None,
-            walls: Some(walls),
-            driven_walls: Vec::new(),
-            repeats: None,
+        let particles = particles.iter().filter(is_finite).cloned().collect();
+        let mut frame = FrameTables::new(scene).frame(&Arc::new(Snapshot { time, particles, ..Snapshot::default() }));
+        if let Some(walls) = &mut frame.walls {
+            let is_known = |wall: &u32| !scene.wall[*wall as usize].motion.is_driven();
+            let known: Vec<bool> = walls.wall.iter().map(is_known).collect();
+            let mut each = known.iter();
+            walls.triangles.retain(|_| each.next() == Some(&true));
+            walls.wall.retain(is_known);
         }
+        frame
+    }
+
+    /// Returns the names of the fields that are one number per grain, or that have a length, in order.
+    pub fn quantities(&self) -> Vec<String> {
+        let mut names: Vec<String> = GrainTable::names().filter(|name| *name != "stress").map(String::from).collect();
+        names.sort();
+        names
+    }
+
+    /// Returns a field as one number per grain: of vectors the length.
+    pub fn quantity(&self, name: &str) -> Option<Quantity> {
+        let array = self.table.field(&self.snapshot, name)?;
+        let length = |vector: &[f64]| vector.iter().map(|component| component * component).sum::<f64>().sqrt();
+        let values = match array.components {
+            1 => array.values(),
+            3 => array.values().chunks_exact(3).map(length).collect(),
+            _ => return None,
+        };
+        let names = if name == "material" { self.table.materials.clone() } else { Vec::new() };
+        Some(Quantity { title: name.replace('_', " "), unit: unit_of(name), values, names })
     }
 }
 
@@ -132,26 +136,14 @@ impl RunFrame {
 #[derive(Clone, Debug)]
 pub(crate) struct FrameTables {
     scene: Scene,
-    /// Grains with the fields that the scene requests.
-    requested: GrainTable,
-    /// Grains with all fields.
-    all: GrainTable,
+    grains: Arc<GrainTable>,
     walls: WallMesh,
-    gravity: Field,
-    repeats: Option<Repeats>,
 }
 
 impl FrameTables {
-    /// Tables of the frames of a scene.
     pub(crate) fn new(scene: &Scene) -> FrameTables {
-        FrameTables {
-            requested: GrainTable::new(scene, scene.output.as_ref().and_then(|output| output.fields.as_deref())),
-            all: GrainTable::new(scene, None),
-            walls: WallMesh::new(scene),
-            gravity: scene.gravity_field(),
-            repeats: Repeats::of(scene),
-            scene: scene.clone(),
-        }
+        let grains = Arc::new(GrainTable::new(scene));
+        FrameTables { grains, walls: WallMesh::new(scene), scene: scene.clone() }
     }
 
     /// Returns the scene.
@@ -164,69 +156,37 @@ impl FrameTables {
         self.walls.moves()
     }
 
-    /// Returns the grains, contacts or walls of a frame as polygonal data.
+    /// Returns the grains with the requested fields, the contacts or the walls of a frame as polygonal data.
     pub(crate) fn poly_data(&self, frame: &Snapshot, kind: Kind) -> PolyData {
+        let fields = self.scene.output.as_ref().and_then(|output| output.fields.as_deref());
         match kind {
-            Kind::Grains => self.requested.grains(frame),
-            Kind::Contacts => self.all.contacts(frame),
-            Kind::Walls => self.walls.at(frame.time, &frame.driven_walls),
+            Kind::Grains => self.grains.grains(frame, fields),
+            Kind::Contacts => self.grains.contacts(frame),
+            Kind::Walls => self.walls.poly_data(frame.time, &frame.driven_walls),
         }
     }
 
-    /// Returns a frame with all its fields.
-    pub(crate) fn frame(&self, frame: &Snapshot) -> RunFrame {
-        let grains = self.all.grains(frame);
+    /// Returns a frame; its fields are computed on request.
+    pub(crate) fn frame(&self, snapshot: &Arc<Snapshot>) -> RunFrame {
         let output = self.scene.output.clone().unwrap_or_default();
         let lines = || {
-            let forces = frame.contacts.iter().map(|contact| contact.normal_force);
-            let ends = self.all.ends(frame).into_iter();
+            let forces = snapshot.contacts.iter().map(|contact| contact.normal_force);
+            let ends = self.grains.ends(snapshot).into_iter();
             ends.zip(forces).map(|(ends, normal_force)| ContactLine { ends, normal_force }).collect()
         };
-        let walls = || surfaces(self.walls.at(frame.time, &frame.driven_walls));
+        let walls = || self.walls.at(snapshot.time, &snapshot.driven_walls);
         RunFrame {
-            time: frame.time,
-            gravity: self.gravity.at(frame.time).into(),
+            time: snapshot.time,
+            gravity: self.grains.gravity_at(snapshot.time),
             grains: Grains {
-                positions: frame.particles.iter().map(|particle| particle.position).collect(),
-                radii: frame.particles.iter().map(|particle| particle.radius).collect(),
-                materials: self.scene.material.keys().cloned().collect(),
-                fields: grains.point_data,
+                positions: snapshot.particles.iter().map(|particle| particle.position).collect(),
+                radii: snapshot.particles.iter().map(|particle| particle.radius).collect(),
             },
             contacts: output.contacts.then(lines),
             walls: (output.walls && !self.scene.wall.is_empty()).then(walls),
-            driven_walls: frame.driven_walls.clone(),
-            repeats: self.repeats,
+            repeats: self.grains.repeats,
+            table: Arc::clone(&self.grains),
+            snapshot: Arc::clone(snapshot),
         }
     }
-}
-
-impl Repeats {
-    fn of(scene: &Scene) -> Option<Repeats> {
-        let [lengths, starts] = repeats(scene);
-        (!scene.domain.periodic.is_empty()).then_some(Repeats { lengths, starts })
-    }
-}
-
-fn surfaces(walls: PolyData) -> Walls {
-    let array = |arrays: &[Array], name: &str| arrays.iter().find(|array| array.name == name).cloned();
-    let wall = array(&walls.cell_data, "wall").map_or(Vec::new(), |array| array.values());
-    Walls {
-        points: triples(&walls.points),
-        wall: wall.into_iter().map(|number| number as u32).collect(),
-        axes: array(&walls.field_data, "wall_axes").map_or(Vec::new(), |axes| triples(&axes)),
-        names: texts(&walls, "wall_names"),
-        shapes: texts(&walls, "wall_shapes"),
-        triangles: match walls.cells {
-            Cells::Triangles(triangles) => triangles,
-            Cells::Vertices | Cells::Lines => Vec::new(),
-        },
-    }
-}
-
-fn triples(array: &Array) -> Vec<[f64; 3]> {
-    array.values().as_chunks::<3>().0.to_vec()
-}
-
-fn texts(data: &PolyData, name: &str) -> Vec<String> {
-    data.texts.iter().find(|(of, _)| of == name).map_or(Vec::new(), |(_, texts)| texts.clone())
 }

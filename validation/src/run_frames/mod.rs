@@ -2,12 +2,11 @@
 
 mod folder;
 mod frame;
-mod quantity;
 mod store;
 
+pub use crate::output::Walls;
 pub(crate) use folder::rounded;
 pub use folder::{RunFolderError, RunFrames};
-pub use frame::{ContactLine, Grains, Kind, Repeats, RunFrame, Walls};
-pub use quantity::{Quantity, unit_of};
+pub use frame::{ContactLine, Grains, Kind, Quantity, RunFrame, unit_of};
 pub(crate) use store::Store;
 pub use store::{StoreMark, StoreWriter};

@@ -17,7 +17,7 @@ const SCRIPTS: [&str; 3] = [include_str!("shaders.js"), include_str!("page.js"),
 /// Level of zlib for the payload.
 const LEVEL: u32 = 4;
 
-/// Why a page cannot be made.
+/// Error of a page.
 #[derive(Debug, thiserror::Error)]
 pub enum ViewerError {
     /// The frames cannot be read.
@@ -28,14 +28,14 @@ pub enum ViewerError {
     Write(#[from] WriteError),
 }
 
-/// What was written.
+/// Written page.
 #[derive(Clone, Debug)]
 pub struct Page {
     /// Number of frames.
     pub frames: usize,
     /// Size of the file, bytes.
     pub bytes: usize,
-    /// What was left out, in words; empty if nothing.
+    /// Note on content that was left out; empty if all is there.
     pub note: String,
 }
 

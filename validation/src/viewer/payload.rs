@@ -1,4 +1,4 @@
-//! What the page is given: a head that says where everything lies, and arrays.
+//! Payload of a page: a head with the places of all arrays, and the arrays.
 //!
 //! ```text
 //! bytes of the head (u32), head (JSON), padding to 8 bytes, arrays (little endian), each from a multiple of 8 on
@@ -28,7 +28,7 @@ const RATE: f64 = 20.0;
 /// Fields that do not change.
 const CONSTANT: [&str; 4] = ["diameter", "mass", "material", "population"];
 
-/// What a page is made of.
+/// Options of a page.
 #[derive(Clone, Debug)]
 pub struct Wishes {
     /// The fields that change by which grains can be coloured, the first one at once.
@@ -37,9 +37,9 @@ pub struct Wishes {
     pub every: Option<usize>,
     /// Most bytes of the payload before compression.
     pub most_bytes: f64,
-    /// Whether force chains are kept.
+    /// True if force chains are shown.
     pub contacts: bool,
-    /// Whether the view begins where all grains are seen, also those far from the walls.
+    /// True if the initial view shows all grains, also those far from the walls.
     pub all_grains: bool,
 }
 
@@ -59,14 +59,14 @@ pub fn fields_of(frame: &RunFrame, requested: Option<&[String]>) -> Vec<String> 
     fields
 }
 
-/// What is shown.
+/// Bytes of a page.
 #[derive(Clone, Debug)]
 pub struct Payload {
     /// Head and arrays.
     pub bytes: Vec<u8>,
     /// Number of frames.
     pub frames: usize,
-    /// What was left out, in words; empty if nothing.
+    /// Note on content that was left out; empty if all is there.
     pub note: String,
 }
 
@@ -94,7 +94,7 @@ impl Arrays {
     }
 }
 
-/// What all frames have in common.
+/// Ranges over all frames.
 #[derive(Clone, Debug)]
 struct Survey {
     low: [f64; 3],
@@ -322,7 +322,7 @@ fn strongest(lines: &[ContactLine]) -> f64 {
     sorted.get(place.min(sorted.len().saturating_sub(1))).copied().filter(|force| *force > 0.0).unwrap_or(1.0)
 }
 
-/// Where a value lies in a range, in 16 bits.
+/// Returns the place of a value in a range, in 16 bits.
 fn share(value: f64, [low, high]: [f64; 2]) -> u16 {
     let share = (value - low) / (high - low);
     if share.is_finite() { (FULL * share.clamp(0.0, 1.0)).round() as u16 } else { 0 }
@@ -369,7 +369,7 @@ fn field(quantity: &Quantity, samples: &[f64], range: [f64; 2], mut listed: Valu
 }
 
 fn surfaces(walls: &Walls, arrays: &mut Arrays) -> Value {
-    let is_stone = |wall: u32| walls.shapes.get(wall as usize).is_some_and(|shape| shape == "spheres");
+    let is_stone = |wall: u32| walls.shapes.get(wall as usize).is_some_and(|shape| *shape == "spheres");
     let mut corners = |stone: bool| {
         let of_kind = walls.triangles.iter().zip(&walls.wall).filter(|(_, wall)| is_stone(**wall) == stone);
         arrays.floats(of_kind.flat_map(|(corners, _)| corners.iter().flat_map(|corner| walls.points[*corner as usize])))

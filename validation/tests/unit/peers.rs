@@ -12,7 +12,7 @@ const REFUSED: [(&str, &[&Effect], &[&str]); 2] = [
     ),
     (
         "LIGGGHTS and LAMMPS",
-        &deck_run::HAS,
+        &deck::HAS,
         &[
             "changing gravity",
             "driven walls",

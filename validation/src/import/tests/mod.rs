@@ -115,7 +115,7 @@ fn tables(grains: &[(&str, String)], contacts: &[(&str, String)]) -> Result<Tabl
     Ok(Tables { grains: all(grains)?, contacts: all(contacts)?, ..Tables::default() })
 }
 
-/// Where a table has no normals, they are taken from the centres, which have moved on since the contacts were found.
+/// Tables without normals have them taken from the centres, which have moved on since the contacts were found.
 const MOVED_ON: f64 = 1e-3;
 
 fn same(found: &[Measurement], wanted: &[Measurement], within: f64) {

@@ -11,9 +11,9 @@
 //! lie along x, y or z; others are turned about their base by a variable that stays as it is.
 
 use crate::peers::plan::{MotionPhase, Plan};
+use crate::plan::Scene;
 use makadam::scene::{Grain, Motion, Shape, Wall};
 use nalgebra::{Unit, Vector3};
-use std::fmt::Write;
 
 /// Thickness of a disc over the smallest radius: a centre that lies within it would feel nothing.
 const THICKNESS: f64 = 1e-7;
@@ -28,7 +28,7 @@ pub(super) struct Surface {
     pub wall: usize,
     /// Style of the region, and its numbers.
     region: String,
-    /// How the region is turned to where it belongs, if it is.
+    /// Rotation of the region, if it has one.
     tilt: Option<Tilt>,
 }
 
@@ -106,39 +106,49 @@ fn cylinder(base: Vector3<f64>, axis: Vector3<f64>, radius: f64, ends: [f64; 2])
 }
 
 impl Tilt {
-    /// What turns z into a direction.
+    /// Rotation of z to a direction.
     fn from_z(point: Vector3<f64>, direction: Vector3<f64>) -> Tilt {
         let axis = Unit::try_new(Vector3::z().cross(&direction), 0.0).unwrap_or(Vector3::x_axis());
         Tilt { angle: Vector3::z().angle(&direction), point, axis: axis.into_inner() }
     }
 }
 
-/// The variables that say where a wall is; nothing where it stays.
-pub(super) fn variables(text: &mut String, wall: usize, motion: &Motion, plan: &Plan) {
+/// Lines of a deck: the variables that state the poses of the walls, and the regions of the surfaces.
+pub(super) fn lines(scene: &Scene, surfaces: &[Surface], plan: &Plan) -> Vec<String> {
+    let walls = scene.wall.iter().enumerate();
+    let mut lines: Vec<String> = walls.flat_map(|(number, wall)| variables(number, &wall.motion, plan)).collect();
+    for (number, surface) in surfaces.iter().enumerate() {
+        if let Some(tilt) = &surface.tilt {
+            lines.push(format!("variable tilt{number} equal {:.17e}", tilt.angle));
+        }
+        lines.push(region(number, surface, &scene.wall[surface.wall].motion, plan));
+    }
+    lines
+}
+
+/// Variables that state the pose of a wall; none where it is at rest.
+fn variables(wall: usize, motion: &Motion, plan: &Plan) -> Vec<String> {
     let phases = plan.phases(motion);
     if phases.is_empty() {
-        return;
+        return Vec::new();
     }
     let time = format!("{:.17e}*({})", plan.time_step, steps_in(&phases));
-    let _ = match motion {
-        Motion::Fixed | Motion::ForceDriven { .. } | Motion::TorqueDriven { .. } => Ok(()),
-        Motion::Translating { velocity, .. } => along(text, wall, velocity, &time),
-        Motion::Rotating { rate, .. } => writeln!(text, "variable turn{wall} equal ({rate:.17e})*{time}"),
+    let along = |size: &[f64; 3], of_time: &str| {
+        let axes = ["x", "y", "z"].iter().zip(size);
+        axes.map(|(axis, size)| format!("variable {axis}{wall} equal ({size:.17e})*{of_time}")).collect()
+    };
+    match motion {
+        Motion::Fixed | Motion::ForceDriven { .. } | Motion::TorqueDriven { .. } => Vec::new(),
+        Motion::Translating { velocity, .. } => along(velocity, &time),
+        Motion::Rotating { rate, .. } => vec![format!("variable turn{wall} equal ({rate:.17e})*{time}")],
         Motion::Vibrating { amplitude, frequency, .. } => {
             let rate = std::f64::consts::TAU * frequency;
-            along(text, wall, amplitude, &format!("sin({rate:.17e}*{time})"))
+            along(amplitude, &format!("sin({rate:.17e}*{time})"))
         }
-    };
+    }
 }
 
-fn along(text: &mut String, wall: usize, size: &[f64; 3], of_time: &str) -> std::fmt::Result {
-    ["x", "y", "z"]
-        .iter()
-        .zip(size)
-        .try_for_each(|(axis, size)| writeln!(text, "variable {axis}{wall} equal ({size:.17e})*{of_time}"))
-}
-
-/// Steps that a wall has moved for, those backwards taken off, as a formula of LAMMPS.
+/// Steps for which a wall has moved, less those backwards, as a formula of LAMMPS.
 fn steps_in(phases: &[MotionPhase]) -> String {
     let of = |MotionPhase { first, last, direction }: &MotionPhase| {
         let whole = last - first;
@@ -147,26 +157,20 @@ fn steps_in(phases: &[MotionPhase]) -> String {
     phases.iter().map(of).collect::<Vec<_>>().join("+")
 }
 
-/// The region of a surface, and what it needs.
-pub(super) fn region(text: &mut String, number: usize, surface: &Surface, motion: &Motion, plan: &Plan) {
-    if let Some(tilt) = &surface.tilt {
-        let _ = writeln!(text, "variable tilt{number} equal {:.17e}", tilt.angle);
-    }
-    let _ = write!(text, "region surface{number} {} units box", surface.region);
-    let wall = surface.wall;
+fn region(number: usize, surface: &Surface, motion: &Motion, plan: &Plan) -> String {
+    let Surface { wall, region, tilt } = surface;
     let moves = !plan.phases(motion).is_empty();
-    if moves && matches!(motion, Motion::Translating { .. } | Motion::Vibrating { .. }) {
-        let _ = write!(text, " move v_x{wall} v_y{wall} v_z{wall}");
-    }
-    let mut rotate = |variable: String, [x, y, z]: [f64; 3], [a, b, c]: [f64; 3]| {
-        let _ = write!(text, " rotate v_{variable} {x:.17e} {y:.17e} {z:.17e} {a:.17e} {b:.17e} {c:.17e}");
+    let rotate = |variable: String, [x, y, z]: [f64; 3], [a, b, c]: [f64; 3]| {
+        format!(" rotate v_{variable} {x:.17e} {y:.17e} {z:.17e} {a:.17e} {b:.17e} {c:.17e}")
     };
-    match (&surface.tilt, motion) {
+    let shifts = matches!(motion, Motion::Translating { .. } | Motion::Vibrating { .. }) && moves;
+    let shift = if shifts { format!(" move v_x{wall} v_y{wall} v_z{wall}") } else { String::new() };
+    let turn = match (tilt, motion) {
         (Some(tilt), _) => rotate(format!("tilt{number}"), tilt.point.into(), tilt.axis.into()),
         (None, Motion::Rotating { point, axis, .. }) if moves => {
-            rotate(format!("turn{wall}"), *point, Vector3::from(*axis).normalize().into());
+            rotate(format!("turn{wall}"), *point, Vector3::from(*axis).normalize().into())
         }
-        (None, _) => {}
-    }
-    text.push('\n');
+        (None, _) => String::new(),
+    };
+    format!("region surface{number} {region} units box{shift}{turn}")
 }

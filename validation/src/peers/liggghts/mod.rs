@@ -1,22 +1,20 @@
-//! LIGGGHTS: a deck, wall meshes and initial grains go in; dumps and a log come back.
+//! LIGGGHTS, an explicit soft-sphere code: the deck `deck.in`, mesh files of walls, its log.
 
-mod deck;
 mod turn;
 mod walls;
 
-use super::deck_run::{DeckRun, HAS, contact, open, particle, particles_of, vector};
+use super::deck::{DeckRun, HAS, data, manifest, render, values};
+use super::palette::Palette;
 use super::plan::Plan;
 use super::process::Program;
+use super::stl::stl;
 use super::{Code, CodeError, HERTZ_MINDLIN, Job, Purpose, supported_start};
-use crate::import::{FrameTable, measurable, merge_wall_contacts, read_dump};
 use crate::plan::Scene;
-use crate::recording::{Content, Recording};
-use makadam::scene::Grain;
-use makadam::snapshot::{Partner, Snapshot};
+use crate::recording::Recording;
+use makadam::scene::{Grain, Motion};
+use minijinja::{Value, context};
 use nalgebra::Vector3;
 use std::ffi::OsString;
-use std::io::BufRead;
-use std::path::{Path, PathBuf};
 use turn::Turn;
 use walls::Walls;
 
@@ -66,38 +64,16 @@ impl Code for Liggghts {
 
     fn simulate(&self, job: &Job<'_>) -> Result<Recording, CodeError> {
         let version = self.version().ok_or(CodeError::Missing { code: NAME })?;
-        let Input { grains, plan, walls, turn } = write_input(job)?;
-        let dumps = ["grains", "pairs", "walls"].map(|name| job.work_folder.join(format!("{name}.dump")));
-        let run =
-            DeckRun { code: NAME, program: self.program.path(), log: "liggghts.log", loop_seconds, dumps: &dumps };
-        let told: Vec<usize> = match walls.are_told() {
-            true => walls.meshes.iter().map(|(wall, _)| *wall).collect(),
-            false => Vec::new(),
-        };
-        let read = || {
-            let frames = frames_in(&grains, &plan, &told, &dumps, open)?;
-            Ok(frames.into_iter().map(|frame| turn.frame_back(frame)).collect())
-        };
-        let recording = run.carry_out(job, version, &plan, read)?;
-        let lacks = match job.purpose {
-            Purpose::Measuring => Vec::new(),
-            Purpose::Timing => vec![Content::WallContacts],
-        };
-        Ok(Recording { lacks, ..recording })
+        let (plan, turn) = write_input(job)?;
+        let run = DeckRun { code: NAME, program: &self.program, log: "liggghts.log", loop_seconds };
+        let mut recording = run.execute(job, version, &plan)?;
+        recording.frames.iter_mut().for_each(|frame| turn.frame_back(frame));
+        Ok(recording)
     }
 }
 
-/// What a run is made of, beside its files.
-struct Input {
-    grains: Vec<Grain>,
-    plan: Plan,
-    walls: Walls,
-    /// The coordinates of the deck and of its dumps.
-    turn: Turn,
-}
-
-/// Writes deck, grains and meshes into the job's folder.
-fn write_input(job: &Job<'_>) -> Result<Input, CodeError> {
+/// Writes deck, grains, meshes and manifest into the job's folder; returns the coordinates of deck and dumps.
+fn write_input(job: &Job<'_>) -> Result<(Plan, Turn), CodeError> {
     let grains = supported_start(NAME, &HAS, job)?;
     let plan = Plan::new(job.scene, job.rayleigh_fraction * job.scene.rayleigh_step(&grains));
     let (turn, scene, grains) = match job.purpose {
@@ -107,31 +83,124 @@ fn write_input(job: &Job<'_>) -> Result<Input, CodeError> {
             (turn, turn.scene(job.scene), turn.grains(&grains))
         }
     };
-    let walls = match job.purpose {
-        Purpose::Measuring => Walls::measured(&scene, &grains),
-        Purpose::Timing => Walls::timed(&scene, &grains),
-    };
-    let files =
-        deck::files(&scene, &grains, &walls, &plan).map_err(|reason| CodeError::Unsupported { code: NAME, reason })?;
-    super::write_files(job.work_folder, files)?;
-    if job.purpose == Purpose::Measuring {
-        super::write_files(job.work_folder, vec![("frames.toml".to_string(), manifest(job.seed, &plan, &walls))])?;
-    }
-    Ok(Input { grains, plan, walls, turn })
-}
-
-/// Writes a manifest for `makadam measure` with the statements that the dumps of a run lack: its local computes have no names of columns.
-fn manifest(seed: u64, plan: &Plan, walls: &Walls) -> String {
-    let dumps = if walls.are_told() { "\"pairs.dump\", \"walls.dump\"" } else { "\"pairs.dump\"" };
-    let meshes: Vec<usize> = walls.meshes.iter().map(|(wall, _)| *wall).collect();
+    let walls = Walls::new(&scene, &grains, job.purpose);
+    let palette = Palette::new(&scene, &grains);
+    let deck = deck(&scene, &grains, &walls, &plan, &palette);
+    let deck = deck.map_err(|reason| CodeError::Unsupported { code: NAME, reason })?;
+    let mut contacts = vec!["pairs.dump".to_string()];
+    contacts.extend(walls.are_told().then(|| "walls.dump".into()));
+    // Its local computes have no names of columns.
+    let numbers: Vec<usize> = walls.meshes.iter().map(|(wall, _)| *wall).collect();
     let list = |names: &str| names.split(',').map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", ");
-    format!(
-        "# Frames of this run: makadam measure frames.toml --scene SCENE\ngrains = [\"grains.dump\"]\ncontacts = [{dumps}]\n\
-         time-step = {:e}\ncontacts-complete = true\nfirst-id = 1\nseed = {seed}\nwalls = {meshes:?}\n\n[contact-columns]\nc_pairs = [{}]\nc_walls = [{}]\n",
-        plan.time_step,
+    let columns = format!(
+        "walls = {numbers:?}\n\n[contact-columns]\nc_pairs = [{}]\nc_walls = [{}]\n",
         list("first,second,_,fx,fy,fz,px,py,pz"),
         list("px,py,pz,_,_,_,wall,_,first,fx,fy,fz")
-    )
+    );
+    let mut files = vec![
+        ("deck.in".into(), deck),
+        ("grains.data".into(), data(&scene, &grains, &palette, palette.len())),
+        manifest(job.seed, &plan, &contacts, &columns),
+    ];
+    files.extend(walls.meshes.iter().map(|(wall, mesh)| (format!("wall{wall}.stl"), stl(mesh))));
+    super::write_files(job.work_folder, files)?;
+    Ok((plan, turn))
+}
+
+/// Returns the deck.
+///
+/// # Errors
+/// Limit of LIGGGHTS.
+fn deck(scene: &Scene, grains: &[Grain], walls: &Walls, plan: &Plan, palette: &Palette<'_>) -> Result<String, String> {
+    let entries = || (0..palette.len()).flat_map(|a| (0..palette.len()).map(move |b| (a, b)));
+    // Walls never touch each other; the numbers of such a pair have no effect.
+    let pairs: Vec<_> = entries().map(|(a, b)| palette.coefficients(a, b)).collect();
+    let restitution: Vec<f64> = pairs.iter().map(|pair| pair.map_or(0.5, |pair| pair.restitution)).collect();
+    if let Some(low) = restitution.iter().find(|restitution| **restitution <= 0.05) {
+        return Err(format!("it takes restitution above 0.05 only, not {low}"));
+    }
+    let kind = |wall: usize| palette.index(&scene.wall[wall].material, true) + 1;
+    let meshes = walls.meshes.iter().map(|(wall, mesh)| {
+        // Contacts keep their history from one triangle of a curved surface to the next.
+        let curved = || format!(" curvature {:.6} curvature_tolerant yes", 1.2 * mesh.bend);
+        let curvature = if mesh.bend > 0.0 { curved() } else { String::new() };
+        context! { wall, kind => kind(*wall), curvature }
+    });
+    let primitives = walls.primitives.iter().map(|(wall, words)| context! { kind => kind(*wall), words });
+    let own = context! {
+        young => palette.materials().map(|material| material.youngs_modulus).collect::<Vec<_>>(),
+        poisson => palette.materials().map(|material| material.poisson_ratio).collect::<Vec<_>>(),
+        friction => pairs.iter().map(|pair| pair.map_or(0.0, |pair| pair.friction)).collect::<Vec<_>>(),
+        restitution,
+        rolling => pairs.iter().map(|pair| pair.map_or(0.0, |pair| pair.rolling_friction)).collect::<Vec<_>>(),
+        meshes => meshes.collect::<Vec<_>>(),
+        primitives => primitives.collect::<Vec<_>>(),
+        tables => tables(walls.are_told()),
+        pieces => pieces(scene, walls, plan),
+    };
+    Ok(render(include_str!("deck.in"), context! { ..own, ..values(scene, grains, plan, walls.purpose) }))
+}
+
+/// Returns the dumps: grains; contacts between grains, with three ids, force on the first grain and contact point; contacts with walls, with
+/// point on the wall, centre of the grain, three ids and force on the grain (the keyword `contactPoint` gives zeros there).
+fn tables(walls: bool) -> Vec<Value> {
+    let local = |name: &str, count: usize| {
+        let columns = (1..=count).map(|at| format!(" c_{name}[{at}]")).collect::<String>();
+        context! { name, style => "local", columns, formats => vec!["%.12g"; count].join(" ") }
+    };
+    let columns = " id x y z vx vy vz omegax omegay omegaz";
+    let formats = format!("%d{}", " %.12g".repeat(9));
+    let mut tables = vec![context! { name => "grains", style => "custom", columns, formats }, local("pairs", 9)];
+    tables.extend(walls.then(|| local("walls", 12)));
+    tables
+}
+
+/// Returns the runs between the times at which walls start or stop or frames become denser.
+fn pieces(scene: &Scene, walls: &Walls, plan: &Plan) -> Vec<Value> {
+    let mut dumping = 0;
+    let ends = plan.fine_from == plan.steps;
+    let boundaries = plan.boundaries(scene);
+    let piece = |[at, next]: &[u64; 2]| {
+        let moves = walls.meshes.iter().map(|(wall, _)| {
+            let motion = &scene.wall[*wall].motion;
+            let phases = plan.phases(motion);
+            let first = phases.iter().find(|phase| phase.first == *at);
+            let starts = first.and_then(|phase| motion_words(motion, phase.direction));
+            context! { wall, stops => phases.iter().any(|phase| phase.last == *at), starts }
+        });
+        let moves: Vec<Value> = moves.collect();
+        let every = if *at >= plan.fine_from && !ends { plan.fine } else { plan.coarse };
+        let mut dumps = Vec::new();
+        if every != dumping {
+            dumps.push(context! { tag => "", every, replaces => dumping != 0 });
+            dumping = every;
+        }
+        // A dump whose interval is the whole run adds the last frame where the interval misses it.
+        if *next == plan.steps && !plan.steps.is_multiple_of(every) {
+            dumps.push(context! { tag => "last", every => plan.steps, replaces => false });
+        }
+        context! { moves, dumps, steps => next - at }
+    };
+    boundaries.array_windows().map(piece).collect()
+}
+
+/// Returns a motion as `fix move/mesh` takes it; none for a wall at rest.
+fn motion_words(motion: &Motion, direction: f64) -> Option<String> {
+    Some(match motion {
+        Motion::Fixed | Motion::ForceDriven { .. } | Motion::TorqueDriven { .. } => return None,
+        Motion::Translating { velocity: [x, y, z], .. } => format!("linear {x:.17e} {y:.17e} {z:.17e}"),
+        Motion::Rotating { point: [x, y, z], axis, rate, .. } => {
+            let rate = direction * rate;
+            // The period has no sign: the axis of a wall that turns backwards is reversed.
+            let [a, b, c]: [f64; 3] = (Vector3::from(*axis).normalize() * rate.signum()).into();
+            let period = std::f64::consts::TAU / rate.abs().max(1e-12);
+            format!("rotate origin {x:.17e} {y:.17e} {z:.17e} axis {a:.17e} {b:.17e} {c:.17e} period {period:.17e}")
+        }
+        Motion::Vibrating { amplitude: [x, y, z], frequency, .. } => {
+            let period = 1.0 / frequency.max(1e-12);
+            format!("wiggle amplitude {x:.17e} {y:.17e} {z:.17e} period {period:.17e}")
+        }
+    })
 }
 
 /// The version in the words "LIGGGHTS (Version LIGGGHTS-PUBLIC 3.8.0, compiled ...".
@@ -153,83 +222,4 @@ pub fn loop_seconds(log: &str) -> f64 {
         })
         .sum();
     if sum.is_finite() { sum.max(0.0) } else { 0.0 }
-}
-
-/// The frames that a run of the scene leaves in its three dumps: of grains, of pairs of grains, and of grains and walls.
-/// `time_step` (s) is the largest one that the run may have had; `open` gives a dump, and is named `path` in errors. Any
-/// bytes are either frames or an error.
-///
-/// # Errors
-/// [`CodeError::Output`] with file and line, or what `open` says.
-pub fn read_frames<R: BufRead>(
-    scene: &Scene,
-    grains: &[Grain],
-    time_step: f64,
-    dumps: &[PathBuf; 3],
-    open: impl Fn(&Path) -> Result<R, CodeError>,
-) -> Result<Vec<Snapshot>, CodeError> {
-    let meshes: Vec<usize> = Walls::measured(scene, grains).meshes.iter().map(|(wall, _)| *wall).collect();
-    frames_in(grains, &Plan::new(scene, time_step), &meshes, dumps, open)
-}
-
-/// The frames of a plan in the dumps; `meshes` are the walls of the dump of grains and walls, which is not read where there are none.
-fn frames_in<R: BufRead>(
-    grains: &[Grain],
-    plan: &Plan,
-    meshes: &[usize],
-    dumps: &[PathBuf; 3],
-    open: impl Fn(&Path) -> Result<R, CodeError>,
-) -> Result<Vec<Snapshot>, CodeError> {
-    let asked = plan.frames();
-    let fault = |file: &Path, line: usize, problem: String| CodeError::Output {
-        code: NAME,
-        file: file.to_path_buf(),
-        line,
-        problem,
-    };
-    let read = |file: &PathBuf, columns: usize| -> Result<Vec<FrameTable>, CodeError> {
-        let mut frames = read_dump(open(file)?, columns).map_err(|found| fault(file, found.line, found.problem))?;
-        // Where frames become denser, the step between is dumped by both dumps.
-        frames.dedup_by_key(|frame| frame.step);
-        match frames.iter().filter_map(|frame| frame.step).eq(asked.iter().copied()) {
-            true => Ok(frames),
-            false => {
-                let problem = format!("not the {} frames that were asked for, but {}", asked.len(), frames.len());
-                Err(fault(file, 1, problem))
-            }
-        }
-    };
-    let states = read(&dumps[0], deck::GRAIN_COLUMNS)?;
-    let pairs = read(&dumps[1], deck::PAIR_COLUMNS)?;
-    let walls = match meshes.is_empty() {
-        true => Vec::new(),
-        false => read(&dumps[2], deck::WALL_COLUMNS)?,
-    };
-    let mut frames = Vec::with_capacity(states.len());
-    for ((index, state), step) in states.iter().enumerate().zip(&asked) {
-        let time = *step as f64 * plan.time_step;
-        let particles = particles_of(state, grains).map_err(|(row, what)| fault(&dumps[0], state.line + row, what))?;
-        let mut contacts = Vec::new();
-        for (row, r) in pairs[index].rows().enumerate() {
-            let ids = (particle(&particles, r[0]), particle(&particles, r[1]));
-            let (Some(a), Some(b)) = ids else {
-                return Err(fault(&dumps[1], pairs[index].line + row, format!("no grains {} and {}", r[0], r[1])));
-            };
-            let normal = Vector3::from(b.position) - Vector3::from(a.position);
-            contacts.extend(contact(a, Partner::Grain(b.id), vector(&r[6..]).into(), normal, &r[3..]));
-        }
-        for (row, r) in walls.get(index).into_iter().flat_map(FrameTable::rows).enumerate() {
-            let mesh = if r[6] >= 0.0 { meshes.get(r[6] as usize) } else { None };
-            let (Some(&wall), Some(a)) = (mesh, particle(&particles, r[8])) else {
-                return Err(fault(&dumps[2], walls[index].line + row, format!("no mesh {} or grain {}", r[6], r[8])));
-            };
-            let point = vector(r);
-            let normal = point - Vector3::from(a.position);
-            contacts.extend(contact(a, Partner::Wall(wall as u32), point.into(), normal, &r[9..]));
-        }
-        let contacts = merge_wall_contacts(contacts);
-        let frame = Snapshot { time, particles, contacts, ..Snapshot::default() };
-        frames.push(measurable(frame).map_err(|problem| fault(&dumps[1], pairs[index].line, problem))?);
-    }
-    Ok(frames)
 }

@@ -5,7 +5,7 @@ use crate::plan::Scene;
 use makadam::scene::{Domain, Grain, Motion, Shape};
 use makadam::snapshot::Snapshot;
 
-/// Whether coordinates are turned: z, x, y in the place of x, y, z. A rotation, so that spins turn as positions do.
+/// True if coordinates are turned: z, x, y instead of x, y, z. A rotation, so that spins turn as positions do.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Turn(bool);
 
@@ -94,8 +94,8 @@ impl Turn {
         grains.iter().map(turn).collect()
     }
 
-    /// A frame in the scene's own coordinates.
-    pub fn frame_back(self, mut frame: Snapshot) -> Snapshot {
+    /// Turns a frame back to the scene's own coordinates.
+    pub fn frame_back(self, frame: &mut Snapshot) {
         let turn = |vector: &mut [f64; 3]| *vector = self.back(*vector);
         for grain in &mut frame.particles {
             [&mut grain.position, &mut grain.velocity, &mut grain.spin].into_iter().for_each(turn);
@@ -103,7 +103,6 @@ impl Turn {
         for contact in &mut frame.contacts {
             [&mut contact.point, &mut contact.normal, &mut contact.tangential_force].into_iter().for_each(turn);
         }
-        frame
     }
 }
 

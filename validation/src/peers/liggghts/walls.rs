@@ -7,8 +7,8 @@
 //! contacts     dumped                       not told: a primitive has none that can be dumped beside those of meshes
 //! ```
 
+use crate::output::mesh::{COARSE, FINE, Mesh, wall_mesh};
 use crate::peers::Purpose;
-use crate::peers::mesh::{COARSE, FINE, Mesh, cut_wall};
 use crate::peers::primitives::{Primitive, primitives};
 use crate::plan::Scene;
 use makadam::scene::Grain;
@@ -26,24 +26,20 @@ pub(super) struct Walls {
 }
 
 impl Walls {
-    /// All walls as meshes.
-    pub fn measured(scene: &Scene, grains: &[Grain]) -> Walls {
-        let smallest = smallest(grains);
-        let meshes = scene.wall.iter().map(|wall| cut_wall(&wall.shape, &scene.domain, smallest, FINE));
-        let meshes = meshes.enumerate().filter(|(_, mesh)| !mesh.triangles.is_empty()).collect();
-        Walls { purpose: Purpose::Measuring, meshes, primitives: Vec::new() }
-    }
-
-    /// What is fastest with the same physics.
-    pub fn timed(scene: &Scene, grains: &[Grain]) -> Walls {
-        let smallest = smallest(grains);
-        let mut walls = Walls { purpose: Purpose::Timing, meshes: Vec::new(), primitives: Vec::new() };
-        for (place, found) in primitives(scene, grains).iter().enumerate() {
+    /// Meshes alone for measuring; for timing, what is fastest with the same physics.
+    pub fn new(scene: &Scene, grains: &[Grain], purpose: Purpose) -> Walls {
+        let smallest = grains.iter().map(|grain| grain.radius).fold(f64::INFINITY, f64::min);
+        let (fineness, found) = match purpose {
+            Purpose::Measuring => (FINE, vec![Vec::new(); scene.wall.len()]),
+            Purpose::Timing => (COARSE, primitives(scene, grains)),
+        };
+        let mut walls = Walls { purpose, meshes: Vec::new(), primitives: Vec::new() };
+        for (place, (wall, found)) in scene.wall.iter().zip(&found).enumerate() {
             let words: Option<Vec<String>> = found.iter().map(|primitive| words(primitive, grains)).collect();
             match words.filter(|words| !words.is_empty()) {
                 Some(words) => walls.primitives.extend(words.into_iter().map(|words| (place, words))),
                 None => {
-                    let mesh = cut_wall(&scene.wall[place].shape, &scene.domain, smallest, COARSE);
+                    let mesh = wall_mesh(&wall.shape, &scene.domain, smallest, fineness);
                     walls.meshes.extend((!mesh.triangles.is_empty()).then_some((place, mesh)));
                 }
             }
@@ -51,14 +47,10 @@ impl Walls {
         walls
     }
 
-    /// Whether their contacts are dumped.
+    /// Returns true if their contacts are dumped.
     pub fn are_told(&self) -> bool {
         self.purpose == Purpose::Measuring && !self.meshes.is_empty()
     }
-}
-
-fn smallest(grains: &[Grain]) -> f64 {
-    grains.iter().map(|grain| grain.radius).fold(f64::INFINITY, f64::min)
 }
 
 /// A primitive in the words of `fix wall/gran`; nothing for one that it cannot have.

@@ -314,43 +314,6 @@ pub fn yade_results() -> Vec<Vec<u8>> {
     vec![b"{\"seconds\": 12.5, \"steps\": 4000}".to_vec()]
 }
 
-/// Time step of the dumps, s: one that divides the walled scene's interval.
-pub const PEER_STEP: f64 = 0.05;
-
-/// The three dumps of a run of the walled scene.
-pub fn liggghts_dumps() -> Vec<Vec<u8>> {
-    let pairs = "1 2 0 -0.5 0.1 0 0.001 0 0\n3 2 0 0.25 0 0 0.002 0 0\n";
-    let walls = "0 0.05 0 1 1 1 0 1 4 0.5 0 0.1\n0 0.05 0.001 1 1 1 0 2 4 0.5 0 0\n";
-    dumps(&[("grains", &grain_rows()), ("pairs", pairs), ("walls", walls)])
-}
-
-/// The dumps of a run of the walled scene: a drum, a cap, and a box of which five faces are closed.
-pub fn lammps_dumps() -> Vec<Vec<u8>> {
-    let grains = grain_rows();
-    let pairs = "1 2 -0.5 0.1 0 0.1 0.2 0\n3 2 0.25 0 0 0 0 0\n";
-    let mut named =
-        vec![("grains.dump", grains.as_str()), ("pairs.dump", pairs), ("wall0.dump", "4 0.5 0 0.1 0 0.05 0 0\n")];
-    named.push(("wall1.dump", "4 0 0.5 0 0 -0.03 0 1\n5 0 0 0 0 0 0 1\n"));
-    named.extend(["wall2.dump", "wall3.dump", "wall4.dump", "wall5.dump", "wall6.dump"].map(|name| (name, "")));
-    dumps(&named)
-}
-
-fn grain_rows() -> String {
-    (0..8).map(|id| format!("{} 0.00{id} 0 0 0.1 0 0 0 2 0\n", id + 1)).collect()
-}
-
-/// Dumps of the walled scene's frames, all with the same rows, in one document.
-fn dumps(named: &[(&str, &str)]) -> Vec<Vec<u8>> {
-    let frame = |step: u64, rows: &str| {
-        format!(
-            "ITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ENTRIES\n{}\nITEM: BOX BOUNDS ff ff ff\n0 1\n0 1\n0 1\nITEM: ENTRIES c\n{rows}",
-            rows.lines().count(),
-        )
-    };
-    let dump = |rows: &str| [0, 2, 3, 4].map(|step| frame(step, rows)).concat();
-    vec![named.iter().map(|(name, rows)| format!("{PART}{name}\n{}", dump(rows))).collect::<String>().into_bytes()]
-}
-
 /// Frames of other codes in every format that is read, by what stands at their beginning.
 pub fn foreign_frames() -> Vec<Vec<u8>> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/frames/yade");

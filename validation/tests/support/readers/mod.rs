@@ -7,19 +7,19 @@ mod documents;
 use documents::{BED_SCENE, HEAP_SCENE, SMALL_SCENE, WALLED_SCENE};
 use makadam::Simulation;
 use makadam::checkpoint::seal;
-use makadam::scene::{Grain, Region, Stop, populate};
+use makadam::scene::{Region, Stop};
 use makadam::snapshot::Snapshot;
 use makadam_validation::compare::Reference;
-use makadam_validation::import::{Manifest, StatedColumns, Tables, assemble, parse, read_dump};
+use makadam_validation::import::{Manifest, StatedColumns, Tables, assemble, parse};
 use makadam_validation::observables::{force_distribution, measure, series};
-use makadam_validation::peers::liggghts::{self, loop_seconds};
+use makadam_validation::peers::liggghts::loop_seconds;
 use makadam_validation::peers::{lammps, yade};
 use makadam_validation::plan::{Scene, physics_hash};
 use makadam_validation::recording::Recording;
 use makadam_validation::study::unseal;
 use makadam_validation::tradeoff::KeptRun;
 use std::io::{Error, ErrorKind};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::LazyLock;
 
 /// A reader.
@@ -33,17 +33,15 @@ pub struct Reader {
 }
 
 /// All of them.
-pub const READERS: [Reader; 13] = [
+pub const READERS: [Reader; 11] = [
     Reader { name: "scene", documents: documents::scenes, read: scene },
     Reader { name: "checkpoint", documents: documents::checkpoints, read: checkpoint },
     Reader { name: "recording", documents: documents::recordings, read: recording },
     Reader { name: "yade_frames", documents: documents::yade_frames, read: yade_frames },
     Reader { name: "yade_driven_walls", documents: documents::yade_driven_walls, read: yade_driven_walls },
     Reader { name: "yade_result", documents: documents::yade_results, read: yade_result },
-    Reader { name: "liggghts_frames", documents: documents::liggghts_dumps, read: liggghts_frames },
     Reader { name: "liggghts_log", documents: documents::liggghts_logs, read: liggghts_log },
     Reader { name: "foreign_frames", documents: documents::foreign_frames, read: foreign_frames },
-    Reader { name: "lammps_frames", documents: documents::lammps_dumps, read: lammps_frames },
     Reader { name: "lammps_log", documents: documents::lammps_logs, read: lammps_log },
     Reader { name: "reference", documents: documents::references, read: reference },
     Reader { name: "kept_run", documents: documents::kept_runs, read: kept_run },
@@ -210,22 +208,6 @@ fn yade_result(bytes: &[u8]) -> bool {
     }
 }
 
-/// Three dumps in one document, each behind a line that names it; and the whole as a dump of any one number of columns.
-fn liggghts_frames(bytes: &[u8]) -> bool {
-    let _ = read_dump(bytes, 1 + bytes.len() % 12);
-    static GRAINS: LazyLock<Vec<Grain>> = LazyLock::new(|| populate(&WALLED, 1).expect("the scene is sound"));
-    let dumps = ["grains", "pairs", "walls"].map(PathBuf::from);
-    let parts = documents::parts(bytes);
-    let open = |file: &Path| Ok(parts.get(file.to_str().unwrap_or_default()).copied().unwrap_or_default());
-    match liggghts::read_frames(&WALLED, &GRAINS, documents::PEER_STEP, &dumps, open) {
-        Ok(frames) => {
-            frames.iter().for_each(documents::check_contacts);
-            true
-        }
-        Err(error) => refused(&error.to_string()),
-    }
-}
-
 /// Files of any code: a document is read by itself, as grains and as contacts, and what comes of it is measured.
 fn foreign_frames(bytes: &[u8]) -> bool {
     let file = Path::new("fuzzed-3.frames");
@@ -260,20 +242,6 @@ fn foreign_frames(bytes: &[u8]) -> bool {
 
 fn liggghts_log(bytes: &[u8]) -> bool {
     is_time(loop_seconds(&String::from_utf8_lossy(bytes)))
-}
-
-/// The dumps of grains, of pairs and of each surface in one document.
-fn lammps_frames(bytes: &[u8]) -> bool {
-    static GRAINS: LazyLock<Vec<Grain>> = LazyLock::new(|| populate(&WALLED, 1).expect("the scene is sound"));
-    let parts = documents::parts(bytes);
-    let open = |file: &Path| Ok(parts.get(file.to_str().unwrap_or_default()).copied().unwrap_or_default());
-    match lammps::read_frames(&WALLED, &GRAINS, documents::PEER_STEP, Path::new(""), open) {
-        Ok(frames) => {
-            frames.iter().for_each(documents::check_contacts);
-            true
-        }
-        Err(error) => refused(&error.to_string()),
-    }
 }
 
 fn lammps_log(bytes: &[u8]) -> bool {

@@ -1,4 +1,4 @@
-//! Walls as triangles: the same ones for every code that takes meshes.
+//! Shapes of walls as triangles, for every code that takes meshes and for pictures.
 //!
 //! Triangles are few and large: where a grain rests near an edge, some codes count both triangles.
 
@@ -6,28 +6,51 @@ use makadam::scene::{Domain, Shape};
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
-/// How finely curved walls are cut into facets.
+/// Tolerance of the facets of curved walls.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fineness {
     /// Largest sagitta of a cylinder's facets over the smallest grain's radius.
     sagitta: f64,
-    /// Fewest facets around a cylinder.
-    fewest: usize,
-    /// Whether cylinders are cut into rings, so that no angle of a triangle is below the bend between neighbours.
-    rings: bool,
+    /// Fewest and most facets around a cylinder.
+    facets: [usize; 2],
+    /// Smallest angle of a cylinder's triangles; rings that are cut for it are shorter.
+    sharpest: Sharpest,
+    /// Corners of a disc's outline.
+    disc_corners: usize,
+    /// True if a surface ends where the scene's shape and domain end, with all corners on the shape. Else planes, and side faces of open
+    /// boxes, extend beyond the domain, and the mean radius of facets is that of the shape.
+    ends: bool,
 }
 
-/// So fine that no observable that is compared tells a cylinder from its mesh.
-pub const FINE: Fineness = Fineness { sagitta: 0.005, fewest: 100, rings: true };
+/// Smallest angle of a triangle of a cylinder.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Sharpest {
+    /// The bend between neighbours, as LIGGGHTS advises.
+    Bend,
+    /// An angle, rad.
+    Angle(f64),
+}
 
-/// As coarse as angles of repose, packing fraction and coordination number bear (`validation/docs/timing.md`).
-pub const COARSE: Fineness = Fineness { sagitta: 0.025, fewest: 32, rings: false };
+/// So fine that a cylinder and its mesh give the same compared observables.
+pub const FINE: Fineness =
+    Fineness { sagitta: 0.005, facets: [100, 1000], sharpest: Sharpest::Bend, disc_corners: 32, ends: false };
 
-/// Smallest angle of a triangle of a mesh without rings, rad: LIGGGHTS refuses meshes with angles of a degree.
-const SHARPEST: f64 = 1.5 * PI / 180.0;
+/// As coarse as angles of repose, packing fraction and coordination number allow (`validation/docs/timing.md`). LIGGGHTS refuses meshes with
+/// angles of a degree.
+pub const COARSE: Fineness = Fineness {
+    sagitta: 0.025,
+    facets: [32, 1000],
+    sharpest: Sharpest::Angle(1.5 * PI / 180.0),
+    disc_corners: 32,
+    ends: false,
+};
 
-/// Corners of a disc's outline.
-const DISC_CORNERS: usize = 32;
+/// For pictures and exports: sides lie within 0.06% of the radius from the circle.
+pub(crate) const DRAWN: Fineness =
+    Fineness { sagitta: 0.0, facets: [96, 96], sharpest: Sharpest::Angle(0.0), disc_corners: 96, ends: true };
+
+/// Triangles of all drawn spheres together, beyond which each is drawn more coarsely.
+const MOST_TRIANGLES: usize = 200_000;
 
 /// Largest ratio of the radii of two neighbouring outlines of a ring: the sharpest angle of a triangle between them is then 2 degrees,
 /// and LIGGGHTS refuses meshes with angles of one.
@@ -52,32 +75,46 @@ pub struct Mesh {
     pub bend: f64,
 }
 
-/// The surface of a wall; empty for a plane that misses the domain.
-pub fn wall_mesh(shape: &Shape, domain: &Domain, smallest_radius: f64) -> Mesh {
-    cut_wall(shape, domain, smallest_radius, FINE)
-}
-
-/// The same, its curved parts cut so finely.
-pub fn cut_wall(shape: &Shape, domain: &Domain, smallest_radius: f64, fineness: Fineness) -> Mesh {
+/// Returns the surface of a wall; empty for a plane that misses the domain, and for spheres, which codes refuse.
+pub fn wall_mesh(shape: &Shape, domain: &Domain, smallest_radius: f64, fineness: Fineness) -> Mesh {
+    let limits = if fineness.ends { domain.clone() } else { reach(domain) };
     let mut mesh = match shape {
-        Shape::Plane { point, normal } => plane(Vector3::from(*point), unit(normal), &reach(domain)),
-        Shape::Box { min, max, open } => open_box(*min, *max, open, &reach(domain)),
+        Shape::Plane { point, normal } => plane(Vector3::from(*point), unit(normal), &limits),
+        Shape::Box { min, max, open } => {
+            let own = Domain { min: *min, max: *max, periodic: Vec::new() };
+            open_box(*min, *max, open, if fineness.ends { &own } else { &limits })
+        }
         Shape::Cylinder { base, axis, radius, length } => {
-            cylinder(Vector3::from(*base), unit(axis), *radius, *length, smallest_radius, fineness)
+            let (base, axis) = (Vector3::from(*base), unit(axis));
+            let [from, to] = extent(&base, &axis, *length, domain);
+            cylinder(base + axis * from, axis, *radius, to - from, smallest_radius, fineness)
         }
-        // Codes that need meshes refuse these beforehand.
-        Shape::Spheres { .. } => Mesh::default(),
-        // Over a smaller hole a grain sinks by less than cylinders are coarse: `hole^2 / 2 r`.
-        Shape::Disc { centre, normal, radius, hole } if hole * hole > 2.0 * FINE.sagitta * smallest_radius.powi(2) => {
-            ring(Vector3::from(*centre), unit(normal), *radius, *hole)
+        Shape::Spheres { .. } if !fineness.ends => Mesh::default(),
+        Shape::Spheres { centres, radius } => Mesh { triangles: spheres(centres, *radius), bend: 0.0 },
+        Shape::Disc { centre, normal, radius, hole } => {
+            let circle = |radius: f64| circle(Vector3::from(*centre), unit(normal), radius, fineness);
+            // Over a smaller hole a grain sinks by less than cylinders are coarse: `hole^2 / 2 r`.
+            let smallest = 2.0 * FINE.sagitta * smallest_radius.powi(2);
+            let triangles = match hole * hole > if fineness.ends { 0.0 } else { smallest } {
+                true => ring(*radius, *hole, circle),
+                false => triangulate(circle(*radius)),
+            };
+            Mesh { triangles, bend: 0.0 }
         }
-        Shape::Disc { centre, normal, radius, .. } => disc(Vector3::from(*centre), unit(normal), *radius),
     };
     mesh.triangles.retain(has_area);
     mesh
 }
 
-/// Whether a triangle has an area, beyond rounding: without one it has no normal either, and codes refuse it.
+/// Returns the ends of a cylinder along its axis from its base, m: those of the domain where the domain is periodic along it.
+fn extent(base: &Vector3<f64>, axis: &Vector3<f64>, length: f64, domain: &Domain) -> [f64; 2] {
+    match (0..3).find(|&along| domain.period().is_periodic(along) && axis[along] != 0.0) {
+        None => [0.0, length],
+        Some(along) => [domain.min[along], domain.max[along]].map(|end| (end - base[along]) / axis[along]),
+    }
+}
+
+/// Returns true if a triangle has an area, beyond rounding: without one it has no normal either, and codes refuse it.
 fn has_area(triangle: &Triangle) -> bool {
     let [a, b, c] = triangle.map(Vector3::from);
     let (first, second, third) = (b - a, c - a, c - b);
@@ -85,8 +122,8 @@ fn has_area(triangle: &Triangle) -> bool {
     first.cross(&second).norm() > FLAT * longest
 }
 
-/// The domain, enlarged: what planes are cut to, and what a code's simulation box must hold.
-pub fn reach(domain: &Domain) -> Domain {
+/// Returns the domain, enlarged: planes are cut to it, and a code's simulation box holds it.
+pub(crate) fn reach(domain: &Domain) -> Domain {
     let grow = |at: f64, width: f64| at + PLANE_REACH * width;
     let width: [f64; 3] = std::array::from_fn(|i| domain.max[i] - domain.min[i]);
     Domain {
@@ -161,9 +198,9 @@ fn clip(corners: &[Vector3<f64>], height: impl Fn(&Vector3<f64>) -> f64) -> Vec<
     kept
 }
 
+/// Side faces have no edge next to an open face: they extend to the limits.
 fn open_box(min: [f64; 3], max: [f64; 3], open: &[String], limits: &Domain) -> Mesh {
     let is_open = |axis: usize, sign: &str| open.iter().any(|face| *face == format!("{sign}{}", ["x", "y", "z"][axis]));
-    // Side faces have no edge: beside an open face they go on to the limits.
     let low: [f64; 3] = std::array::from_fn(|i| if is_open(i, "-") { min[i].min(limits.min[i]) } else { min[i] });
     let high: [f64; 3] = std::array::from_fn(|i| if is_open(i, "+") { max[i].max(limits.max[i]) } else { max[i] });
     let mut triangles = Vec::new();
@@ -198,15 +235,17 @@ fn cylinder(
     fineness: Fineness,
 ) -> Mesh {
     let (u, v) = frame(&axis);
+    let [fewest, most] = fineness.facets;
     let sagitta = (fineness.sagitta * smallest_radius / radius).clamp(1e-6, 0.5);
-    let segments = ((PI / (1.0 - sagitta).acos()).ceil() as usize).clamp(fineness.fewest, 1000);
+    let segments = ((PI / (1.0 - sagitta).acos()).ceil() as usize).clamp(fewest, most);
     let half_angle = PI / segments as f64;
-    // The corners lie a hair outside, so that the mean radius is right.
-    let corner_radius = radius * (1.0 + half_angle * half_angle / 3.0);
-    // Rings keep the triangles' smallest angle above the bend between neighbours, as LIGGGHTS advises, or above what it refuses.
+    let corner_radius = corner_radius(radius, half_angle, fineness);
     let width = 2.0 * corner_radius * half_angle.sin();
-    let sharpest = if fineness.rings { 3.0 * half_angle } else { SHARPEST };
-    let rings = (length / (width / sharpest.tan())).ceil().max(1.0) as usize;
+    let rings = match fineness.sharpest {
+        Sharpest::Bend => (length / (width / (3.0 * half_angle).tan())).ceil().max(1.0),
+        Sharpest::Angle(angle) => (length / (width / angle.tan())).ceil().max(1.0),
+    };
+    let rings = rings as usize;
     let corner = |segment: usize, ring: usize| {
         let (sine, cosine) = (2.0 * half_angle * (segment % segments) as f64).sin_cos();
         base + (u * cosine + v * sine) * corner_radius + axis * (length * ring as f64 / rings as f64)
@@ -222,37 +261,70 @@ fn cylinder(
     Mesh { triangles, bend: 2.0 * half_angle.to_degrees() }
 }
 
-fn disc(centre: Vector3<f64>, normal: Vector3<f64>, radius: f64) -> Mesh {
-    Mesh { triangles: triangulate(circle(centre, normal, radius)), bend: 0.0 }
+/// Radius of corners. They lie a little outside, so that the mean radius of the facets is right, unless corners lie on the shape.
+fn corner_radius(radius: f64, half_angle: f64, fineness: Fineness) -> f64 {
+    if fineness.ends { radius } else { radius * (1.0 + half_angle * half_angle / 3.0) }
 }
 
 /// A disc with a hole: two triangles between each two corners of its outlines.
-fn ring(centre: Vector3<f64>, normal: Vector3<f64>, radius: f64, hole: f64) -> Mesh {
+fn ring(radius: f64, hole: f64, circle: impl Fn(f64) -> Vec<Vector3<f64>>) -> Vec<Triangle> {
     let rings = ((radius / hole).ln() / RING_RATIO.ln()).ceil().max(1.0);
-    let outline = |ring: f64| match ring {
-        ring if ring == rings => circle(centre, normal, radius),
-        ring => circle(centre, normal, hole * (radius / hole).powf(ring / rings)),
-    };
+    let outline = |ring: f64| circle(if ring == rings { radius } else { hole * (radius / hole).powf(ring / rings) });
     let mut triangles = Vec::new();
     for ring in 0..rings as usize {
         let (inner, outer) = (outline(ring as f64), outline(ring as f64 + 1.0));
-        for index in 0..DISC_CORNERS {
-            let next = (index + 1) % DISC_CORNERS;
+        for index in 0..inner.len() {
+            let next = (index + 1) % inner.len();
             let (a, b, c, d) = (inner[index], outer[index], outer[next], inner[next]);
             triangles.extend([[a, b, c].map(Into::into), [a, c, d].map(Into::into)]);
         }
     }
-    Mesh { triangles, bend: 0.0 }
+    triangles
 }
 
-/// Corners of a circle's outline, counter-clockwise about the normal; they lie a hair outside, so that the mean radius is right.
-fn circle(centre: Vector3<f64>, normal: Vector3<f64>, radius: f64) -> Vec<Vector3<f64>> {
+/// Corners of a circle's outline, counter-clockwise about the normal.
+fn circle(centre: Vector3<f64>, normal: Vector3<f64>, radius: f64, fineness: Fineness) -> Vec<Vector3<f64>> {
     let (u, v) = frame(&normal);
-    let half_angle = PI / DISC_CORNERS as f64;
-    let corner_radius = radius * (1.0 + half_angle * half_angle / 3.0);
+    let half_angle = PI / fineness.disc_corners as f64;
+    let corner_radius = corner_radius(radius, half_angle, fineness);
     let corner = |index: usize| {
         let (sine, cosine) = (2.0 * half_angle * index as f64).sin_cos();
         centre + (u * cosine + v * sine) * corner_radius
     };
-    (0..DISC_CORNERS).map(corner).collect()
+    (0..fineness.disc_corners).map(corner).collect()
+}
+
+/// Spheres, each an icosahedron whose triangles are divided twice, or less if there are many.
+fn spheres(centres: &[[f64; 3]], radius: f64) -> Vec<Triangle> {
+    let fits = |divisions: &u32| centres.len() * 20 * 4_usize.pow(*divisions) <= MOST_TRIANGLES;
+    let one = icosphere((0..=2).rev().find(fits).unwrap_or(0));
+    let placed = |centre: &[f64; 3]| {
+        let centre = Vector3::from(*centre);
+        one.iter().map(|corners| corners.map(|corner| (centre + corner * radius).into())).collect::<Vec<_>>()
+    };
+    centres.iter().flat_map(placed).collect()
+}
+
+/// A unit sphere.
+fn icosphere(divisions: u32) -> Vec<[Vector3<f64>; 3]> {
+    let golden = f64::midpoint(1.0, 5.0_f64.sqrt());
+    let corner = |number: usize| {
+        let [one, long] = [[1.0, golden], [-1.0, golden], [1.0, -golden], [-1.0, -golden]][number % 4];
+        let mut point = Vector3::zeros();
+        (point[number / 4], point[(number / 4 + 1) % 3]) = (one, long);
+        point.normalize()
+    };
+    // Three corners are a triangle if all are neighbours.
+    let near = |a: usize, b: usize| (corner(a) - corner(b)).norm() < 1.1;
+    let triples = (0..12).flat_map(|a| (a + 1..12).flat_map(move |b| (b + 1..12).map(move |c| [a, b, c])));
+    let faces = triples.filter(|[a, b, c]| near(*a, *b) && near(*b, *c) && near(*a, *c));
+    let mut triangles: Vec<[Vector3<f64>; 3]> = faces.map(|face| face.map(corner)).collect();
+    for _ in 0..divisions {
+        let divide = |[a, b, c]: [Vector3<f64>; 3]| {
+            let [ab, bc, ca] = [a + b, b + c, c + a].map(|middle| middle.normalize());
+            [[a, ab, ca], [b, bc, ab], [c, ca, bc], [ab, bc, ca]]
+        };
+        triangles = triangles.into_iter().flat_map(divide).collect();
+    }
+    triangles
 }

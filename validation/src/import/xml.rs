@@ -1,68 +1,90 @@
-//! Reading VTK's XML files: those that runs write, of today and of earlier versions, and what other codes write as polygonal data or as an
-//! unstructured grid: appended as it is or in base64, in place as base64 or as words, compressed by zlib, by LZ4 or not, in either order
-//! of bytes.
+//! Frames in VTK's XML files (`.vtp`, `.vtu`) of polygonal data or of an unstructured grid: points and arrays over them, or lines and arrays
+//! over them. Arrays are appended as they are or in base64, or stand in place as base64 or as words, compressed by zlib or not, in either
+//! order of bytes.
 
-use super::vtk::{Array, Kind};
+use super::columns::StatedColumns;
+use super::table::{FrameTable, ImportError, Named, is_wanted, table_of};
+use crate::output::vtk::{Array, Kind};
+use crate::output::{DRIVEN_WALLS, FIELD_DATA, driven_walls};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use flate2::{Decompress, FlushDecompress, Status};
+use makadam::snapshot::DrivenWall;
 use roxmltree::{Document, Node};
+use std::path::Path;
 
-/// What VTK calls an unstructured grid.
+/// Files that list others: the type of the root, and the name of the list.
+const LISTS: [(&str, &str); 5] = [
+    ("Collection", "files (.pvd)"),
+    ("vtkMultiBlockDataSet", "blocks (.vtm)"),
+    ("vtkPartitionedDataSetCollection", "blocks (.vtpc)"),
+    ("PPolyData", "pieces (.pvtp)"),
+    ("PUnstructuredGrid", "pieces (.pvtu)"),
+];
+
+/// VTK's name of an unstructured grid.
 const GRID: &str = "UnstructuredGrid";
 
-/// Where what is appended begins.
+/// Start of appended arrays.
 const APPENDED: &[u8] = b"<AppendedData";
 
 /// More than zlib ever gains: who claims more lies.
 const BEST_COMPRESSION: usize = 1100;
 
-/// What holds the arrays of a document.
+/// Encoding of the arrays of a document.
 struct Source<'a> {
     appended: &'a [u8],
-    /// Whether what is appended is text.
+    /// True if appended arrays are text.
     in_base64: bool,
-    compressor: Option<Compressor>,
+    /// True if blocks are compressed by zlib.
+    is_compressed: bool,
     /// Bytes of the integers in front of an array.
     header: usize,
     /// True if numbers are in big endian.
     is_big: bool,
 }
 
-/// Ways to compress blocks.
-#[derive(Clone, Copy, PartialEq)]
-enum Compressor {
-    Zlib,
-    Lz4,
-}
-
-/// Section of the arrays of a whole file.
-pub(crate) const FIELD_DATA: &str = "FieldData";
-
-/// What a file holds, as far as it was asked for.
-#[derive(Debug)]
-pub(crate) struct Outline {
-    /// Simulated time, s; none where the file does not tell it.
-    pub time: Option<f64>,
-    /// Number of points.
-    pub points: usize,
-    /// Number of cells.
-    pub cells: usize,
-    /// What VTK calls the cells.
-    pub topology: &'static str,
-    /// Arrays by their sections.
-    pub sections: Vec<(&'static str, Vec<Array>)>,
-    /// Sections, names and components of arrays that were not wanted.
-    pub unread: Vec<(&'static str, String, usize)>,
-    /// True if the file names the scene of a run of Makadam, which numbers grains as its scene does.
-    pub of_run: bool,
-}
-
-/// Counts, and the arrays whose sections and names are wanted.
+/// Reads the frame of a file: its points, or its lines, if it has some.
 ///
 /// # Errors
-/// What is wrong with the bytes.
-pub(crate) fn outline(bytes: &[u8], wanted: &dyn Fn(&str, &str) -> bool) -> Result<Outline, String> {
+/// [`ImportError`].
+pub(super) fn xml(file: &Path, bytes: &[u8], stated: &StatedColumns) -> Result<Vec<FrameTable>, ImportError> {
+    let fault = |problem: String| ImportError::new(file, 1, problem);
+    let head = String::from_utf8_lossy(&bytes[..bytes.len().min(1000)]);
+    if let Some((_, list)) = LISTS.iter().find(|(kind, _)| head.contains(&format!("type=\"{kind}\""))) {
+        return Err(fault(format!(
+            "it is a list of {list}; give the files that it lists, one frame each, or the folder of a run of Makadam; merge pieces of one \
+             frame (in ParaView: filter Merge Blocks)"
+        )));
+    }
+    let content = read(bytes, |name, components| is_wanted(name, components, stated)).map_err(fault)?;
+    let Content { time, of_run, driven_walls, count, arrays } = content;
+    Ok(vec![FrameTable {
+        time,
+        first_id: of_run.then_some(0),
+        driven_walls,
+        ..table_of(file, count, &arrays, stated)?
+    }])
+}
+
+/// Content of a file.
+#[derive(Debug)]
+struct Content {
+    /// Simulated time, s; none where the file does not state it.
+    time: Option<f64>,
+    /// True if the file names the scene of a run of Makadam, which numbers grains as its scene does.
+    of_run: bool,
+    driven_walls: Vec<DrivenWall>,
+    /// Number of points, or of lines.
+    count: usize,
+    arrays: Vec<Named>,
+}
+
+/// Reads the arrays that are wanted by name and number of components.
+///
+/// # Errors
+/// Fault of the bytes.
+fn read(bytes: &[u8], is_wanted: impl Fn(&str, usize) -> bool) -> Result<Content, String> {
     let (text, appended) = split(bytes)?;
     let document = Document::parse(&text).map_err(|error| format!("it is no XML document: {error}"))?;
     let (root, source) = root(&document, appended)?;
@@ -80,51 +102,44 @@ pub(crate) fn outline(bytes: &[u8], wanted: &dyn Fn(&str, &str) -> bool) -> Resu
         _ => Err(format!("{name} is no number of points or cells")),
     };
     let points = count("NumberOfPoints")?;
-    let kinds = [("Verts", 1), ("Lines", 2), ("Polys", 3), ("Strips", 0)];
     let mut counts = [0; 4];
-    for (cells, (name, _)) in counts.iter_mut().zip(kinds) {
+    for (cells, name) in counts.iter_mut().zip(["Verts", "Lines", "Polys", "Strips"]) {
         *cells = count(&format!("NumberOf{name}"))?;
     }
-    let first = counts.iter().position(|cells| *cells > 0).unwrap_or(0);
-    let (topology, corners) = kinds[first];
-    // Arrays over cells run over those of all kinds.
-    let cells = match root.attribute("type") {
-        Some(GRID) => count("NumberOfCells")?,
-        _ => counts.iter().sum(),
+    let section = |name: &str| piece.children().find(|node| node.has_tag_name(name));
+    let has = |name: &str| !arrays_of(section(name)).is_empty();
+    // A frame of contacts without contacts has no lines, but arrays over them.
+    let of_lines = (counts[0] == 0 && counts[1] > 0) || (points == 0 && !has("PointData") && has("CellData"));
+    let (sections, count) = match (of_lines, root.attribute("type")) {
+        (false, _) => (&["Points", "PointData"][..], points),
+        (true, Some(GRID)) => (&["CellData"][..], count("NumberOfCells")?),
+        // Arrays over cells run over those of all kinds.
+        (true, _) => (&["CellData"][..], counts.iter().sum()),
     };
-    let (mut sections, mut unread) = (Vec::new(), Vec::new());
-    let polygons = if topology == "Polys" { corners * cells } else { 0 };
-    for (name, tuples) in [("Points", points), ("PointData", points), ("CellData", cells), ("Polys", polygons)] {
-        let nodes = piece.children().find(|node| node.has_tag_name(name)).into_iter().flat_map(|node| node.children());
-        let mut arrays = Vec::new();
-        for node in nodes.filter(|node| node.has_tag_name("DataArray")) {
-            let own = node.attribute("Name").unwrap_or_default();
-            // Other cells than those of the file have other numbers of tuples, and so have offsets.
-            let is_sized = name != "Polys" || (topology == "Polys" && own == "connectivity");
-            match is_sized && wanted(name, own) {
-                true => arrays.push(array(&source, node, tuples).map_err(|problem| format!("{name}: {problem}"))?),
-                false => {
-                    let components = node.attribute("NumberOfComponents").and_then(|count| count.parse().ok());
-                    unread.push((name, own.to_string(), components.unwrap_or(1)));
-                }
-            }
+    let mut arrays = Vec::new();
+    for of in sections {
+        for node in arrays_of(section(of)) {
+            let name = if *of == "Points" { "points" } else { node.attribute("Name").unwrap_or_default() };
+            let components = node.attribute("NumberOfComponents").and_then(|count| count.parse().ok()).unwrap_or(1);
+            let numbers = match is_wanted(name, components) {
+                true => Some(array(&source, node, count).map_err(|problem| format!("{of}: {problem}"))?.values()),
+                false => None,
+            };
+            arrays.push(Named::new(name, components, numbers));
         }
-        sections.push((name, arrays));
     }
-    let fields = || {
-        let section = root.descendants().find(|node| node.has_tag_name(FIELD_DATA));
-        section.into_iter().flat_map(|section| section.children())
-    };
-    let own = fields().filter(|node| {
-        node.has_tag_name("DataArray") && wanted(FIELD_DATA, node.attribute("Name").unwrap_or_default())
-    });
-    let of_whole = own.map(|node| array(&source, node, tuples_of_field(node)?));
-    sections.push((FIELD_DATA, of_whole.collect::<Result<_, _>>()?));
+    let whole = root.descendants().find(|node| node.has_tag_name(FIELD_DATA));
+    let fields = || whole.into_iter().flat_map(|section| section.children());
     let of_run = fields().any(|node| node.has_tag_name("Array") && node.attribute("Name") == Some("scene_name"));
-    let time = fields().find(|node| node.attribute("Name") == Some("TimeValue"));
-    let time = time.map(|node| array(&source, node, 1)).transpose()?.and_then(|array| array.values().first().copied());
-    let time = time.filter(|time| time.is_finite());
-    Ok(Outline { time, points, cells, topology, sections, unread, of_run })
+    let named = |name: &str| arrays_of(whole).into_iter().find(|node| node.attribute("Name") == Some(name));
+    let time = named("TimeValue").map(|node| array(&source, node, 1)).transpose()?;
+    let time = time.and_then(|time| time.values().first().copied()).filter(|time| time.is_finite());
+    let mut poses = Vec::new();
+    for (name, node) in DRIVEN_WALLS.iter().filter_map(|name| Some((*name, named(name)?))).filter(|_| of_run) {
+        poses.push((name, array(&source, node, tuples_of_field(node)?)?.values()));
+    }
+    let pose = |name: &str| poses.iter().find(|(known, _)| *known == name).map(|(_, values)| values.clone());
+    Ok(Content { time, of_run, driven_walls: driven_walls(pose)?, count, arrays })
 }
 
 /// A document, with what is appended to it cut off.
@@ -160,20 +175,25 @@ fn root<'a, 'input>(
         Some("BigEndian") => true,
         Some(other) => return Err(format!("byte_order is '{other}', neither LittleEndian nor BigEndian")),
     };
-    let compressor = match root.attribute("compressor") {
-        None => None,
-        Some("vtkZLibDataCompressor") => Some(Compressor::Zlib),
-        Some("vtkLZ4DataCompressor") => Some(Compressor::Lz4),
+    let is_compressed = match root.attribute("compressor") {
+        None => false,
+        Some("vtkZLibDataCompressor") => true,
         Some(other) => {
             return Err(format!(
-                "it is compressed by {other}; write it with zlib, LZ4 or none (in ParaView: Compressor Type)"
+                "it is compressed by {other}; write it with zlib or none (in ParaView: Compressor Type)"
             ));
         }
     };
     let header = if root.attribute("header_type") == Some("UInt64") { 8 } else { 4 };
     let section = document.descendants().find(|node| node.has_tag_name("AppendedData"));
     let in_base64 = section.is_some_and(|node| node.attribute("encoding") == Some("base64"));
-    Ok((root, Source { appended, in_base64, compressor, header, is_big }))
+    Ok((root, Source { appended, in_base64, is_compressed, header, is_big }))
+}
+
+/// Returns the arrays of a section.
+fn arrays_of<'a, 'input>(section: Option<Node<'a, 'input>>) -> Vec<Node<'a, 'input>> {
+    let children = section.into_iter().flat_map(|section| section.children());
+    children.filter(|node| node.has_tag_name("DataArray")).collect()
 }
 
 /// Number of tuples of an array of the whole file.
@@ -243,7 +263,7 @@ fn from_base64(source: &Source<'_>, text: &[u8], size: usize) -> Result<Vec<u8>,
     let begin =
         STANDARD.decode(text.get(..12).ok_or_else(cut)?).map_err(|error| format!("it is no base64: {error}"))?;
     let count = header_number(source, &begin, 0)?;
-    if source.compressor.is_none() {
+    if !source.is_compressed {
         return match count == size {
             true => decoded(0, header + size).map(|(bytes, _)| bytes),
             false => Err(format!("it has {count} bytes in place of {size}")),
@@ -281,13 +301,13 @@ fn blocks(source: &Source<'_>, bytes: &[u8], size: usize) -> Result<Vec<u8>, Str
     let header = source.header;
     let number = |place: usize| header_number(source, bytes, place);
     let other = |found: usize| format!("it has {found} bytes in place of {size}");
-    let Some(compressor) = source.compressor else {
+    if !source.is_compressed {
         let found = number(0)?;
         if found != size {
             return Err(other(found));
         }
         return bytes.get(header..header + size).map(<[u8]>::to_vec).ok_or_else(cut);
-    };
+    }
     let (count, whole, last) = (number(0)?, number(1)?, number(2)?);
     let found = match (count, last) {
         (0, _) => 0,
@@ -308,60 +328,14 @@ fn blocks(source: &Source<'_>, bytes: &[u8], size: usize) -> Result<Vec<u8>, Str
         start += length;
         let wanted = if block + 1 == count && last > 0 { last } else { whole };
         let end = unpacked.len() + wanted;
-        let is_whole = match compressor {
-            Compressor::Zlib => {
-                let status = Decompress::new(true).decompress_vec(packed, &mut unpacked, FlushDecompress::Finish);
-                matches!(status, Ok(Status::StreamEnd))
-            }
-            Compressor::Lz4 => lz4_block(packed, &mut unpacked, end).is_some(),
-        };
-        if !is_whole || unpacked.len() != end {
+        let status = Decompress::new(true).decompress_vec(packed, &mut unpacked, FlushDecompress::Finish);
+        if !matches!(status, Ok(Status::StreamEnd)) || unpacked.len() != end {
             return Err("a block is damaged".into());
         }
     }
     Ok(unpacked)
 }
 
-/// Unpacks a block of LZ4 behind what `unpacked` holds, up to a length of `end`; none where the block is damaged. A block is a row of
-/// sequences: a token with two lengths, literal bytes, and how far back the bytes to copy begin
-/// (<https://github.com/lz4/lz4/blob/dev/doc/lz4_Block_format.md>).
-fn lz4_block(packed: &[u8], unpacked: &mut Vec<u8>, end: usize) -> Option<()> {
-    let start = unpacked.len();
-    let mut bytes = packed.iter().copied();
-    // A length of 15 goes on in further bytes, up to one that is not 255.
-    fn length(first: u8, bytes: &mut impl Iterator<Item = u8>) -> Option<usize> {
-        let mut length = usize::from(first);
-        let mut more = if first == 15 { 255 } else { 0 };
-        while more == 255 {
-            more = bytes.next()?;
-            length += usize::from(more);
-        }
-        Some(length)
-    }
-    while let Some(token) = bytes.next() {
-        let literals = length(token >> 4, &mut bytes)?;
-        if literals > end - unpacked.len() {
-            return None;
-        }
-        let before = unpacked.len();
-        unpacked.extend(bytes.by_ref().take(literals));
-        if unpacked.len() - before < literals {
-            return None;
-        }
-        // The last sequence ends behind its literals.
-        let Some(low) = bytes.next() else { return Some(()) };
-        let back = usize::from(low) | usize::from(bytes.next()?) << 8;
-        let copied = length(token & 15, &mut bytes)? + 4;
-        if back == 0 || back > unpacked.len() - start || copied > end - unpacked.len() {
-            return None;
-        }
-        for place in unpacked.len() - back..unpacked.len() - back + copied {
-            unpacked.push(unpacked[place]);
-        }
-    }
-    Some(())
-}
-
 #[cfg(test)]
-#[path = "../../tests/unit/output_vtk_read.rs"]
+#[path = "../../tests/unit/import_xml.rs"]
 mod tests;

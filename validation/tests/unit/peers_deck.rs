@@ -1,4 +1,4 @@
-//! Unit tests of `src/peers/data_file.rs`.
+//! Unit tests of `src/peers/deck.rs`.
 
 use super::*;
 

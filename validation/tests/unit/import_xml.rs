@@ -1,10 +1,10 @@
-//! Unit tests of `src/output/vtk_read.rs`.
+//! Unit tests of `src/import/xml.rs`.
 
 use super::*;
 use crate::output::vtk::{Cells, PolyData};
 
-fn decode(bytes: &[u8]) -> Result<Outline, String> {
-    outline(bytes, &|_, _| true)
+fn decode(bytes: &[u8]) -> Result<Content, String> {
+    read(bytes, |_, _| true)
 }
 
 /// A frame as versions before compression wrote it.
@@ -25,11 +25,36 @@ fn uncompressed() -> String {
 
 #[test]
 fn frames_of_earlier_versions_are_read() {
-    let file = outline(uncompressed().as_bytes(), &|_, _| true).unwrap();
-    assert_eq!((file.time, file.points), (Some(2.5), 2));
-    let array = |section: &str| file.sections.iter().find(|(of, _)| *of == section).unwrap().1[0].values();
-    assert_eq!(array("PointData"), [0.5, 0.25]);
-    assert_eq!(array("Points"), [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]);
+    let file = decode(uncompressed().as_bytes()).unwrap();
+    assert_eq!((file.time, file.count), (Some(2.5), 2));
+    let points = Named::new("points", 3, Some(vec![0.0, 1.0, 2.0, 3.0, 4.0, 5.0]));
+    assert_eq!(file.arrays, [points, Named::new("radius", 1, Some(vec![0.5, 0.25]))]);
+}
+
+#[test]
+fn written_arrays_are_read_back() {
+    // Several blocks of compression, a whole one, and a part of one.
+    for points in [0, 1, 7, 65_536 / 12, 65_536 / 4, 50_000] {
+        let noise = |n: usize| f64::from((n as u32).wrapping_mul(2_654_435_769)) / 4e9;
+        let file = PolyData {
+            time: 1.25,
+            points: Array::floats("Points", 3, (0..3 * points).map(noise)),
+            cells: Cells::Vertices,
+            point_data: vec![
+                Array::integers("id", (0..points as i32).map(|id| id - 3)),
+                Array::doubles("mass", 1, (0..points).map(|n| 0.5 * n as f64)),
+                Array { name: "material".into(), components: 1, kind: Kind::UInt8, bytes: vec![7; points] },
+            ],
+            cell_data: Vec::new(),
+            field_data: vec![Array::doubles("gravity", 3, [0.0, 0.0, -9.81].into_iter())],
+            texts: vec![("materials".into(), vec!["glass".into(), "a <b> & \"ü\"".into()])],
+        };
+        let found = decode(&file.encode()).unwrap();
+        assert_eq!((found.time, found.count), (Some(file.time), points));
+        let named = |array: &Array| Named::new(array.name.to_lowercase(), array.components, Some(array.values()));
+        let wanted: Vec<Named> = std::iter::once(&file.points).chain(&file.point_data).map(named).collect();
+        assert_eq!(found.arrays, wanted, "{points} points");
+    }
 }
 
 #[test]
