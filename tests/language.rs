@@ -8,7 +8,7 @@ use std::process::Command;
 const OPENINGS: [&str; 7] = ["What", "Whether", "How", "Where", "Why", "Those", "The same"];
 
 /// Largest number of doc comments with such an opening, by folder. A number may only fall, to zero in the end.
-const CEILINGS: [(&str, usize); 4] = [("solver", 88), ("validation", 171), ("python", 0), ("tests", 0)];
+const CEILINGS: [(&str, usize); 4] = [("solver", 85), ("validation", 42), ("python", 0), ("tests", 0)];
 
 /// Words and phrases that have a standard term in the field, with that term.
 const DIALECT: [(&str, &[&str]); 26] = [
