@@ -66,6 +66,26 @@ fn help_and_manual_begin_with_what_the_program_does() {
 }
 
 #[test]
+fn the_book_lists_the_commands_of_the_help() {
+    let folder = tempfile::tempdir().unwrap();
+    let help = said(folder.path(), &["--help"]);
+    let book = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/README.md");
+    let book = std::fs::read_to_string(book).unwrap();
+    let table = book.split_once("| group | commands |\n| --- | --- |\n").unwrap().1;
+    let mut count = 0;
+    for row in table.lines().take_while(|line| line.starts_with('|')) {
+        let (group, commands) = row.trim_matches(|c| "| ".contains(c)).split_once(" | ").unwrap();
+        let listed: Vec<&str> =
+            commands.split(", ").map(|name| name.trim_matches('`').trim_start_matches("makadam ")).collect();
+        let title = format!("{}{}:\n", group[..1].to_uppercase(), &group[1..]);
+        let helped = help.split_once(&title).unwrap().1.lines().take_while(|line| !line.is_empty());
+        assert_eq!(listed, helped.map(|line| line.split_whitespace().next().unwrap()).collect::<Vec<_>>(), "{group}");
+        count += listed.len();
+    }
+    assert_eq!(count, 16);
+}
+
+#[test]
 fn check_says_what_escaping_grains_cost_and_asks_for_units() {
     let folder = tempfile::tempdir().unwrap();
     said(folder.path(), &["new", "silo"]);

@@ -26,7 +26,6 @@ use std::path::Path;
 /// Most seeds of a comparison.
 pub const MOST_SEEDS: u64 = 1000;
 
-/// Most frames of a run.
 const MOST_FRAMES: f64 = 1e6;
 
 /// A scene that is measured. Whatever takes what is simulated takes it as it is.

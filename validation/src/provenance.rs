@@ -22,25 +22,20 @@ pub const JUDGE: &str = env!("MAKADAM_JUDGE_KEY");
 
 /// Build of the program, and its machine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "validation/docs/json.md describes the fields of documents")]
 pub struct Build {
-    /// Version of Makadam.
     pub version: String,
     /// [`makadam::BUILD`], which tells builds apart whose bits may differ; empty in records of before it was there.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub build: String,
-    /// Commit of the sources; "unknown" outside a repository.
     pub commit: String,
     /// True if tracked files differed from that commit; absent if unknown.
     pub dirty: Option<bool>,
-    /// Version of the compiler.
     pub compiler: String,
-    /// Target triple.
     pub target: String,
-    /// Build profile.
     pub profile: String,
     /// Instruction set that the contact sweeps use.
     pub instruction_set: String,
-    /// Model of the processor that the program runs on.
     pub processor: String,
 }
 
@@ -71,17 +66,13 @@ impl Build {
 
 /// Provenance of one run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "validation/docs/json.md describes the fields of documents")]
 pub struct Provenance {
-    /// The program and the machine.
     #[serde(flatten)]
     pub build: Build,
-    /// Threads used.
     pub threads: usize,
-    /// Way in which they shared tasks.
     pub scheduler: Scheduler,
-    /// Seed of the initial positions.
     pub seed: u64,
-    /// File that the scene came from.
     pub scene_file: String,
     /// [`scene_hash`] as 16 hexadecimal digits.
     pub scene_hash: String,
@@ -92,18 +83,15 @@ pub struct Provenance {
     pub prepared: Option<Prepared>,
     /// Start of the run, ISO 8601, UTC.
     pub time: String,
-    /// The command line.
     pub command: String,
 }
 
 /// The flowing state that a run starts from: how it is prepared.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "validation/docs/json.md describes the fields of documents")]
 pub struct Prepared {
-    /// Simulated time, s.
     pub seconds: f64,
-    /// Steps.
     pub steps: u64,
-    /// Time step, s.
     pub time_step: f64,
 }
 

@@ -208,7 +208,6 @@ fn within_tolerance(within: bool) -> ExitCode {
     if within { ExitCode::SUCCESS } else { ExitCode::from(OUTSIDE_TOLERANCE) }
 }
 
-/// Formats a value as indented JSON.
 fn json(value: &impl serde::Serialize) -> String {
     serde_json::to_string_pretty(value).expect("results hold only numbers, plain text and lists")
 }

@@ -12,7 +12,6 @@ const LOWEST: f64 = 1e-14;
 /// Factor over the residual that solves start from, at which curves of methods that diverge are cut off.
 const HIGHEST: f64 = 10.0;
 
-/// A residual of a state.
 type Part = fn(&Residuals) -> f64;
 
 /// The three directions, and turning: name, class of the curve, its value.
@@ -23,7 +22,6 @@ const DIRECTIONS: [(&str, &str, Part); 4] = [
     ("turning", "direction-turning curve", |residuals| residuals.turning.rms),
 ];
 
-/// Class of a method's curve.
 fn class(method: SolverMethod) -> &'static str {
     match method {
         SolverMethod::GaussSeidel => "method-gauss-seidel curve",
@@ -35,7 +33,6 @@ fn class(method: SolverMethod) -> &'static str {
     }
 }
 
-/// Name of a method in a figure.
 fn title(method: SolverMethod) -> String {
     match method {
         SolverMethod::GaussSeidel => "Gauss-Seidel".into(),
@@ -114,7 +111,6 @@ fn time_axis(study: &Study) -> Axis {
     Axis::linear("wall time (ms)", 0.0, most)
 }
 
-/// An axis for residuals that are drawn together.
 fn residual_axis(study: &Study, curves: &[Curve], parts: &[Part]) -> Axis {
     let values = || {
         let points = curves.iter().flat_map(|curve| &curve.points);
@@ -128,7 +124,6 @@ fn residual_axis(study: &Study, curves: &[Curve], parts: &[Part]) -> Axis {
     Axis::logarithmic(&format!("residual ({})", study.problem.residual_unit_name), lowest, highest)
 }
 
-/// Points of a curve.
 fn line(curve: &Curve, part: Part, across: impl Fn(&ConvergencePoint) -> f64) -> impl Iterator<Item = [f64; 2]> {
     curve.points.iter().map(move |point| [across(point), part(&point.residuals)])
 }

@@ -173,7 +173,6 @@ fn fastest(solves: &[Vec<ConvergencePoint>]) -> Vec<f64> {
     times.collect()
 }
 
-/// Residuals over a unit.
 fn over(residuals: &Residuals, unit: f64) -> Residuals {
     let one = |residual: Residual| Residual { rms: residual.rms / unit, max: residual.max / unit };
     Residuals {

@@ -147,7 +147,6 @@ pub fn surface(setting: &Setting<'_>, drum: &Drum, field: &Field) -> Option<BedS
     })
 }
 
-/// Points at which a closed line crosses a circle.
 fn circle_crossings(line: &Loop, centre: [f64; 2], radius: f64) -> Vec<[f64; 2]> {
     let mut points = Vec::new();
     for [a, b] in contour::segments(line) {

@@ -38,7 +38,6 @@ pub struct Bulk {
     surface: FreeSurface,
 }
 
-/// The free surface of a bed.
 enum FreeSurface {
     /// There is none, as there is no gravity.
     None,

@@ -1,11 +1,4 @@
-//! Statistics of the contact forces between grains in the bulk.
-//!
-//! The shape of the distribution of normal forces: share of contacts below the mean, Gini coefficient, second moment
-//! `<f^2>/<f>^2`, share of the load that the contacts below the mean carry (the weak network of Radjai et al., Phys. Rev.
-//! Lett. 77, 274, 1996). Friction: mean of ft/(mu fn) by the static coefficient, and the share of contacts whose force of
-//! friction is at a limit, as that of a contact that slides: within 1% of the kinetic limit, or no more than 1% below the static one.
-//! Fabric: with F the mean of n n^T over contacts, a = 15/2 (F - 1/3) is the second-order coefficient of the
-//! distribution of contact directions, and its size is sqrt(3/2 a:a) (Guo & Zhao, J. Mech. Phys. Solids 61, 1, 2013).
+//! Contact forces between grains in the bulk: distribution of normal forces, mobilised friction, fabric.
 
 use super::catalogue::{CONTACTS, Group, define};
 use super::measurement::Readings;

@@ -1,10 +1,7 @@
-//! Coordination: contacts a grain in the bulk.
+//! Coordination: contacts per grain in the bulk.
 //!
-//! The geometric number counts neighbours whose gap is below 1% of the mean diameter, from positions alone; it
-//! needs no force, so that rigid and soft codes are measured alike. The mechanical number counts contacts that push.
-//! A rattler has too few contacts to be held: fewer than four without friction, fewer than two with it (Shundyak,
-//! van Hecke & van Saarloos, Phys. Rev. E 75, 010301, 2007; Silbert, Soft Matter 6, 2918, 2010). Rattlers are removed
-//! repeatedly, with their contacts, until none is left; contacts with walls help to hold a grain.
+//! The geometric number needs no force, so that rigid and soft codes are measured alike. Rattlers are removed repeatedly, with their
+//! contacts, until none is left; contacts with walls help to hold a grain.
 
 use super::catalogue::{ALL_CONTACTS, Group, define};
 use super::measurement::Readings;

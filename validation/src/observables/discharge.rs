@@ -118,7 +118,6 @@ impl PlacedOutlet {
 
 /// State of a grain in the frames so far.
 struct Known {
-    /// Mass, kg.
     mass: f64,
     /// Number of the last frame that has it, and its place over the outlet and across its axis there, m.
     last: usize,

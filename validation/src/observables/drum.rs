@@ -84,7 +84,7 @@ impl Drum {
     }
 
     /// Distance of a point from the nearer end of the drum, m; negative beyond it.
-    pub fn from_ends(&self, point: &Vector3<f64>) -> f64 {
+    pub fn distance_to_ends(&self, point: &Vector3<f64>) -> f64 {
         0.5 * self.length - (point - self.centre).dot(&self.axis).abs()
     }
 }

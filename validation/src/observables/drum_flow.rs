@@ -96,7 +96,7 @@ fn speed_ratio(view: &View<'_>, drum: &Drum) -> Option<f64> {
         let beside = (x * across + y * up) / (distance * across.hypot(up));
         if drum.radius - distance <= SHELL_LAYER * grain.radius
             && beside >= HALF_ARC.to_radians().cos()
-            && drum.from_ends(&place) >= ends
+            && drum.distance_to_ends(&place) >= ends
         {
             let tangent = drum.axis.cross(&(place - drum.centre));
             ratios.push(Vector3::from(grain.velocity).dot(&tangent) / (distance * distance * drum.rate));

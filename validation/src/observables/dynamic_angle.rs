@@ -1,14 +1,9 @@
 //! Dynamic angle of repose: the inclination of the flowing surface in a rotating drum.
 //!
 //! The solid fraction is averaged over the measured frames on a grid in the cross-section (exact sphere volumes, whole
-//! length of the drum, smoothed over about one radius). The bed's outline is the contour at half the field's largest
-//! value. Two lines are put through its free part, which lies more than 1.5 mean diameters inside the shell:
-//!
-//! - `surface_line_angle`: total least squares over the middle half of the surface's chord;
-//! - `dynamic_angle_of_repose`: the line through the two points at which the outline crosses a circle whose diameter
-//!   is a fifth of the drum's. The circle is centred on the middle of the surface: the point of the fitted line
-//!   that is nearest to the drum's axis. In a half-filled drum that is the axis itself; in a drum filled to less
-//!   than some 37% a circle about the axis would miss the surface altogether.
+//! length of the drum, smoothed over about one radius). Both lines go through the free part of the outline, which lies more than 1.5
+//! mean diameters inside the shell. The circle is centred on the point of the fitted line that is nearest to the drum's axis: in a drum
+//! filled to less than some 37% a circle about the axis would miss the surface altogether.
 //!
 //! Both are positive where the bed rises towards the side to which the shell carries it, whatever the sense of
 //! rotation. Standard errors are over blocks of time, the fields of which are measured one by one. The line through

@@ -64,7 +64,6 @@ pub fn hole(
 struct Lattice {
     /// Place of point (0, 0, 0), m.
     origin: Vector3<f64>,
-    /// Width, m.
     width: f64,
     /// First point along each axis.
     first: [i64; 3],

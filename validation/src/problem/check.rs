@@ -126,7 +126,7 @@ pub fn solve(file: &ProblemFile, method: Method, settings: &Settings) -> Result<
         Method::Siconos => {
             let local = file.local.as_ref().ok_or_else(torques)?;
             let found = siconos::solve(local, settings).map_err(|error: SiconosError| error.to_string())?;
-            let mut answer = of_impulses(file, local, found.impulses, Method::Siconos, Some(found.iterations), None);
+            let mut answer = of_impulses(file, local, found.impulses(), Method::Siconos, Some(found.iterations), None);
             answer.converged = found.converged;
             answer.seconds = Some(found.seconds);
             answer

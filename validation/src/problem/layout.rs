@@ -4,7 +4,6 @@ use makadam::checkpoint::checksum as fnv1a;
 use makadam::problem::{Body, Contact};
 use std::collections::BTreeMap;
 
-/// Numbers of a dataset.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Numbers {
     Real(Vec<f64>),
@@ -25,7 +24,6 @@ pub(super) enum Kind {
 
 pub(super) const CHECKSUM: &str = "makadam/checksum";
 
-/// Title for FCLIB.
 pub(super) const TITLE: &str = "fclib_local/info/title";
 
 /// Impulses of a solution, which are no part of the problem.
@@ -54,7 +52,6 @@ pub(super) const BODY: [Field<Body>; 4] = [
     Field("makadam/bodies/spin", |body| body.spin.iter_mut().collect()),
 ];
 
-/// Fields of contacts.
 pub(super) const CONTACT: [Field<Contact>; 15] = [
     Field("makadam/contacts/normal", |contact| contact.normal.iter_mut().collect()),
     Field("makadam/contacts/tangents", |contact| contact.tangents.iter_mut().flatten().collect()),

@@ -6,7 +6,8 @@ use crate::plan::Scene;
 use makadam::problem::LocalProblem;
 use makadam::scene::SceneError;
 use nalgebra::Vector3;
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
+use serde_json::json;
 use std::ffi::OsString;
 use std::io::Write;
 use std::process::{Command, Stdio};
@@ -27,33 +28,19 @@ pub enum SiconosError {
     Failed(String),
 }
 
-/// Its answer.
-#[derive(Clone, Debug, PartialEq)]
+/// Answer of Siconos, as the script prints it.
+#[derive(Deserialize)]
 pub(super) struct Found {
-    pub impulses: Vec<Vector3<f64>>,
+    impulses: Vec<f64>,
     pub iterations: u32,
     pub converged: bool,
     pub seconds: f64,
 }
 
-#[derive(Serialize)]
-struct Job {
-    rows: usize,
-    p: Vec<usize>,
-    i: Vec<usize>,
-    x: Vec<f64>,
-    q: Vec<f64>,
-    mu: Vec<f64>,
-    tolerance: f64,
-    most_iterations: u32,
-}
-
-#[derive(Deserialize)]
-struct Reply {
-    impulses: Vec<f64>,
-    iterations: u32,
-    converged: bool,
-    seconds: f64,
+impl Found {
+    pub fn impulses(&self) -> Vec<Vector3<f64>> {
+        self.impulses.chunks_exact(3).map(Vector3::from_column_slice).collect()
+    }
 }
 
 /// The Python that has Siconos: Debian's, unless the environment says otherwise.
@@ -81,7 +68,17 @@ pub fn version() -> Result<String, SiconosError> {
 /// Solves a local problem from no impulses at all.
 pub(super) fn solve(local: &LocalProblem, settings: &Settings) -> Result<Found, SiconosError> {
     let failed = |words: String| SiconosError::Failed(words);
-    let job = serde_json::to_vec(&job(local, settings)).map_err(|error| failed(error.to_string()))?;
+    let (starts, rows, values) = compressed_columns(local);
+    let job = json!({
+        "rows": 3 * local.offset.len(),
+        "p": starts,
+        "i": rows,
+        "x": values,
+        "q": local.offset.iter().flatten().collect::<Vec<_>>(),
+        "mu": local.friction,
+        "tolerance": settings.tolerance,
+        "most_iterations": settings.most_sweeps,
+    });
     let mut process = Command::new(python())
         .args(["-c", SCRIPT])
         .env("OMP_NUM_THREADS", "1")
@@ -92,7 +89,7 @@ pub(super) fn solve(local: &LocalProblem, settings: &Settings) -> Result<Found, 
         .map_err(|error| SiconosError::Missing(error.to_string()))?;
     if let Some(mut input) = process.stdin.take() {
         // A process that ends early says why on its own.
-        let _ = input.write_all(&job);
+        let _ = input.write_all(job.to_string().as_bytes());
     }
     let output = process.wait_with_output().map_err(|error| failed(error.to_string()))?;
     let (text, errors) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
@@ -100,29 +97,10 @@ pub(super) fn solve(local: &LocalProblem, settings: &Settings) -> Result<Found, 
         return Err(failed(errors.lines().last().unwrap_or("it said nothing").into()));
     }
     let line = text.lines().rfind(|line| line.starts_with('{')).unwrap_or_default();
-    let reply: Reply = serde_json::from_str(line).map_err(|error| failed(error.to_string()))?;
-    if reply.impulses.len() != 3 * local.offset.len() {
-        return Err(failed(format!("{} numbers for {} contacts", reply.impulses.len(), local.offset.len())));
-    }
-    Ok(Found {
-        impulses: reply.impulses.chunks_exact(3).map(Vector3::from_column_slice).collect(),
-        iterations: reply.iterations,
-        converged: reply.converged,
-        seconds: reply.seconds,
-    })
-}
-
-fn job(local: &LocalProblem, settings: &Settings) -> Job {
-    let (p, i, x) = compressed_columns(local);
-    Job {
-        rows: 3 * local.offset.len(),
-        p,
-        i,
-        x,
-        q: local.offset.iter().flatten().copied().collect(),
-        mu: local.friction.clone(),
-        tolerance: settings.tolerance,
-        most_iterations: settings.most_sweeps,
+    let found: Found = serde_json::from_str(line).map_err(|error| failed(error.to_string()))?;
+    match found.impulses.len() == 3 * local.offset.len() {
+        true => Ok(found),
+        false => Err(failed(format!("{} numbers for {} contacts", found.impulses.len(), local.offset.len()))),
     }
 }
 
@@ -139,32 +117,23 @@ pub struct Recorded {
 /// Version of Siconos of the recorded answers.
 pub const SICONOS: &str = "4.4.0";
 
+macro_rules! recorded {
+    ($name:literal, $time:literal, $scene:literal) => {
+        Recorded {
+            name: $name,
+            time: $time,
+            scene: include_str!($scene),
+            file: include_bytes!(concat!("recorded/", $name, ".hdf5")),
+        }
+    };
+}
+
 /// Recorded problems.
 pub const RECORDED: [Recorded; 4] = [
-    Recorded {
-        name: "packing",
-        time: 0.45,
-        scene: include_str!("recorded/packing.toml"),
-        file: include_bytes!("recorded/packing.hdf5"),
-    },
-    Recorded {
-        name: "drum",
-        time: 1.5,
-        scene: include_str!("recorded/drum.toml"),
-        file: include_bytes!("recorded/drum.hdf5"),
-    },
-    Recorded {
-        name: "oedometer",
-        time: 0.7,
-        scene: include_str!("recorded/oedometer.toml"),
-        file: include_bytes!("recorded/oedometer.hdf5"),
-    },
-    Recorded {
-        name: "packing-100",
-        time: 0.5,
-        scene: include_str!("../../reference-scenes/packing-100/scene.toml"),
-        file: include_bytes!("recorded/packing-100.hdf5"),
-    },
+    recorded!("packing", 0.45, "recorded/packing.toml"),
+    recorded!("drum", 1.5, "recorded/drum.toml"),
+    recorded!("oedometer", 0.7, "recorded/oedometer.toml"),
+    recorded!("packing-100", 0.5, "../../reference-scenes/packing-100/scene.toml"),
 ];
 
 impl Recorded {

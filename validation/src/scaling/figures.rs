@@ -55,7 +55,6 @@ fn set_style(set: InstructionSet) -> CodeStyle {
     }
 }
 
-/// All figures of a study, in pairs.
 pub(super) fn figures(study: &Study) -> Vec<[Figure; 2]> {
     let Some(set) = study.widest() else { return Vec::new() };
     let mut all = Vec::new();

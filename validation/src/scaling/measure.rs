@@ -332,7 +332,6 @@ const PAUSE: Duration = Duration::from_millis(10);
 /// Costs where no second thread runs, s: of the order of those of servers.
 const USUAL_CONTENDED_POP: f64 = 25e-9;
 const USUAL_STEAL: f64 = 1.5e-6;
-/// Pops per trial.
 const POPS: usize = 2_000;
 /// Tasks of a large region.
 const MANY: usize = 1_000;

@@ -1,7 +1,7 @@
 //! The study: rows of a measurement and its replays, findings, tables.
 
 use super::figures::figures;
-use super::measure::{Bandwidth, Measurement, Plan, Timing, WARM_UP, cache_bytes, clock};
+use super::measure::{Bandwidth, Measurement, Plan, Timing, Traces, WARM_UP, cache_bytes, clock};
 use super::replay::{Costs, MOST_WORKERS, Machine, curves};
 use super::{Check, MachineRow, MeasuredRow, ReplayedRow};
 use crate::draw::figure::Figure;
@@ -164,12 +164,12 @@ impl Study {
 fn differing(measurement: &Measurement) -> Vec<String> {
     let first = measurement.timings.iter().find_map(|timing| timing.hashes.first());
     let differs = |timing: &&Timing| timing.hashes.iter().any(|hash| Some(hash) != first);
-    let words = measurement.timings.iter().filter(differs).map(|timing| {
+    let names = measurement.timings.iter().filter(differs).map(|timing| {
         let own = timing.configuration;
         let (set, scheduler) = (own.instruction_set.name(), own.scheduler.name());
         format!("{set}, {scheduler}, threads: {}, {}", own.threads, own.portion.name())
     });
-    words.chain((!measurement.traces_same_bits).then(|| "the traced steps".into())).collect()
+    names.chain((!measurement.traces_same_bits).then(|| "the traced steps".into())).collect()
 }
 
 fn measured_rows(measurement: &Measurement) -> Vec<MeasuredRow> {
@@ -241,17 +241,15 @@ fn findings(study: &Study, measurement: &Measurement) -> Vec<String> {
             study.differing.join("; ")
         ),
     }];
-    let worst = |several: bool| {
-        let checks = study.checks.iter().filter(|check| check.threads > 1 || !several);
+    let worst = |least: usize| {
+        let checks = study.checks.iter().filter(|check| check.threads >= least);
         checks.map(|check| check.deviation_percent.abs()).reduce(f64::max)
     };
-    if let Some(all) = worst(false) {
+    if let Some(all) = worst(1) {
         let several =
-            worst(true).map_or(String::new(), |worst| format!(", on more than one thread by at most {worst:.1}%"));
-        findings.push(format!(
-            "The replay misses the {} measured configurations by at most {all:.1}%{several}.",
-            study.checks.len()
-        ));
+            worst(2).map_or(String::new(), |worst| format!(", on more than one thread by at most {worst:.1}%"));
+        let count = study.checks.len();
+        findings.push(format!("The replay misses the {count} measured configurations by at most {all:.1}%{several}."));
     }
     for machine in &study.machines {
         let linear = [Scheduler::CentralQueue, Scheduler::WorkStealing].map(|scheduler| {
@@ -268,9 +266,8 @@ fn findings(study: &Study, measurement: &Measurement) -> Vec<String> {
             linear[1]
         ));
     }
-    let widest = |set: InstructionSet| Some(set) == study.widest();
-    let batches = measurement.traces.iter().find(|traces| {
-        widest(traces.configuration.instruction_set) && traces.configuration.portion == Portion::Batches
+    let batches = measurement.traces.iter().find(|Traces { configuration, .. }| {
+        Some(configuration.instruction_set) == study.widest() && configuration.portion == Portion::Batches
     });
     let regions = || batches.into_iter().flat_map(|traces| &traces.steps).flat_map(|step| &step.regions);
     let seconds = |least: usize| {
@@ -291,31 +288,29 @@ fn answer(study: &Study) -> Answer {
     let best = parallel.max_by(|one, other| one.speedup.total_cmp(&other.speedup));
     let bits = study.findings.first().cloned().unwrap_or_default();
     let gains = best.is_some_and(|best| best.speedup > 1.0);
-    let (word, measured) = match best {
-        Some(best) => {
-            let serial = own().find(|row| row.scheduler == Scheduler::Serial && row.portion == best.portion);
-            let instead = serial.map_or(String::new(), |serial| format!(" instead of {}", time(serial.step_seconds)));
-            let faster = format!("{} times as fast on {} threads.", two_digits(best.speedup), best.threads);
-            let step = format!(
-                "A step takes {}{instead} ({}, {}); its sweeps are {} times as fast. ",
-                time(best.step_seconds),
-                best.scheduler.name().replace('-', " "),
-                best.instruction_set.name(),
-                two_digits(best.sweep_speedup),
-            );
-            (if gains { faster } else { format!("No gain: {faster}") }, step)
-        }
-        None => {
-            let step = own().next().map_or(String::new(), |row| format!("A step takes {}. ", time(row.step_seconds)));
-            ("Measured on one thread alone.".into(), step)
-        }
-    };
     let class = match (study.same_bits, gains) {
         (false, _) => "disagree",
         (true, true) => "agree",
         (true, false) => "undecided",
     };
-    Answer { class, word, sentence: measured + &bits }
+    let Some(best) = best else {
+        let step = own().next().map_or(String::new(), |row| format!("A step takes {}. ", time(row.step_seconds)));
+        return Answer { class, word: "Measured on one thread alone.".into(), sentence: step + &bits };
+    };
+    let serial = own().find(|row| row.scheduler == Scheduler::Serial && row.portion == best.portion);
+    let instead = serial.map_or(String::new(), |serial| format!(" instead of {}", time(serial.step_seconds)));
+    let faster = format!("{} times as fast on {} threads.", two_digits(best.speedup), best.threads);
+    Answer {
+        class,
+        word: if gains { faster } else { format!("No gain: {faster}") },
+        sentence: format!(
+            "A step takes {}{instead} ({}, {}); its sweeps are {} times as fast. {bits}",
+            time(best.step_seconds),
+            best.scheduler.name().replace('-', " "),
+            best.instruction_set.name(),
+            two_digits(best.sweep_speedup),
+        ),
+    }
 }
 
 /// Name of a machine in sentences.
@@ -397,7 +392,6 @@ impl Document for Study {
     }
 }
 
-/// Columns of a configuration.
 const CONFIGURATION: [&str; 3] = ["instruction set", "scheduler", "of"];
 
 fn measured(study: &Study) -> Table {

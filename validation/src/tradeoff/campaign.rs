@@ -93,7 +93,6 @@ struct Task<'a> {
     may_cut: bool,
 }
 
-/// Outcome of one attempt.
 enum Attempt {
     Run(Box<KeptRun>),
     Failed(String),
@@ -357,7 +356,6 @@ const SWEEP: f64 = 0.17;
 /// Sweeps that a solve is expected to take where its residual or its time says when to stop.
 const OPEN_ENDED: u32 = 20;
 
-/// Expected wall times.
 struct Costs {
     scene: Scene,
     grains: f64,

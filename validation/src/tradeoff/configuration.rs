@@ -133,7 +133,6 @@ const FEW: &[u32] = &[3, 5, 10];
 /// Most sweeps of a solve that stops at a residual, up to those of the reference.
 const MOST: &[u32] = &[10, 20, 40];
 
-/// All variations.
 pub(super) const VARIATIONS: [Variation; 15] = [
     vary("warm start 0", SWEEPS, |settings| settings.warm_start = 0.0),
     vary("over-relaxation 1", SWEEPS, |settings| settings.over_relaxation = 1.0),
@@ -171,7 +170,6 @@ fn calm_contacts(settings: &mut SolverSettings) {
 }
 
 impl Variation {
-    /// The variation of a name.
     pub(super) fn named(name: &str) -> Option<&'static Variation> {
         VARIATIONS.iter().find(|variation| variation.name == name)
     }

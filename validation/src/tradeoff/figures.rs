@@ -71,13 +71,11 @@ fn codes(study: &Study, reference: &Reference) -> Option<Figure> {
     })
 }
 
-/// Points with an error.
 fn members_of<'a>(points: &[&'a Point], name: &str) -> Vec<Member<'a>> {
     let member = |point: &&'a Point| Some(Member { point, deviation: point.deviation(name)? });
     points.iter().filter_map(member).collect()
 }
 
-/// Points that were cut short.
 fn cut_of<'a>(points: &[&'a Point]) -> Vec<&'a Point> {
     points.iter().copied().filter(|point| point.extrapolated).collect()
 }
@@ -98,18 +96,14 @@ impl Member<'_> {
 
 /// Points that are drawn alike.
 struct Series<'a> {
-    /// Name in the legend.
     name: &'a str,
     style: CodeStyle,
-    /// Points with an error.
     members: Vec<Member<'a>>,
-    /// Points that were cut short.
     cut: Vec<&'a Point>,
     /// Members that its line joins, from the cheapest; may be of another series.
     front: Vec<Member<'a>>,
 }
 
-/// The bound on an observable.
 fn bound_of(study: &Study, name: &str) -> Option<f64> {
     study.bounds.iter().find(|bound| bound.observable == name).map(|bound| bound.value)
 }

@@ -143,7 +143,6 @@ impl Plan {
         plan
     }
 
-    /// Makadam at the scene's stiffness.
     fn own_stiffness(&mut self, scene: &Scene, quick: bool, extent: &Extent, grid: impl Fn(f64, u32) -> Configuration) {
         self.place(makadam(1.0, scene.solver.clone(), None));
         for &step in extent.steps {
@@ -164,7 +163,6 @@ impl Plan {
         }
     }
 
-    /// Makadam at another stiffness than the scene's.
     fn other_stiffness(
         &mut self,
         scene: &Scene,

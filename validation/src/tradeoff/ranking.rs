@@ -54,20 +54,18 @@ pub(super) fn fastest(points: &[Point], bounds: &[Bound]) -> Vec<Fastest> {
     if bounds.is_empty() {
         return rows;
     }
-    let pace = |point: &Point| point.wall_seconds_per_simulated_second;
     for point in points {
-        let group = |other: &Point| other.code == point.code && other.stiffness_factor == point.stiffness_factor;
         if rows.iter().any(|row| row.code == point.code && row.stiffness_factor == point.stiffness_factor) {
             continue;
         }
-        let within = points.iter().filter(|other| group(other) && other.within_bounds == Some(true));
-        let best = within.min_by(|a, b| pace(a).total_cmp(&pace(b)));
+        let group = |other: &&Point| other.code == point.code && other.stiffness_factor == point.stiffness_factor;
+        let best = fastest_within(points.iter().filter(group));
         rows.push(Fastest {
             code: point.code.clone(),
             stiffness_factor: point.stiffness_factor,
             youngs_modulus: point.youngs_modulus,
             setting: best.map(|best| best.setting.clone()),
-            wall_seconds_per_simulated_second: best.map(pace),
+            wall_seconds_per_simulated_second: best.map(|best| best.wall_seconds_per_simulated_second),
             intervals_within_bounds: best.and_then(|best| best.intervals_within_bounds),
             ratio_to_makadam: None,
             ratio_low: None,
@@ -85,14 +83,16 @@ pub(super) fn fastest(points: &[Point], bounds: &[Bound]) -> Vec<Fastest> {
     rows
 }
 
+/// The fastest of some points that keep all bounds.
+fn fastest_within<'a>(points: impl Iterator<Item = &'a Point>) -> Option<&'a Point> {
+    let pace = |point: &Point| point.wall_seconds_per_simulated_second;
+    points.filter(|point| point.within_bounds == Some(true)).min_by(|a, b| pace(a).total_cmp(&pace(b)))
+}
+
 /// The best setting of each variation of the solver, in the order of the plan, over the best that varies step and sweeps alone.
 pub(super) fn variations(points: &[Point]) -> Vec<Varied> {
     let own = || points.iter().filter(|point| point.code == "Makadam" && point.stiffness_factor == 1.0);
-    let best = |variation: Option<&str>| {
-        let settings = own().filter(|point| point.variation.as_deref() == variation);
-        let within = settings.filter(|point| point.within_bounds == Some(true));
-        within.min_by(|a, b| a.wall_seconds_per_simulated_second.total_cmp(&b.wall_seconds_per_simulated_second))
-    };
+    let best = |variation: Option<&str>| fastest_within(own().filter(|point| point.variation.as_deref() == variation));
     let plain = best(None).map(|point| point.wall_seconds_per_simulated_second);
     let mut rows: Vec<Varied> = Vec::new();
     for variation in own().filter_map(|point| point.variation.as_deref()) {

@@ -360,7 +360,6 @@ fn measured(value: f64, error: Option<f64>) -> String {
     format!("{value:.decimals$}{error}").replace('-', "−")
 }
 
-/// A deviation with its sign and its standard error.
 fn signed(value: f64, error: Option<f64>) -> String {
     let text = measured(value, error);
     if value > 0.0 { format!("+{text}") } else { text }
@@ -430,7 +429,6 @@ fn reference_rows(references: &[Reference]) -> Table {
     .of_fields(rows)
 }
 
-/// Fields of a row as JSON.
 fn fields_of(row: &impl Serialize) -> Map<String, Value> {
     match serde_json::to_value(row) {
         Ok(Value::Object(fields)) => fields,

@@ -17,7 +17,6 @@ use std::path::{Path, PathBuf};
 /// First bytes of a run's checkpoint; the last one is the version of the format.
 const RUN: [u8; 8] = *b"mkd-run\x05";
 
-/// Content of a checkpoint.
 #[derive(Serialize, Deserialize)]
 pub(super) struct Checkpoint {
     pub simulation: Vec<u8>,
