@@ -8,10 +8,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut qualification = sample::qualification(vec![sample::drum(true), sample::packing(), sample::alone()]);
     qualification.title = "Sample of a report: invented numbers".into();
     qualification.studies.push(sample::study(makadam_validation::report::StudyOutcome::Failed));
-    let paths = makadam_validation::report::write(&qualification, folder.as_ref())?;
+    let page = makadam_validation::report::write(&qualification, folder.as_ref())?;
     for comparison in &qualification.comparisons {
         println!("{}", makadam_validation::report::comparison_table(comparison, true));
     }
-    println!("{}", paths.html.display());
+    println!("{}", page.display());
     Ok(())
 }

@@ -10,8 +10,8 @@ use std::fs;
 
 fn page(qualification: &Qualification) -> String {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let paths = write(qualification, folder.path()).expect("a report");
-    fs::read_to_string(paths.html).expect("the page")
+    let page_file = write(qualification, folder.path()).expect("a report");
+    fs::read_to_string(&page_file).expect("the page")
 }
 
 /// The page is written so that it is XML too: every tag closes.
@@ -121,8 +121,8 @@ fn no_number_of_a_drawing_is_broken() {
 fn every_row_stands_in_every_file() {
     let qualification = full();
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let paths = write(&qualification, folder.path()).expect("a report");
-    let text = text(&fs::read_to_string(&paths.html).expect("the page"));
+    let page_file = write(&qualification, folder.path()).expect("a report");
+    let text = text(&fs::read_to_string(&page_file).expect("the page"));
     for said in [
         "dynamic angle of repose (degrees)",
         "27.13",
@@ -149,7 +149,7 @@ fn every_row_stands_in_every_file() {
     }
 
     let rows: usize = qualification.comparisons.iter().map(|c| c.rows.len()).sum();
-    let mut reader = csv::Reader::from_path(&paths.csv).expect("the rows");
+    let mut reader = csv::Reader::from_path(page_file.with_file_name("rows.csv")).expect("the rows");
     let records: Vec<csv::StringRecord> = reader.records().collect::<Result<_, _>>().expect("rows of one length");
     assert_eq!(records.len(), rows);
     assert_eq!(&records[0][1], "dynamic_angle_of_repose");
@@ -161,8 +161,8 @@ fn every_row_stands_in_every_file() {
 fn json_round_trips_to_the_last_bit() {
     let qualification = full();
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let paths = write(&qualification, folder.path()).expect("a report");
-    let text = fs::read_to_string(paths.json).expect("the data");
+    let page_file = write(&qualification, folder.path()).expect("a report");
+    let text = fs::read_to_string(page_file.with_file_name("report.json")).expect("the data");
     let document: ReportDocument = serde_json::from_str(&text).expect("a report");
     assert_eq!(document.version, REPORT_VERSION);
     assert_eq!(document.verdict, qualification.verdict());
@@ -291,13 +291,13 @@ fn what_was_not_measured_is_said_everywhere_and_does_not_pass() {
         "Not measured: of 8 tests of 1 scene against LIGGGHTS and YADE, 6 agree, none disagrees, 2 not measured."
     );
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let paths = write(&qualification, folder.path()).expect("a report");
-    let html = fs::read_to_string(&paths.html).expect("the page");
+    let page_file = write(&qualification, folder.path()).expect("a report");
+    let html = fs::read_to_string(&page_file).expect("the page");
     assert!(text(&html).contains("not measured") && text(&html).contains("Makadam has no value"));
-    let json = fs::read_to_string(&paths.json).expect("the data");
+    let json = fs::read_to_string(page_file.with_file_name("report.json")).expect("the data");
     assert!(json.contains(r#""outcome":"not-measured""#) && json.contains(r#""standing":"not-measured""#));
     assert_eq!(serde_json::from_str::<ReportDocument>(&json).expect("a report").qualification, qualification);
-    let csv = fs::read_to_string(&paths.csv).expect("the rows");
+    let csv = fs::read_to_string(page_file.with_file_name("rows.csv")).expect("the rows");
     assert_eq!(csv.matches(",not measured,,Makadam has no value").count(), 2, "{csv}");
     let table = comparison_table(&qualification.comparisons[0], false);
     assert!(table.contains("not measured: Makadam has no value"), "{table}");

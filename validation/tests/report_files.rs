@@ -19,8 +19,8 @@ fn full() -> Qualification {
 }
 
 fn document(folder: &Path) -> Value {
-    let paths = write(&full(), folder).expect("a report");
-    serde_json::from_slice(&fs::read(paths.json).expect("the data")).expect("JSON")
+    let page_file = write(&full(), folder).expect("a report");
+    serde_json::from_slice(&fs::read(page_file.with_file_name("report.json")).expect("the data")).expect("JSON")
 }
 
 /// What is wrong with a document, each fault with its place.
@@ -105,8 +105,8 @@ fn every_field_of_a_report_is_described() {
 #[test]
 fn every_link_of_the_page_leads_to_a_file_beside_it_and_every_figure_has_one() {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let paths = write(&full(), folder.path()).expect("a report");
-    let page = fs::read_to_string(paths.html).expect("the page");
+    let page_file = write(&full(), folder.path()).expect("a report");
+    let page = fs::read_to_string(&page_file).expect("the page");
     let options = ParsingOptions { allow_dtd: true, ..Default::default() };
     let page = Document::parse_with_options(&page, options).expect("well-formed markup");
     let links = page.descendants().filter_map(|node| node.attribute("href")).filter(|link| !link.starts_with('#'));
@@ -170,9 +170,9 @@ fn tests_are_there_for_machines() {
     let mut qualification = sample::qualification(vec![drum]);
     qualification.outside_spread = vec!["packing: a live run lies <outside>".into()];
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let paths = write(&qualification, folder.path()).expect("a report");
+    let page_file = write(&qualification, folder.path()).expect("a report");
     let junit = fs::read_to_string(folder.path().join("junit.xml")).expect("the tests");
     assert!(junit.contains("failures=\"2\"") && junit.contains("&lt;outside&gt;"), "{junit}");
-    let json = fs::read(paths.json).expect("the data");
+    let json = fs::read(page_file.with_file_name("report.json")).expect("the data");
     assert_eq!(serde_json::from_slice::<ReportDocument>(&json).expect("a report").qualification, qualification);
 }

@@ -15,8 +15,8 @@ fn with(outcome: StudyOutcome) -> Qualification {
 fn a_study_stands_in_every_file() {
     let qualification = Qualification { comparisons: vec![sample::drum(true)], ..with(StudyOutcome::Failed) };
     let folder = tempfile::tempdir().unwrap();
-    let paths = write(&qualification, folder.path()).unwrap();
-    let page = fs::read_to_string(&paths.html).unwrap();
+    let page_file = write(&qualification, folder.path()).unwrap();
+    let page = fs::read_to_string(&page_file).unwrap();
     for words in [
         "<section id=\"study-stability\">",
         "<a href=\"#study-stability\">Hard cases</a>",

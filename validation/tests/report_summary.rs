@@ -9,8 +9,8 @@ use std::fs;
 /// Its text, in a report of one scene.
 fn summary(comparison: Comparison) -> String {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let paths = write(&sample::qualification(vec![comparison]), folder.path()).expect("a report");
-    let page = fs::read_to_string(paths.html).expect("the page");
+    let page_file = write(&sample::qualification(vec![comparison]), folder.path()).expect("a report");
+    let page = fs::read_to_string(&page_file).expect("the page");
     let options = ParsingOptions { allow_dtd: true, ..Default::default() };
     let document = Document::parse_with_options(&page, options).expect("well-formed markup");
     let is = |node: &Node<'_, '_>| node.attribute("class").is_some_and(|class| class.contains("summary"));

@@ -174,13 +174,13 @@ fn validate(arguments: &CompareArguments, scene: &Scene, file: &Path, console: &
     let written = output.filter(|_| stays.is_none()).map(|folder| report::write(&qualification, folder)).transpose();
     printed?;
     let written = written?;
-    if let Some(paths) = written.as_ref().filter(|_| !arguments.json) {
-        console.result(&format!("report: {}", paths.html.display()))?;
+    if let Some(page) = written.as_ref().filter(|_| !arguments.json) {
+        console.result(&format!("report: {}", page.display()))?;
     }
     if interrupted {
         return Err(Failure::interrupted(&match (stays, written) {
             (Some(folder), _) => format!("not stored, the earlier report stays in {}", folder.display()),
-            (None, Some(paths)) => paths.html.display().to_string(),
+            (None, Some(page)) => page.display().to_string(),
             (None, None) => "not stored".into(),
         }));
     }

@@ -85,10 +85,10 @@ pub(super) fn qualify(arguments: &QualifyArguments, console: &Console) -> Result
         )),
         other => other.into(),
     })?;
-    let paths = report::write(&qualification, &folder)?;
+    let page = report::write(&qualification, &folder)?;
     let verdict = qualification.verdict();
     let passes = verdict.standing == Standing::Agree;
-    let report = paths.html.display().to_string();
+    let report = page.display().to_string();
     let changes = baseline.map(|baseline| Changes::between(&baseline, &report::tests(&qualification)));
     let Qualification { comparisons, outside_spread, unchecked, failed_runs, notes, .. } = &qualification;
     let document = QualifyDocument {

@@ -56,11 +56,6 @@ impl CodeRuns {
         }
     }
 
-    /// Removes the runs, for a reason.
-    pub fn without_runs(self, why: String) -> CodeRuns {
-        CodeRuns { discarded: Some(why), runs: Vec::new(), forces: None, series: Vec::new(), final_state: None, ..self }
-    }
-
     /// Values of an observable, one a run that has it.
     pub fn values(&self, observable: &str) -> Vec<f64> {
         self.runs.iter().filter_map(|run| run.value(observable)).collect()
@@ -77,7 +72,7 @@ impl CodeRuns {
             version: first.version.clone(),
             source: self.source,
             seeds: self.runs.iter().map(|run| run.seed).collect(),
-            time_step: first.known_time_step(),
+            time_step: Some(first.time_step).filter(|step| *step > 0.0),
             rayleigh_fraction: first.rayleigh_fraction,
             wall_seconds_per_simulated_second: middle,
             timing: self.timing,

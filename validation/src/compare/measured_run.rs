@@ -55,11 +55,6 @@ impl MeasuredRun {
         self.measurements.iter().find(|measurement| measurement.observable == observable).map(|found| found.value)
     }
 
-    /// Time step, s, if the code tells it.
-    pub fn known_time_step(&self) -> Option<f64> {
-        Some(self.time_step).filter(|step| *step > 0.0)
-    }
-
     /// Time of the stepping over simulated time: processor time, or wall time where nothing else is known.
     pub fn pace(&self) -> f64 {
         self.core_seconds.unwrap_or(self.wall_seconds) / self.simulated_seconds

@@ -120,6 +120,20 @@ pub(crate) fn significant(value: f64) -> String {
     if rounded == 0.0 || (1e-4..1e7).contains(&rounded.abs()) { format!("{rounded}") } else { format!("{rounded:e}") }
 }
 
+/// A value to four digits or three decimals.
+pub(crate) fn four_digits(value: f64) -> String {
+    let size = value.abs();
+    let decimals = match size {
+        100.0.. => 1,
+        10.0.. => 2,
+        _ => 3,
+    };
+    match size == 0.0 || (1e-2..1e4).contains(&size) {
+        true => format!("{value:.decimals$}"),
+        false => format!("{value:.3e}"),
+    }
+}
+
 /// A positive number to two significant digits, or to the unit above 100: 0.092, 3.1, 14, 230.
 pub(crate) fn two_digits(value: f64) -> String {
     if !value.is_finite() {

@@ -2,7 +2,7 @@
 
 use super::{Law, Values};
 use crate::draw::figure::Figure;
-use crate::draw::numbers::{bounds, plural};
+use crate::draw::numbers::{bounds, four_digits, plural};
 use crate::provenance::facts;
 use crate::statistics::{mean, standard_deviation};
 use crate::study::{Answer, Cell, Document, DocumentError, File, Finding, Report, Section, Table, cells};
@@ -182,17 +182,4 @@ pub(crate) fn runs<'a>(rows: impl IntoIterator<Item = &'a Row, IntoIter: Clone>)
 pub(crate) fn figure_and_bounds(finding: &Finding) -> [String; 2] {
     let value = format!("{} {}", four_digits(finding.value), finding.unit);
     [value.trim().into(), bounds([finding.low, finding.high], four_digits)]
-}
-
-fn four_digits(value: f64) -> String {
-    let size = value.abs();
-    let decimals = match size {
-        100.0.. => 1,
-        10.0.. => 2,
-        _ => 3,
-    };
-    match size == 0.0 || (1e-2..1e4).contains(&size) {
-        true => format!("{value:.decimals$}"),
-        false => format!("{value:.3e}"),
-    }
 }

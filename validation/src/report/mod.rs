@@ -44,25 +44,14 @@ pub struct ReportDocument {
     pub qualification: Qualification,
 }
 
-/// Main files of a report.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct ReportPaths {
-    /// The page to read.
-    pub html: PathBuf,
-    /// Data; a [`ReportDocument`].
-    pub json: PathBuf,
-    /// The rows of all tables.
-    pub csv: PathBuf,
-}
-
 /// Writes `report.html`, `report.json`, `tests.json`, `rows.csv`, `junit.xml`, the CSV files that the figures link to and the files
-/// of studies into a folder, which is made if it is not there.
+/// of studies into a folder, which is made if it is missing, and returns the path of the page.
 ///
 /// All of them are complete on disk under temporary names before the first is renamed: an earlier report stays whole if this one fails.
 ///
 /// # Errors
 /// [`DocumentError`] if a file cannot be written.
-pub fn write(qualification: &Qualification, folder: &Path) -> Result<ReportPaths, DocumentError> {
+pub fn write(qualification: &Qualification, folder: &Path) -> Result<PathBuf, DocumentError> {
     let document = ReportDocument {
         version: REPORT_VERSION,
         verdict: qualification.verdict(),
@@ -77,6 +66,5 @@ pub fn write(qualification: &Qualification, folder: &Path) -> Result<ReportPaths
     files.extend(data::files(qualification)?);
     files.extend(qualification.studies.iter().flat_map(|study| study.files.clone()));
     write_together(folder, &files)?;
-    let path = |name: &str| folder.join(name);
-    Ok(ReportPaths { html: path("report.html"), json: path("report.json"), csv: path("rows.csv") })
+    Ok(folder.join("report.html"))
 }

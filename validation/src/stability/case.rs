@@ -1,6 +1,7 @@
 //! A stress test, its outcome in a code, and the cases that are known to fail.
 
 use super::Evidence;
+use crate::draw::numbers::four_digits;
 use crate::plan::Scene;
 use crate::study::Finding;
 use serde::{Deserialize, Serialize};
@@ -131,12 +132,7 @@ impl Outcome {
 }
 
 pub(super) fn figure(value: f64, unit: &str) -> String {
-    let size = value.abs();
-    let number = match size == 0.0 || (1e-3..1e5).contains(&size) {
-        true => format!("{value:.4}"),
-        false => format!("{value:.2e}"),
-    };
-    format!("{number} {unit}").trim_end().into()
+    format!("{} {unit}", four_digits(value)).trim_end().into()
 }
 
 /// Cases that are known to fail, each with the reason (`validation/docs/stability.md`). A case that passes is to be taken off.

@@ -78,7 +78,8 @@ impl Reference {
         if self.is_current(code, scene) == Some(false) {
             let discarded =
                 format!("{code} was recorded on another scene than this one, so record it anew with --record");
-            return Some(recorded.without_runs(discarded));
+            let (discarded, runs, series) = (Some(discarded), Vec::new(), Vec::new());
+            return Some(CodeRuns { discarded, runs, series, forces: None, final_state: None, ..recorded });
         }
         let last = recorded.runs.iter().map(|run| run.seed).max().unwrap_or(0);
         let failed = (1..=last).filter(|seed| recorded.runs.iter().all(|run| run.seed != *seed)).collect();
