@@ -46,8 +46,8 @@ impl Campaign<'_> {
         let study = Mutex::new(Study::new(self));
         let work = |case: &Case| (case.scene.grain_count() + 1) as f64 * case.scene.duration / case.scene.solver.step;
         run_jobs(self.cases, work, progress, |case, _| -> Result<(), RunError> {
-            let outcome = |code: &Box<dyn Code>| self.outcome(case, &**code).inspect(|outcome| ended(case, outcome));
-            let outcomes = self.codes.par_iter().map(outcome).collect::<Result<_, _>>()?;
+            let outcome = |code: &dyn Code| self.outcome(case, code).inspect(|outcome| ended(case, outcome));
+            let outcomes = self.codes.par_iter().map(|code| outcome(code.as_ref())).collect::<Result<_, _>>()?;
             let mut study = study.lock().expect("nothing panics while it holds the lock");
             study.add(CaseResult::new(case, outcomes), self.cases);
             study.write(self.folder)?;

@@ -65,14 +65,14 @@ pub struct Study {
 impl Study {
     /// Starts the study of a campaign, without finished cases.
     pub(super) fn new(campaign: &Campaign<'_>) -> Study {
-        let version = |code: &Box<dyn crate::peers::Code>| Some((code.name().to_string(), code.version()?));
+        let codes = campaign.codes.iter();
         Study {
             version: JSON_VERSION,
             command: "stability",
             as_stated: true,
             cases: Vec::new(),
             unfinished: campaign.cases.iter().map(|case| case.name.clone()).collect(),
-            codes: campaign.codes.iter().filter_map(version).collect(),
+            codes: codes.filter_map(|code| Some((code.name().to_string(), code.version()?))).collect(),
             time_limit: campaign.time_limit,
             provenance: account(rayon::current_num_threads(), &[]),
         }
