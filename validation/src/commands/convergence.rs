@@ -3,7 +3,7 @@
 use super::arguments::{OutputArguments, SceneArguments, positive};
 use super::beforehand::{begin, refuse_without_folder, settle};
 use super::{Console, Failure};
-use crate::convergence::{self, Effort, Problem, Study};
+use crate::convergence::{self, Effort};
 use crate::execution::Execution;
 use crate::output::record_folder;
 use crate::prepared::Start;
@@ -64,23 +64,21 @@ pub(super) fn convergence(arguments: &ConvergenceArguments, console: &Console) -
     if let Some(seconds) = arguments.settle.or(own) {
         settle(&mut simulation, seconds, console)?;
     }
-    let (methods, left_out) = convergence::suitable(&simulation, wanted);
-    let problem = Problem::next(&scene, &simulation);
-    if problem.contacts == 0 {
+    if simulation.clone().step().contacts == 0 {
         return Err(Failure::Usage(format!(
             "{} has no contacts at {} s, so there is no problem to solve; give another time with --settle",
-            scene.name, problem.start_seconds
+            scene.name,
+            simulation.time()
         )));
     }
     let bar = console.bar(&scene.name);
     let effort = Effort { iterations: arguments.iterations, repetitions: arguments.repetitions };
-    let curves = convergence::solve(&simulation, &methods, effort, &|method, fraction| {
+    let study = convergence::measure(&scene, &simulation, wanted, effort, provenance, &|method, fraction| {
         bar.say(method.name().into());
         bar.set(fraction);
     });
     drop(bar);
-    let curves = curves.map_err(|_| Failure::interrupted("none, the methods were not finished"))?;
-    let study = Study::new(problem, effort, curves, left_out, provenance);
+    let study = study.map_err(|_| Failure::interrupted("none, the methods were not finished"))?;
     console.publish(&study, &arguments.output.folder_of("convergence", &scene), arguments.output.json)?;
     if arguments.record {
         let processor = &study.provenance.build.processor;

@@ -13,4 +13,4 @@ mod figures;
 mod report;
 mod study;
 
-pub use study::{Curve, Effort, LeftOut, Problem, Reached, Study, TOLERANCES, methods, solve, suitable};
+pub use study::{Curve, Effort, LeftOut, Problem, Reached, Study, TOLERANCES, measure, methods};

@@ -70,7 +70,7 @@ pub struct Problem {
 
 impl Problem {
     /// The problem of a simulation's next step; the simulation stays as it is.
-    pub fn next(scene: &Scene, simulation: &Simulation) -> Problem {
+    fn next(scene: &Scene, simulation: &Simulation) -> Problem {
         let unit = simulation.residual_unit();
         let mut copy = simulation.clone();
         Problem {
@@ -195,8 +195,20 @@ pub fn methods(scene: &Scene, names: Option<&[String]>) -> Vec<SolverMethod> {
     all.map(|method| if method.name() == own.name() { own } else { method }).collect()
 }
 
-/// The methods that can solve a simulation's next step, and the others.
-pub fn suitable(simulation: &Simulation, wanted: Vec<SolverMethod>) -> (Vec<SolverMethod>, Vec<LeftOut>) {
+/// Solves the problem of a simulation's next step with all of the wanted methods that suit it, several times in turn, so that a
+/// disturbance falls on all of them. `progress` receives the method and the completed fraction.
+///
+/// # Errors
+/// [`MeasureError::Interrupted`].
+pub fn measure(
+    scene: &Scene,
+    simulation: &Simulation,
+    wanted: Vec<SolverMethod>,
+    effort: Effort,
+    provenance: Provenance,
+    progress: &dyn Fn(SolverMethod, f64),
+) -> Result<Study, MeasureError> {
+    let Effort { iterations, repetitions } = effort;
     let (mut methods, mut left_out) = (Vec::new(), Vec::new());
     for method in wanted {
         match simulation.goes_with(method) {
@@ -204,29 +216,18 @@ pub fn suitable(simulation: &Simulation, wanted: Vec<SolverMethod>) -> (Vec<Solv
             Err(error) => left_out.push(LeftOut { method: method.name(), reason: error.to_string() }),
         }
     }
-    (methods, left_out)
-}
-
-/// Solves a simulation's next step with methods that suit it, each as often as asked for, in turn, so that what interferes for a
-/// while falls on all of them. `progress` is told the method and the share that is done.
-pub fn solve(
-    simulation: &Simulation,
-    methods: &[SolverMethod],
-    effort: Effort,
-    progress: &dyn Fn(SolverMethod, f64),
-) -> Result<Vec<Curve>, MeasureError> {
-    let Effort { iterations, repetitions } = effort;
     let mut solves = vec![Vec::new(); methods.len()];
     for repetition in 0..repetitions {
         for (place, &method) in methods.iter().enumerate() {
-            let share = place as f64 / methods.len() as f64;
-            progress(method, (f64::from(repetition) + share) / f64::from(repetitions));
-            solves[place].push(simulation.convergence(method, iterations).expect("it suits"));
+            let fraction = place as f64 / methods.len() as f64;
+            progress(method, (f64::from(repetition) + fraction) / f64::from(repetitions));
+            solves[place].push(simulation.convergence(method, iterations).expect("the method suits the simulation"));
             if crate::interrupt::requested() {
                 return Err(MeasureError::Interrupted);
             }
         }
     }
     let unit = simulation.residual_unit();
-    Ok(methods.iter().zip(solves).map(|(&method, solves)| Curve::new(method, solves, unit)).collect())
+    let curves = methods.iter().zip(solves).map(|(&method, solves)| Curve::new(method, solves, unit)).collect();
+    Ok(Study::new(Problem::next(scene, simulation), effort, curves, left_out, provenance))
 }

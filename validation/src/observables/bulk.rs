@@ -14,6 +14,7 @@ use super::bed_surface::MeanField;
 use super::contour::{self, Loop, Segment};
 use super::drum::Drum;
 use super::effort;
+use super::field::mean_within;
 use super::holes::hole;
 use super::setting::Setting;
 use super::sphere_volume::half_space;
@@ -198,14 +199,7 @@ fn level(setting: &Setting<'_>, up: Vector3<f64>, frame: &Snapshot) -> Result<Fr
             *layer += beyond(index) - beyond(index + 1.0);
         }
     }
-    let mean_above = |floor: f64| {
-        let full: Vec<f64> = volume.iter().copied().filter(|volume| *volume > floor).collect();
-        full.iter().sum::<f64>() / full.len().max(1) as f64
-    };
-    let mut bulk = mean_above(0.0);
-    for _ in 0..20 {
-        bulk = mean_above(0.5 * bulk);
-    }
+    let bulk = mean_within(&volume, |_| 1.0);
     let Some(last) = volume.iter().rposition(|volume| *volume >= 0.5 * bulk) else {
         return Err("no layer of it is filled".into());
     };

@@ -126,3 +126,16 @@ impl Field {
         self.values.iter().copied().fold(0.0, f64::max)
     }
 }
+
+/// Weighted mean of the values above half of that mean: the value inside a bed, without its rim.
+pub(super) fn mean_within(values: &[f64], weight: impl Fn(usize) -> f64) -> f64 {
+    let mean_above = |level: f64| {
+        let (mut sum, mut weights) = (0.0, 0.0);
+        for (index, &value) in values.iter().enumerate().filter(|(_, value)| **value > level) {
+            sum += value * weight(index);
+            weights += weight(index);
+        }
+        if weights > 0.0 { sum / weights } else { 0.0 }
+    };
+    (0..20).fold(mean_above(0.0), |mean, _| mean_above(0.5 * mean))
+}

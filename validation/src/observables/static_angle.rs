@@ -11,7 +11,7 @@
 use super::catalogue::{Group, define, nothing_of_a_frame};
 use super::contour::{self, Loop, Segment};
 use super::effort;
-use super::field::Field;
+use super::field::{Field, mean_within};
 use super::frames::Frames;
 use super::line::{Line, clip};
 use super::measurement::Measurement;
@@ -249,18 +249,7 @@ fn unit_ball() -> Vec<Vector3<f64>> {
 fn outline(field: &Field) -> Option<Loop> {
     // Rings near the axis are small, and so noisy: weighted by their volume they count for little.
     let weight = |column: usize| (column as f64 + 0.5 - 0.5 * field.columns as f64).abs();
-    let mean_above = |level: f64| {
-        let (mut sum, mut weights) = (0.0, 0.0);
-        for (index, &value) in field.values.iter().enumerate().filter(|(_, value)| **value > level) {
-            sum += value * weight(index % field.columns);
-            weights += weight(index % field.columns);
-        }
-        if weights > 0.0 { sum / weights } else { 0.0 }
-    };
-    let mut bulk = mean_above(0.0);
-    for _ in 0..20 {
-        bulk = mean_above(0.5 * bulk);
-    }
+    let bulk = mean_within(&field.values, |index| weight(index % field.columns));
     (bulk > 0.0).then(|| contour::outline(field, 0.5 * bulk))?
 }
 

@@ -95,27 +95,18 @@ pub fn find(name: &str, roots: &[PathBuf]) -> Result<PathBuf, SceneError> {
     Err(SceneError::Unknown { name: name.into(), known: known(roots) })
 }
 
-/// Names of the scenes in `roots` and of those that the program holds, sorted.
+/// Names of the scenes in folders `reference-scenes` of `roots`, and of those that the program holds, sorted.
 pub fn known(roots: &[PathBuf]) -> Vec<String> {
-    let mut known = known_scenes(roots);
-    known.extend(names().map(String::from));
+    let entries =
+        roots.iter().filter_map(|root| std::fs::read_dir(root.join("reference-scenes")).ok()).flatten().flatten();
+    let mut known: Vec<String> = entries
+        .filter(|entry| entry.path().join("scene.toml").is_file())
+        .filter_map(|entry| entry.file_name().into_string().ok())
+        .chain(names().map(String::from))
+        .collect();
     known.sort();
     known.dedup();
     known
-}
-
-/// Names of the folders under `reference-scenes/` that hold a scene, sorted.
-fn known_scenes(roots: &[PathBuf]) -> Vec<String> {
-    let mut names: Vec<String> = roots
-        .iter()
-        .filter_map(|root| std::fs::read_dir(root.join("reference-scenes")).ok())
-        .flat_map(|entries| entries.flatten())
-        .filter(|entry| entry.path().join("scene.toml").is_file())
-        .filter_map(|entry| entry.file_name().into_string().ok())
-        .collect();
-    names.sort();
-    names.dedup();
-    names
 }
 
 /// Reads a scene's file as text.

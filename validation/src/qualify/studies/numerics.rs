@@ -221,11 +221,9 @@ impl<'a> Convergence<'a> {
             let settled = Stepping::new(steps, &*share).carry_out(&mut simulation, |_, _| {});
             settled.map_err(|_| RunError::Interrupted)?;
         }
-        let (methods, left_out) = convergence::suitable(&simulation, convergence::methods(scene, None));
-        let problem = convergence::Problem::next(scene, &simulation);
-        let curves = convergence::solve(&simulation, &methods, EFFORT, &|_, done| share(done));
-        let curves = curves.map_err(|_| RunError::Interrupted)?;
-        let study = convergence::Study::new(problem, EFFORT, curves, left_out, provenance);
+        let methods = convergence::methods(scene, None);
+        let study = convergence::measure(scene, &simulation, methods, EFFORT, provenance, &|_, done| share(done));
+        let study = study.map_err(|_| RunError::Interrupted)?;
         let unit = &study.problem.residual_unit_name;
         Ok(Solved {
             contacts: study.problem.contacts,
