@@ -17,6 +17,7 @@ fn finding<'a>(law: &'a Value, words: &str) -> &'a Value {
 }
 
 #[test]
+#[ignore = "takes long: scripts/nightly slow-tests"]
 fn janssens_law_holds_in_a_narrow_tube_and_runs_are_kept() {
     let folder = tempfile::tempdir().unwrap();
     let (code, study) = study(folder.path(), &["janssen", "--quick"]);

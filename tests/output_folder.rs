@@ -302,7 +302,7 @@ fn a_scene_named_after_a_folder_writes_into_one_of_its_own() {
     let folder = folder.path();
     let scene = tiny(folder);
     let text = std::fs::read_to_string(&scene).unwrap();
-    let here = folder.join("measured-frames");
+    let here = folder.join("measured-frames.mkd");
     std::fs::write(&here, "of somebody else").unwrap();
     for (name, code) in [("..", Some(0)), (".", Some(0)), (&"n".repeat(300), Some(0))] {
         std::fs::write(&scene, text.replacen("name = \"tiny\"", &format!("name = \"{name}\""), 1)).unwrap();

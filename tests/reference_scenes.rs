@@ -117,6 +117,7 @@ fn frictionless_packing_agrees_with_the_recorded_code() {
 /// Smooth rigid spheres at rest are isostatic: three conditions of balance a grain, six contacts a grain. With an overlap there are more
 /// of them by a multiple of its root (O'Hern, Silbert, Liu & Nagel, Phys. Rev. E 68, 011306, 2003).
 #[test]
+#[ignore = "takes long: scripts/nightly slow-tests"]
 fn a_frictionless_packing_becomes_isostatic_as_its_grains_become_rigid() {
     /// Contacts a grain beyond six, over the root of the mean overlap over the radius.
     const EXCESS: f64 = 9.0;
@@ -219,6 +220,7 @@ fn margins_keep_to_their_rule() {
 
 /// Grains half as stiff overlap half as much again.
 #[test]
+#[ignore = "takes long: scripts/nightly slow-tests"]
 fn half_the_stiffness_disagrees() {
     let file = file_of("drum");
     let scene = Scene::load(&file).unwrap();

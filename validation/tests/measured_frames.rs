@@ -19,7 +19,7 @@ fn peak(folder: &Path, frames: u64) -> u64 {
     let summary: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(summary["frames"], frames + 1);
     assert!(summary["observables"]["coordination_number"]["value"].as_f64().unwrap() > 0.0);
-    assert!(!folder.join(&steps).join("measured-frames").exists(), "it is not needed any more");
+    assert!(!folder.join(&steps).join("measured-frames.mkd").exists(), "it is not needed any more");
     summary["peak_bytes"].as_u64().unwrap()
 }
 

@@ -88,6 +88,7 @@ fn place(frame: &Snapshot, axis: usize) -> f64 {
 /// A grain on the wall of a turning drum is spun up to the drum's speed and sways there. A primitive cylinder must drag it as the mesh does,
 /// about each axis, with the right sign.
 #[test]
+#[ignore = "takes long: scripts/nightly slow-tests"]
 fn a_turning_drum_drags_a_grain_as_its_mesh_does() {
     for along in 0..3 {
         let scene = drum(along, 0.3, [0.0, 0.003, -0.045], "");
@@ -123,6 +124,7 @@ fn a_turning_drum_drags_a_grain_as_its_mesh_does() {
 
 /// Four grains fall into a box and come to rest at the same heights, whether it is a mesh or planes.
 #[test]
+#[ignore = "takes long: scripts/nightly slow-tests"]
 fn few_grains_in_a_box_come_to_rest_at_the_same_heights() {
     let mut text = format!(
         "name = 'timed'\ndescription = 'x'\nduration = 1.0\ngravity = [0.0, 0.0, -9.81]\n\
@@ -149,6 +151,7 @@ fn few_grains_in_a_box_come_to_rest_at_the_same_heights() {
 
 /// What a run for timing does not tell, it says: no wall contact is missing without a word.
 #[test]
+#[ignore = "takes long: scripts/nightly slow-tests"]
 fn what_a_timed_run_lacks_is_said() {
     let scene = drum(1, 0.2, [0.0, 0.003, -0.045], "");
     both(&scene, |code, measured, timed| {
