@@ -124,9 +124,14 @@ impl Team {
 
     /// Runs `task` for each number below `count`, in any order and at the same time.
     pub(crate) fn each(&self, phase: Phase, count: usize, task: impl Fn(usize) + Sync) {
+        self.trace_each(phase, count, &task);
+    }
+
+    /// Hands tasks out, and records how long each takes if the team traces. Tasks are called by reference: Rayon is compiled once.
+    fn trace_each(&self, phase: Phase, count: usize, task: &(dyn Fn(usize) + Sync)) {
         let Some(tracer) = &self.tracer else { return self.hand_out(count, task) };
         let seconds: Vec<AtomicU64> = (0..count).map(|_| AtomicU64::new(0)).collect();
-        self.hand_out(count, |number| {
+        self.hand_out(count, &|number| {
             let clock = Instant::now();
             task(number);
             seconds[number].store(clock.elapsed().as_secs_f64().to_bits(), Ordering::Relaxed);
@@ -147,17 +152,17 @@ impl Team {
         self.each(phase, count, |number| task(number, unsafe { shares.share(number) }));
     }
 
-    fn hand_out(&self, count: usize, task: impl Fn(usize) + Sync) {
+    fn hand_out(&self, count: usize, task: &(dyn Fn(usize) + Sync)) {
         match (self.pool(), self.scheduler) {
             _ if count <= 1 => (0..count).for_each(task),
-            (None, Scheduler::CentralQueue) => CentralQueue::new(count).drain(&task),
+            (None, Scheduler::CentralQueue) => CentralQueue::new(count).drain(task),
             (None, _) => (0..count).for_each(task),
             (Some(pool), Scheduler::CentralQueue) => {
                 let queue = CentralQueue::new(count);
                 let workers = pool.current_num_threads().min(count);
-                (0..workers).into_par_iter().with_max_len(1).for_each(|_| queue.drain(&task));
+                (0..workers).into_par_iter().with_max_len(1).for_each(|_| queue.drain(task));
             }
-            (Some(_), _) => (0..count).into_par_iter().with_max_len(1).for_each(&task),
+            (Some(_), _) => (0..count).into_par_iter().with_max_len(1).for_each(task),
         }
     }
 
@@ -206,7 +211,7 @@ impl CentralQueue {
     }
 
     /// Takes tasks and does them until none is left.
-    pub fn drain(&self, task: &impl Fn(usize)) {
+    pub fn drain(&self, task: &dyn Fn(usize)) {
         while let Some(number) = self.pop() {
             task(number);
         }
