@@ -80,7 +80,8 @@ fn a_hundred_kills_change_no_bit() {
                 ends += 1;
                 assert_eq!(results(folder, "broken"), expected, "after {kills} kills");
                 assert!(
-                    !folder.join("broken/run.checkpoint").exists() && !folder.join("broken/measured-frames.mkd").exists()
+                    !folder.join("broken/run.checkpoint").exists()
+                        && !folder.join("broken/measured-frames.mkd").exists()
                 );
                 std::fs::remove_dir_all(folder.join("broken")).unwrap();
             }

@@ -2,7 +2,7 @@
 
 use super::columns::StatedColumns;
 use super::table::{FrameTable, ImportError};
-use super::{dump, text, vtkhdf, xml};
+use super::{dump, legacy_vtk, text, vtkhdf, xml};
 use crate::output::HDF5;
 use flate2::read::MultiGzDecoder;
 use std::io::Read;
@@ -17,6 +17,8 @@ pub(super) enum Format {
     Hdf,
     /// VTK's XML.
     Xml,
+    /// Legacy VTK.
+    LegacyVtk,
     /// Text of YADE.
     Yade,
     /// Table with names in its first row.
@@ -24,20 +26,17 @@ pub(super) enum Format {
 }
 
 /// First bytes of formats that are read.
-const READ: [(&[u8], Format); 5] = [
+const READ: [(&[u8], Format); 6] = [
     (b"ITEM:", Format::Dump),
     (&HDF5, Format::Hdf),
     (b"<?xml", Format::Xml),
     (b"<VTKFile", Format::Xml),
+    (b"# vtk DataFile", Format::LegacyVtk),
     (b"#format ", Format::Yade),
 ];
 
 /// First bytes of files that are not read, their format, and the remedy.
-const REFUSED: [(&[u8], &str); 11] = [
-    (
-        b"# vtk DataFile",
-        "it is a legacy VTK file; write XML: .vtp by dump custom/vtk of LIGGGHTS, .vtu by VTKRecorder of YADE, or convert it in ParaView",
-    ),
+const REFUSED: [(&[u8], &str); 10] = [
     (b"\x28\xb5\x2f\xfd", "it is compressed by zstd; unpack it, or compress it by gzip"),
     (b"BZh", "it is compressed by bzip2; unpack it, or compress it by gzip"),
     (b"\xfd7zXZ", "it is compressed by xz; unpack it, or compress it by gzip"),
@@ -63,13 +62,19 @@ const BEST_COMPRESSION: u64 = 1032;
 pub fn parse(file: &Path, bytes: Vec<u8>, columns: &StatedColumns) -> Result<Vec<FrameTable>, ImportError> {
     let bytes = unpacked(file, bytes)?;
     let format = format_of(file, &bytes)?;
-    if !matches!(format, Format::Hdf | Format::Xml) {
+    let is_binary = match format {
+        Format::Hdf | Format::Xml => true,
+        Format::LegacyVtk => legacy_vtk::is_binary(&bytes),
+        _ => false,
+    };
+    if !is_binary {
         is_whole(file, &bytes)?;
     }
     match format {
         Format::Dump => dump::dump(file, &bytes, columns),
         Format::Hdf => vtkhdf::hdf(file, bytes, columns),
         Format::Xml => xml::xml(file, &bytes, columns),
+        Format::LegacyVtk => legacy_vtk::legacy_vtk(file, &bytes, columns),
         Format::Yade => text::yade(file, &bytes, columns),
         Format::Csv => text::csv(file, &bytes, columns),
     }

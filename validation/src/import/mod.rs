@@ -13,6 +13,7 @@ mod dump;
 mod format;
 mod frames;
 mod identity;
+mod legacy_vtk;
 mod manifest;
 mod table;
 mod text;

@@ -155,6 +155,27 @@ def with_vtk():
     xml(both, "xml-vertices-and-lines.vtp", "raw", "zlib")
     note("xml-vertices-and-lines.vtp", writer_name)
 
+    for kind, make, writer in (
+        ("poly", poly, vtk.vtkPolyDataWriter),
+        ("grid", grid, vtk.vtkUnstructuredGridWriter),
+    ):
+        for version in (42, 51):
+            for mode in ("ascii", "binary"):
+                legacy = writer()
+                file = f"legacy-{kind}-{version}-{mode}.vtk"
+                legacy.SetFileName(str(HERE / file))
+                legacy.SetFileVersion(version)
+                legacy.SetInputData(make())
+                legacy.SetFileTypeToBinary() if mode == "binary" else legacy.SetFileTypeToASCII()
+                assert legacy.Write() == 1
+                note(file, writer_name)
+    legacy = vtk.vtkPolyDataWriter()
+    legacy.SetFileName(str(HERE / "legacy-all-types-binary.vtk"))
+    legacy.SetInputData(data)
+    legacy.SetFileTypeToBinary()
+    legacy.Write()
+    note("legacy-all-types-binary.vtk", writer_name)
+
     # Lists of files.
     blocks = vtk.vtkMultiBlockDataSet()
     blocks.SetBlock(0, poly())
@@ -361,6 +382,7 @@ def with_liggghts(folder):
         "dump plain all custom 1 liggghts.dump id type x y z radius vx vy vz omegax omegay omegaz\n"
         'dump_modify plain format "%d %d %.12g %.12g %.12g %.12g %.12g %.12g %.12g %.12g %.12g %.12g"\n'
         "dump pairs all local 1 liggghts-pairs.dump c_fc[1] c_fc[2] c_fc[3] c_fc[4] c_fc[5] c_fc[6] c_fc[7] c_fc[8] c_fc[9]\n"
+        "dump vtk all custom/vtk 1 liggghts-*.vtk id type x y z radius vx vy vz omegax omegay omegaz\n"
         "dump vtp all custom/vtk 1 liggghts-*.vtp id type x y z radius vx vy vz omegax omegay omegaz\n"
         "run 0\n"
     )
@@ -373,8 +395,9 @@ def with_liggghts(folder):
     note("liggghts.dump", version)
     note("liggghts-pairs.dump", version, "contacts c_fc:first,second,_,fx,fy,fz,px,py,pz", "")
     note("liggghts-places.dump", version, "contacts c_fp:_,_,_,_,_,_,first,second,_,fx,fy,fz", "")
-    if (folder / "liggghts-0.vtp").exists():
-        note("liggghts-0.vtp", version)
+    for name in ("liggghts-0.vtk", "liggghts-0.vtp"):
+        if (folder / name).exists():
+            note(name, version)
 
 
 def with_yade(folder):
@@ -395,6 +418,8 @@ def with_yade(folder):
         "O.dt = 1e-9\nO.run(2, True)\n"
         "export.text('yade-text.txt')\n"
         "export.textExt('yade-format.txt', format='x_y_z_r_matId')\n"
+        "e = export.VTKExporter('yade-export')\n"
+        "e.exportSpheres(what=dict(v='b.state.vel', omega='b.state.angVel', id='b.id', material='b.mat.id'))\n"
         "import os\nos._exit(0)\n"
     )
     run(["yade", "-j1", "-n", "-x", "in.py"], text, "in.py", folder)
@@ -403,6 +428,7 @@ def with_yade(folder):
         "yade-ascii-spheres.1.vtu": "id-0 type-0 radius v w",
         "yade-text.txt": "radius",
         "yade-format.txt": "type-0 radius",
+        "yade-export-spheres-00000000.vtk": "id-0 type-0 radius v w",
     }
     for name, states in renamed.items():
         if (folder / name).exists():

@@ -118,7 +118,7 @@ fn corpus_has_right_values() {
         }
         read += 1;
     }
-    assert!(read > 30, "{read}");
+    assert!(read > 40, "{read}");
 }
 
 /// Forces of the one contact of the state, in columns that LIGGGHTS only numbers.
@@ -172,7 +172,6 @@ fn other_formats_are_named() {
     refused(b"\x28\xb5\x2f\xfd....", "zstd");
     refused(b"{\"frames\": []}", "JSON");
     refused(b"id\0x", "binary");
-    refused(b"# vtk DataFile Version 3.0\nx\nASCII\nDATASET POLYDATA\n", "legacy VTK file; write XML");
     assert_eq!(format_of(Path::new("a"), b"id,x,y,z\n").unwrap(), Format::Csv);
 }
 
@@ -223,6 +222,50 @@ fn several_vtk_pieces_are_refused() {
     assert_eq!(file(&["", "0 0 0 1 1 1"]).unwrap()[0].rows().count(), 2, "empty pieces are none");
     let error = file(&["0 0 0", "1 1 1"]).unwrap_err().to_string();
     assert!(error.contains("several pieces") && error.contains("Merge Blocks"), "{error}");
+}
+
+#[test]
+fn legacy_vtk_fields_are_columns() {
+    let file = |arrays: &str| {
+        let text = format!(
+            "# vtk DataFile Version 5.1\nLIGGGHTS\nASCII\nDATASET POLYDATA\nFIELD FieldData 1\nTIME 1 1 double\n0.5\nPOINTS 2 float\n\
+             1 2 3 4 5 6\nMETADATA\nINFORMATION 2\nNAME L2_NORM_RANGE LOCATION vtkDataArray\nDATA 2 0 17\n\nVERTICES 3 2\nOFFSETS \
+             vtktypeint64\n0 1 2\nCONNECTIVITY vtktypeint64\n0 1\nPOINT_DATA 2\n{arrays}"
+        );
+        parse(Path::new("a.vtk"), text.into_bytes(), &StatedColumns::default())
+    };
+    let two = "FIELD FieldData 2\nradius 1 2 double\n0.5 0.25\nMETADATA\nINFORMATION 0\n\nv 3 2 float\n1 2 3 4 5 6\n";
+    let frames = file(two).unwrap();
+    let rows: Vec<&[f64]> = frames[0].rows().collect();
+    assert_eq!(rows, [[1.0, 2.0, 3.0, 0.5, 1.0, 2.0, 3.0], [4.0, 5.0, 6.0, 0.25, 4.0, 5.0, 6.0]]);
+    let columns: Vec<Option<Column>> = frames[0].columns.iter().map(|name| column_of(name)).collect();
+    let axes = |of: fn(usize) -> Column| (0..3).map(move |axis| Some(of(axis)));
+    let wanted: Vec<_> = axes(Column::Position).chain([Some(Column::Radius)]).chain(axes(Column::Velocity)).collect();
+    assert_eq!(columns, wanted);
+    let error = file("POINT_DATA 3\n").unwrap_err().to_string();
+    assert!(error.contains("data of 3 points, and there are 2"), "{error}");
+    for (arrays, words) in [
+        ("FIELD FieldData 1\nid 1 2 string\na\nb\n", "id has 2 rows of string"),
+        ("FIELD FieldData 1\nradius 1 3 double\n1 2 3\n", "radius has 3 rows of double, and there are 2 points"),
+        ("FIELD FieldData many\n", "no number of arrays"),
+        ("FIELD FieldData 1\nradius one 2 double\n1 2\n", "'one' is no number of components"),
+        ("FIELD FieldData 1\nradius 1 2 double\n1\n", "radius ends before its last number"),
+    ] {
+        let error = file(arrays).unwrap_err().to_string();
+        assert!(error.contains(words), "{words}: {error}");
+    }
+}
+
+#[test]
+fn truncated_legacy_vtk_is_refused() {
+    let whole = "# vtk DataFile Version 3.0\nx\nASCII\nDATASET POLYDATA\nPOINTS 2 double\n0 0 0\n0.1 0 0\nPOINT_DATA 2\n\
+                 SCALARS radius double 1\nLOOKUP_TABLE default\n0.005\n0.005\nVECTORS v double\n0 0 0\n0 0 2.5\n";
+    let read = |text: &str| parse(Path::new("a.vtk"), text.as_bytes().to_vec(), &StatedColumns::default());
+    assert_eq!(read(whole).unwrap()[0].values[13], 2.5);
+    let error = read(whole.strip_suffix("5\n").unwrap()).unwrap_err().to_string();
+    assert!(error.contains("a.vtk: line 15: the last row has no line end"), "{error}");
+    let error = read(whole.strip_suffix("2.5\n").unwrap()).unwrap_err().to_string();
+    assert!(error.contains("a.vtk: line 15"), "{error}");
 }
 
 #[test]

@@ -327,6 +327,7 @@ pub fn foreign_frames() -> Vec<Vec<u8>> {
         dump.into(),
         file("plain.txt"),
         file("attributes.txt"),
+        file("spheres.vtk"),
         file("spheres.400.vtu"),
     ]
 }
