@@ -1,5 +1,5 @@
 //! Frames in VTK's XML files (`.vtp`, `.vtu`) of polygonal data or of an unstructured grid: points and arrays over them, or lines and arrays
-//! over them. Arrays are appended as they are or in base64, or stand in place as base64 or as words, compressed by zlib or not, in either
+//! over them. Arrays are appended as they are or in base64, or stand in place as base64 or as words, compressed by zlib, LZ4 or not, in either
 //! order of bytes.
 
 use super::columns::StatedColumns;
@@ -28,6 +28,14 @@ const GRID: &str = "UnstructuredGrid";
 /// Start of appended arrays.
 const APPENDED: &[u8] = b"<AppendedData";
 
+/// Compression of the blocks of arrays.
+#[derive(Clone, Copy, PartialEq)]
+enum Compression {
+    None,
+    Zlib,
+    Lz4,
+}
+
 /// More than zlib ever gains: who claims more lies.
 const BEST_COMPRESSION: usize = 1100;
 
@@ -36,8 +44,7 @@ struct Source<'a> {
     appended: &'a [u8],
     /// True if appended arrays are text.
     in_base64: bool,
-    /// True if blocks are compressed by zlib.
-    is_compressed: bool,
+    compression: Compression,
     /// Bytes of the integers in front of an array.
     header: usize,
     /// True if numbers are in big endian.
@@ -175,19 +182,20 @@ fn root<'a, 'input>(
         Some("BigEndian") => true,
         Some(other) => return Err(format!("byte_order is '{other}', neither LittleEndian nor BigEndian")),
     };
-    let is_compressed = match root.attribute("compressor") {
-        None => false,
-        Some("vtkZLibDataCompressor") => true,
+    let compression = match root.attribute("compressor") {
+        None => Compression::None,
+        Some("vtkZLibDataCompressor") => Compression::Zlib,
+        Some("vtkLZ4DataCompressor") => Compression::Lz4,
         Some(other) => {
             return Err(format!(
-                "it is compressed by {other}; write it with zlib or none (in ParaView: Compressor Type)"
+                "it is compressed by {other}; write it with zlib, LZ4 or none (in ParaView: Compressor Type)"
             ));
         }
     };
     let header = if root.attribute("header_type") == Some("UInt64") { 8 } else { 4 };
     let section = document.descendants().find(|node| node.has_tag_name("AppendedData"));
     let in_base64 = section.is_some_and(|node| node.attribute("encoding") == Some("base64"));
-    Ok((root, Source { appended, in_base64, is_compressed, header, is_big }))
+    Ok((root, Source { appended, in_base64, compression, header, is_big }))
 }
 
 /// Returns the arrays of a section.
@@ -263,7 +271,7 @@ fn from_base64(source: &Source<'_>, text: &[u8], size: usize) -> Result<Vec<u8>,
     let begin =
         STANDARD.decode(text.get(..12).ok_or_else(cut)?).map_err(|error| format!("it is no base64: {error}"))?;
     let count = header_number(source, &begin, 0)?;
-    if !source.is_compressed {
+    if source.compression == Compression::None {
         return match count == size {
             true => decoded(0, header + size).map(|(bytes, _)| bytes),
             false => Err(format!("it has {count} bytes in place of {size}")),
@@ -301,7 +309,7 @@ fn blocks(source: &Source<'_>, bytes: &[u8], size: usize) -> Result<Vec<u8>, Str
     let header = source.header;
     let number = |place: usize| header_number(source, bytes, place);
     let other = |found: usize| format!("it has {found} bytes in place of {size}");
-    if !source.is_compressed {
+    if source.compression == Compression::None {
         let found = number(0)?;
         if found != size {
             return Err(other(found));
@@ -328,8 +336,14 @@ fn blocks(source: &Source<'_>, bytes: &[u8], size: usize) -> Result<Vec<u8>, Str
         start += length;
         let wanted = if block + 1 == count && last > 0 { last } else { whole };
         let end = unpacked.len() + wanted;
-        let status = Decompress::new(true).decompress_vec(packed, &mut unpacked, FlushDecompress::Finish);
-        if !matches!(status, Ok(Status::StreamEnd)) || unpacked.len() != end {
+        let is_whole = if source.compression == Compression::Lz4 {
+            unpacked.resize(end, 0);
+            matches!(lz4_flex::block::decompress_into(packed, &mut unpacked[end - wanted..]), Ok(length) if length == wanted)
+        } else {
+            let status = Decompress::new(true).decompress_vec(packed, &mut unpacked, FlushDecompress::Finish);
+            matches!(status, Ok(Status::StreamEnd))
+        };
+        if !is_whole || unpacked.len() != end {
             return Err("a block is damaged".into());
         }
     }
