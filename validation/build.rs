@@ -61,7 +61,7 @@ fn hold_scenes() {
     std::fs::write(output.join("scenes.rs"), text).expect("the build folder can be written");
 }
 
-/// What a folder holds, sorted; nothing where there is none.
+/// Lists the content of a folder, sorted; empty if there is no folder.
 fn entries(folder: &Path) -> Vec<PathBuf> {
     let read = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let mut paths: Vec<PathBuf> = read.map(|entry| entry.path()).collect();

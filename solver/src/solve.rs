@@ -72,7 +72,7 @@ pub struct NotConverged {
     pub residual: f64,
 }
 
-/// Where the number of sweeps is fixed, the last one is measured, and of the first and every one whose number this divides the
+/// Period of measurements with a fixed number of sweeps: the last sweep is measured, and of the first and every one whose number this divides the
 /// total residual is, which over-relaxation watches.
 const MEASURE_EVERY: u32 = 4;
 

@@ -20,7 +20,7 @@ const STEPS: usize = 40;
 const CONVERGED: &str = "normal_law = { kind = 'rigid' }\nover_relaxation = 1.0\n\
                          stop = { kind = 'residual', tolerance = 1e-13, max_sweeps = 1000 }";
 
-/// How a container kept its grains.
+/// Record of how a container kept its grains.
 #[derive(Debug, PartialEq)]
 enum Outcome {
     Kept,

@@ -87,7 +87,7 @@ struct Known {
     started: u64,
 }
 
-/// What is known of each file.
+/// Known facts of each file.
 fn list() -> BTreeMap<String, Known> {
     let text = std::fs::read_to_string(folder().join("known.csv")).unwrap_or_default();
     let known = |line: &str| {

@@ -6,7 +6,7 @@ use makadam::scene::Scene;
 use makadam::{EffectSet, Simulation};
 use std::path::Path;
 
-/// What a material of the scenes here says, unless a test says otherwise.
+/// Material of the scenes here, unless a test states otherwise.
 const MATERIAL: [(&str, &str); 5] = [
     ("density", "2500.0"),
     ("youngs_modulus", "1e7"),

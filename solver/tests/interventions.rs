@@ -1,4 +1,4 @@
-//! What the caller does between steps: forces, states that are written, grains that come and go, walls that are moved.
+//! Interventions between steps: forces, states that are written, grains that come and go, walls that are moved.
 
 use crate::common::bits::{reference_scene, steps};
 use makadam::schedule::Scheduler;

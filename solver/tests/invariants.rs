@@ -1,4 +1,4 @@
-//! What holds in every run: same bits, no energy from nothing, no spin without friction, momentum, lane groups.
+//! Invariants of every run: same bits, no energy from nothing, no spin without friction, momentum, lane groups.
 
 use crate::common::{FLOOR, Setup, run_until};
 use makadam::Simulation;

@@ -1,4 +1,4 @@
-//! How the ledger closes, whatever the effects: to a millionth of what was exchanged, and with each entry where it belongs.
+//! Closure of the ledger with all effects: to a millionth of what was exchanged, and with each entry where it belongs.
 
 use crate::common::{DENSITY, FLOOR, Setup, grain};
 use makadam::scene::{Axis, Cohesion, GravityChange, Scene};
@@ -24,7 +24,7 @@ fn wall(name: &str, shape: &str, motion: &str) -> String {
     format!("[[wall]]\nname = '{name}'\nmaterial = 'wall'\nshape = {{ {shape} }}\nmotion = {{ {motion} }}\n")
 }
 
-/// What the ledger of a scene says after so many steps, having been asked at each.
+/// Returns the ledger of a scene after so many steps, read at each.
 fn balance(scene: &Scene, steps: usize) -> Balance {
     let mut simulation = Simulation::new(scene, 1).unwrap();
     simulation.open_ledger();

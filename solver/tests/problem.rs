@@ -16,7 +16,7 @@ fn poured(wall: &str, change: impl Fn(&mut Material)) -> Simulation {
     poured_by(TangentialLaw::Rigid, wall, change)
 }
 
-/// The same with a law across the normals.
+/// Returns the same with a law across the normals.
 fn poured_by(law: TangentialLaw, wall: &str, change: impl Fn(&mut Material)) -> Simulation {
     let corners = "min = [-0.025, -0.025, 0.0], max = [0.025, 0.025, 0.2]";
     let body = format!(

@@ -1,4 +1,4 @@
-//! What holds in every scene, in small ones drawn at random. `MAKADAM_RANDOM_SCENES` sets their number for each property.
+//! Invariants of small scenes drawn at random. `MAKADAM_RANDOM_SCENES` sets their number for each property.
 
 mod conservation;
 mod contacts;

@@ -127,7 +127,7 @@ fn a_stack_of_ten_bears_its_weight() {
     }
 }
 
-/// How far the top sphere sinks within 0.4 s, over the radius, on `base` touching spheres (two in a plane, or three).
+/// Returns the depth by which the top sphere sinks within 0.4 s, over the radius, on `base` touching spheres (two in a plane, or three).
 fn pyramid_sinks(base: u32, grain_friction: f64, ground_friction: f64) -> f64 {
     let side = 2.0 * RADIUS;
     // Distance of the lower spheres from the axis: half a side, or the circumradius of the triangle.

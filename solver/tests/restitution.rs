@@ -8,7 +8,7 @@ use makadam::scene::Scene;
 /// Largest shortfall and excess of the restitution by law. A linear spring's damping starts with a jump at first touch.
 const LINEAR: [f64; 2] = [0.025, 0.025];
 const HERTZ: [f64; 2] = [0.012, 0.02];
-/// What an inelastic impact recovers its overlap with.
+/// Recovery of the overlap in an inelastic impact.
 const RIGID: [f64; 2] = [1e-6, 0.0026];
 
 /// Numbers from a seed, uniform between 0 and 1 (SplitMix64).

@@ -1,4 +1,4 @@
-//! What is asked of a simulation is done or refused, never left out without a word.
+//! Settings of a simulation take effect or are refused, never ignored.
 
 use crate::common::bits::{reference_scene, start, steps};
 use makadam::scene::{Precision, SolverMethod};

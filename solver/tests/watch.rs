@@ -1,4 +1,4 @@
-//! What watchdogs notice, and what they take no notice of.
+//! Watchdogs: conditions that they report, and conditions that they do not.
 
 use crate::common::{FLOOR, Setup, grain, run_until};
 use makadam::scene::{Reaction, Scene, Watch};
@@ -7,7 +7,7 @@ use makadam::{Simulation, StepReport};
 
 const RADIUS: f64 = 0.005;
 
-/// What is noticed until a time (s), the last step included.
+/// Lists the reports until a time (s), the last step included.
 fn alarms(scene: &Scene, until: f64) -> Vec<Alarm> {
     let mut simulation = Simulation::new(scene, 1).unwrap();
     let mut watchdog = Watchdog::new(&scene.watch, &simulation);

@@ -1,8 +1,8 @@
-//! What the command line says of how a simulation is carried out: see [`Execution`].
+//! Execution options of the command line: see [`Execution`].
 
 pub use makadam::Execution;
 
-/// Why nothing was measured.
+/// Reason for which nothing was measured.
 #[derive(Debug, thiserror::Error)]
 pub enum MeasureError {
     /// The machine cannot step as asked.

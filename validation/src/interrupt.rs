@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 static INTERRUPT: OnceLock<Interrupt> = OnceLock::new();
 
-/// Whether a computation is under way that looks for a request.
+/// True while a computation runs that polls for a request.
 static HEEDED: AtomicBool = AtomicBool::new(false);
 
 /// Starts listening. A signal that the process was started to ignore stays ignored: `nohup` relies on that, and so do jobs in
@@ -45,13 +45,13 @@ extern "C" fn request(_signal: c_int) {
     }
 }
 
-/// Whether the user has asked to stop. From the first look on, a request is left to who looks.
+/// Returns true if the user has requested a stop. From the first poll on, the polling code handles requests.
 pub fn requested() -> bool {
     heed();
     INTERRUPT.get().is_some_and(Interrupt::is_requested)
 }
 
-/// What a simulation must heed to be stopped inside a step.
+/// Returns the flag that a simulation polls to stop inside a step.
 pub fn handle() -> Interrupt {
     heed();
     interrupt().clone()

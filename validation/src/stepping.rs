@@ -8,7 +8,7 @@ use makadam::watch::{Alarm, Watchdog};
 use makadam::{Simulation, StepReport};
 use std::time::{Duration, Instant};
 
-/// Why a simulation did not come to its last step.
+/// Reason for which a simulation did not reach its last step.
 #[derive(Debug)]
 pub enum Halt {
     /// The user asked to stop.
@@ -21,17 +21,17 @@ pub enum Halt {
 
 /// A step that was taken.
 pub struct Taken {
-    /// What the simulation reports of it.
+    /// Report of the step by the simulation.
     pub report: StepReport,
     /// Its wall time, s.
     pub seconds: f64,
     /// Its number, from 1.
     pub number: u64,
-    /// Whether a frame is due after it; one always is after the last.
+    /// True if a frame is due after it; one always is after the last.
     pub framed: bool,
 }
 
-/// How a simulation is taken through its steps.
+/// Stepping loop of a simulation.
 pub struct Stepping<'a> {
     steps: u64,
     interval: Option<f64>,
@@ -47,22 +47,22 @@ impl<'a> Stepping<'a> {
         Stepping { steps, interval: None, watchdog: None, tolerated: |_| false, limit: None, progress }
     }
 
-    /// The same with frames at an interval, s.
+    /// Sets frames at an interval, s.
     pub fn framed(self, interval: f64) -> Stepping<'a> {
         Stepping { interval: Some(interval), ..self }
     }
 
-    /// The same under the eyes of a watchdog, which looks at each state that a frame is taken of.
+    /// Sets a watchdog, which checks each state that a frame is taken of.
     pub fn watched(self, watchdog: &'a mut Watchdog) -> Stepping<'a> {
         Stepping { watchdog: Some(watchdog), ..self }
     }
 
-    /// The same, but what the watchdog notices does not end it where this says so.
+    /// Sets whether findings of the watchdog end the run.
     pub fn tolerating(self, tolerated: fn(&Alarm) -> bool) -> Stepping<'a> {
         Stepping { tolerated, ..self }
     }
 
-    /// The same with a wall time after which it ends.
+    /// Sets a wall time after which the run ends.
     pub fn within(self, limit: Duration) -> Stepping<'a> {
         Stepping { limit: Some(limit), ..self }
     }
@@ -108,7 +108,7 @@ pub fn steps_in(duration: f64, step: f64) -> u64 {
     (duration / step).round() as u64
 }
 
-/// Whether a frame is due after a step: the first one at or after each multiple of the interval.
+/// Returns true if a frame is due after a step: the first one at or after each multiple of the interval.
 pub fn frame_is_due(step: u64, step_seconds: f64, interval: f64) -> bool {
     // A thousandth of a step absorbs rounding where the interval is a whole number of steps.
     let intervals = |step: u64| ((step as f64 + 1e-3) * step_seconds / interval).floor();

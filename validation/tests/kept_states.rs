@@ -1,4 +1,4 @@
-//! What the command keeps to go on from says what it is: a state of another build, or of another seed, is never taken for it.
+//! Stored states of the command: a state of another build, or of another seed, is refused.
 
 use makadam::checkpoint::{open, seal};
 use makadam::{BUILD, Simulation};

@@ -56,7 +56,7 @@ fn run(scene: &Scene, folder: &Path, script: &str) -> Result<Recording, CodeErro
     Lammps::new(&program).simulate(&job)
 }
 
-/// What LAMMPS is told of a scene, or why it is not asked: the program fails at once.
+/// Returns the commands for LAMMPS of a scene, or the reason for a refusal: the program itself fails at once.
 fn deck(scene: &Scene) -> Result<String, String> {
     let folder = tempfile::tempdir().unwrap();
     match run(scene, folder.path(), "exit 1").unwrap_err() {

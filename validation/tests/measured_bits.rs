@@ -1,4 +1,4 @@
-//! What is measured of known beds, written down: a change of how frames are added up may change no digit of it.
+//! Recorded measurements of known beds: a change in the order of sums over frames may change no digit.
 
 use crate::support::beds::{Random, drum_scene, frame, particles, random_crystal, recording, scene, tilted_drum};
 use makadam::checkpoint::checksum;
@@ -84,7 +84,7 @@ fn beds() -> Vec<(&'static str, Scene, Vec<Snapshot>)> {
     ]
 }
 
-/// What was measured to eleven digits, beyond which functions of the system's library differ between machines.
+/// Measurements to eleven digits, beyond which functions of the system's library differ between machines.
 fn digits(measured: &[Measurement]) -> String {
     let error = |one: &Measurement| one.standard_error.map_or(String::new(), |error| format!("{error:.7e}"));
     let line = |one: &Measurement| format!("{} {:.10e} {} {}\n", one.observable, one.value, error(one), one.frames);

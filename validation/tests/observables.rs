@@ -266,7 +266,7 @@ fn only_the_last_frame_counts_where_the_scene_names_no_time() {
     assert!(measure(&scene, &recording(Vec::new())).is_empty());
 }
 
-/// What a scene measures of one frame of a bed of 0.01 m grains in a box-shaped heap, with some of the grains changed.
+/// Measures one frame of a bed of 0.01 m grains in a box-shaped heap, with some of the grains changed.
 fn measure_odd(scene: &Scene, change: impl Fn(&mut Vec<Particle>)) -> Vec<Measurement> {
     let places = fcc(0.01, 0.04, Rotation3::identity(), Vector3::zeros());
     let mut grains = particles(places, 0.005);

@@ -22,7 +22,7 @@ fn in_each(scene: &Scene, fraction: f64, check: impl Fn(&str, &Recording)) {
     in_these(&[&Yade::default(), &Liggghts::default(), &Lammps::default()], scene, fraction, check);
 }
 
-/// The same in some codes.
+/// Runs a check in some codes.
 fn in_these(codes: &[&dyn Code], scene: &Scene, fraction: f64, check: impl Fn(&str, &Recording)) {
     for code in codes {
         if code.version().is_none() {

@@ -147,7 +147,7 @@ fn a_local_problem_alone_is_solved_directly() {
     makadam_validation::problem::solve(&alone, Method::Reference, &SETTINGS).unwrap_err();
 }
 
-/// What Siconos found is on record with the problem that it was found for.
+/// Recorded results of Siconos stand with the problem that they were found for.
 #[test]
 fn answers_of_siconos_on_record_are_those_of_the_reference() {
     for recorded in &RECORDED {

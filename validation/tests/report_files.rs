@@ -23,7 +23,7 @@ fn document(folder: &Path) -> Value {
     serde_json::from_slice(&fs::read(page_file.with_file_name("report.json")).expect("the data")).expect("JSON")
 }
 
-/// What is wrong with a document, each fault with its place.
+/// Lists the faults of a document, each with its place.
 fn faults(validator: &Validator, document: &Value) -> Vec<String> {
     validator.iter_errors(document).map(|fault| format!("{}: {fault}", fault.instance_path())).collect()
 }

@@ -15,7 +15,7 @@ fn sound() -> Qualification {
     sample::qualification(vec![drum])
 }
 
-/// The same with references that differ by more than the margin in one observable.
+/// Returns a comparison with references that differ by more than the margin in one observable.
 fn at_odds() -> Qualification {
     let mut qualification = sound();
     let floor = |row: &&mut Row| row.code == "LIGGGHTS" && row.observable == "gini" && row.reference_code.is_some();

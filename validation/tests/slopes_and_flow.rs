@@ -194,7 +194,7 @@ fn segregation() -> Scene {
     scene
 }
 
-/// What is measured of the grains where they start, by name.
+/// Measures the grains at their start, by name.
 fn at_start(scene: &Scene) -> (Vec<f64>, BTreeMap<String, f64>) {
     let grains = populate(scene, 1).unwrap();
     let radii = grains.iter().map(|grain| grain.radius).collect();

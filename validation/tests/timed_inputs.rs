@@ -149,7 +149,7 @@ fn few_grains_in_a_box_come_to_rest_at_the_same_heights() {
     });
 }
 
-/// What a run for timing does not tell, it says: no wall contact is missing without a word.
+/// A run for timing states what it leaves out: no wall contact is missing silently.
 #[test]
 #[ignore = "takes long: scripts/nightly slow-tests"]
 fn what_a_timed_run_lacks_is_said() {

@@ -21,7 +21,7 @@ pub struct CellGrid {
     /// Old places of the grains, cell after cell.
     order: Vec<u32>,
     cell_of: Vec<u32>,
-    /// What a box's cells are by patches, in the order of the cells.
+    /// Patches of a box's cells, in the order of the cells.
     runs: Vec<PatchRun>,
 }
 

@@ -24,7 +24,7 @@ pub(crate) struct Taken {
 }
 
 impl Taken {
-    /// The same groups as a mask that counts from group `start`. Whether a body was met lately follows no pattern, so this must
+    /// Mask of the same groups, counted from group `start`. Recent occurrence of a body follows no pattern, so this must
     /// not branch.
     #[inline(always)]
     fn seen_from(&self, start: u32) -> u64 {
@@ -33,7 +33,7 @@ impl Taken {
     }
 }
 
-/// Where bodies are, from task to task and from step to step. Numbers of groups grow, so that nothing must be forgotten.
+/// Groups of each body, from task to task and from step to step. Numbers of groups grow, so that nothing must be forgotten.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct TakenGroups {
     of_body: Vec<Taken>,
@@ -51,7 +51,7 @@ impl TakenGroups {
         self.of_body.resize(bodies, Taken::default());
     }
 
-    /// Where bodies are, and the number of the first group of tasks that share no body; what [`LaneAssigner::next`] tells of each of
+    /// Groups of each body, and the number of the first group of tasks that share no body; the result of [`LaneAssigner::next`] for each of
     /// these is left in `next`.
     pub fn stage(&mut self) -> (ByBodies<'_, Taken>, u32, &mut u32) {
         (ByBodies::of(&mut self.of_body), self.next, &mut self.next)

@@ -205,7 +205,7 @@ impl Scene {
         method_goes_with(method, precision, || self.obstacle())
     }
 
-    /// What goes with Gauss-Seidel in double precision alone, if the scene has it.
+    /// Returns the setting or effect that requires Gauss-Seidel in double precision, if the scene has one.
     fn obstacle(&self) -> Option<Obstacle> {
         let contacts: Vec<_> = self.possible_contacts().collect();
         let driven = self.wall.iter().any(|wall| wall.motion.is_driven());

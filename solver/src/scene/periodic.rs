@@ -1,4 +1,4 @@
-//! Whether a scene can repeat itself along the axes that its domain says.
+//! Check that a scene repeats itself along the periodic axes of its domain.
 
 use super::document::{Checked, DocumentPath};
 use super::error::short;
@@ -57,7 +57,7 @@ fn range_of_cohesion(scene: &Scene, largest_radius: f64) -> f64 {
     ranges.fold(0.0, f64::max)
 }
 
-/// Why a wall does not repeat itself along an axis that ends at these places; nothing if it does.
+/// Reason for which a wall does not repeat itself along an axis that ends at these places; `None` if it does.
 fn breaks(wall: &Wall, axis: Axis, ends: [f64; 2]) -> Option<&'static str> {
     let along = Vector3::ith(axis.number(), 1.0);
     let parallel = |direction: &[f64; 3]| Vector3::from(*direction).normalize().cross(&along).norm() < PARALLEL;

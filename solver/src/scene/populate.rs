@@ -65,7 +65,7 @@ pub(super) fn placed(scene: &Scene, seed: u64) -> Result<Vec<Grain>, Unplaced> {
     Ok(grains)
 }
 
-/// Where the scene says of a grain what it is.
+/// Place in the scene that states a grain.
 pub(super) fn origin(scene: &Scene, grain: usize) -> Vec<Step> {
     let mut before = scene.grain.len();
     if grain < before {
@@ -78,7 +78,7 @@ pub(super) fn origin(scene: &Scene, grain: usize) -> Vec<Step> {
     vec![Step::Key("population"), Step::Index(index.unwrap_or(0))]
 }
 
-/// Why the grains of a scene cannot be placed.
+/// Reason for which the grains of a scene cannot be placed.
 pub(super) enum Unplaced {
     Fault(Fault),
     /// So many bytes are not to be had.
@@ -96,7 +96,7 @@ fn reserve<T>(list: &mut Vec<T>, more: usize) -> Result<(), Unplaced> {
     list.try_reserve(more).map_err(|_| Unplaced::Memory(more.saturating_mul(size_of::<T>())))
 }
 
-/// Why a population cannot be placed.
+/// Reason for which a population cannot be placed.
 enum Misfit {
     /// Its region has only so many lattice sites.
     TooSmall(usize),
@@ -196,7 +196,7 @@ fn jittered_lattice(
 struct Lattice {
     /// Distance of neighbours, m.
     pitch: f64,
-    /// How far a grain may be off its site along each axis, m.
+    /// Largest distance of a grain from its site along each axis, m.
     jitter: f64,
     /// Largest radius, m.
     largest: f64,
@@ -301,7 +301,7 @@ fn inside_container(scene: &Scene, grains: &[Grain]) -> Result<(), Fault> {
     Ok(())
 }
 
-/// How deep a grain reaches into a wall (or behind it) at the start, metres; negative where it is clear of it.
+/// Depth (m) of a grain in or behind a wall at the start; negative where the two are apart.
 fn wall_overlap(shape: &Shape, period: &Period, grain: &Grain) -> f64 {
     let centre = Vector3::from(grain.position);
     match shape {

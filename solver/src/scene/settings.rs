@@ -1,4 +1,4 @@
-//! How a scene is solved: one typed setting a knob, with one default.
+//! Solver settings of a scene: one typed setting with one default for each choice.
 
 use crate::effects::compliance::NormalLaw;
 use crate::effects::spring::TangentialLaw;
@@ -83,7 +83,7 @@ impl SolverSettings {
         self.restitution_threshold.unwrap_or(by_scales)
     }
 
-    /// How far the candidate list reaches beyond contact, m, for grains of a mean radius (m) under gravity (m/s2).
+    /// Reach of the candidate list beyond contact, m, for grains of a mean radius (m) under gravity (m/s2).
     ///
     /// Neighbours part at speeds of the order of `sqrt(g r)`, so that a list of reach `s` lives for some `s / (h sqrt(g r))` steps,
     /// while each step looks at candidates in proportion to `s`. The least work of both together is where `s` over the radius goes as
@@ -97,7 +97,7 @@ impl SolverSettings {
     }
 }
 
-/// What is left out of written scenes where it is the default, so that these keep the hash that recorded results carry.
+/// Returns true for defaults, which written scenes leave out, so that these keep the hash that recorded results carry.
 pub(super) fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
 }
@@ -285,15 +285,15 @@ pub enum SettingError {
     /// The processor lacks an instruction set.
     #[error("this processor has no {}; it has {}", wanted.name(), names(available))]
     NoInstructionSet {
-        /// What was asked for.
+        /// Requested value.
         wanted: InstructionSet,
-        /// What there is.
+        /// Available value.
         available: Vec<InstructionSet>,
     },
     /// The scene has what the method has no equations for.
     #[error("method {} does not go with {obstacle}; gauss-seidel does", method.name())]
     Method {
-        /// What was asked for.
+        /// Requested value.
         method: SolverMethod,
         /// Setting that excludes it.
         obstacle: Obstacle,
@@ -301,9 +301,9 @@ pub enum SettingError {
     /// The system gives no more threads.
     #[error("cannot start {threads} threads: {reason}")]
     NoThreads {
-        /// What was asked for.
+        /// Requested value.
         threads: usize,
-        /// What the system said.
+        /// Message of the system.
         reason: String,
     },
     /// Sweeps in single precision know nothing of what the scene or the method has.
@@ -311,7 +311,7 @@ pub enum SettingError {
     SinglePrecision(Obstacle),
 }
 
-/// What a method, or single precision, does not go with.
+/// Setting or effect that a method, or single precision, cannot be combined with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Obstacle {
     /// Some material has rolling or twisting friction.
@@ -332,14 +332,14 @@ pub enum Obstacle {
 }
 
 impl Obstacle {
-    /// What goes with Gauss-Seidel in double precision alone, of what a scene has.
+    /// Lists the settings and effects of a scene that require Gauss-Seidel in double precision.
     pub(crate) fn of_scene(torques: bool, driven_walls: bool, spring: bool) -> Option<Obstacle> {
         let torques = torques.then_some(Obstacle::Torques);
         torques.or(driven_walls.then_some(Obstacle::DrivenWalls)).or(spring.then_some(Obstacle::TangentialSpring))
     }
 }
 
-/// Whether a method goes with a precision and with what a scene has: Gauss-Seidel does with all of it. Methods that combine states
+/// Checks that a method can be combined with a precision and with a scene's effects: Gauss-Seidel can with all. Methods that combine states
 /// need them in double precision, and only sweeps in double precision relax torques and driven walls.
 pub(crate) fn method_goes_with(
     method: SolverMethod,
@@ -353,7 +353,7 @@ pub(crate) fn method_goes_with(
     of_scene().or(single).map_or(Ok(()), |obstacle| Err(SettingError::Method { method, obstacle }))
 }
 
-/// Whether a precision goes with a method and with what a scene has, by the same rule.
+/// Checks that a precision can be combined with a method and with a scene's effects, by the same rule.
 pub(crate) fn precision_goes_with(
     precision: Precision,
     method: SolverMethod,

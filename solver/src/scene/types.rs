@@ -29,7 +29,7 @@ pub(super) fn is_slight(overlap: &f64) -> bool {
     *overlap == SLIGHT_OVERLAP
 }
 
-/// What written scenes leave out, so that those without the effect keep the hash that recorded results carry.
+/// Returns true for values that written scenes leave out, so that those without the effect keep the hash that recorded results carry.
 pub(super) fn is_zero(value: &f64) -> bool {
     *value == 0.0
 }
@@ -161,7 +161,7 @@ pub struct PairRule {
     pub cohesion: Option<Cohesion>,
 }
 
-/// What a contact of two materials has by the scene's rules.
+/// Coefficients of a contact of two materials by the scene's rules.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContactCoefficients {
     /// Coulomb friction.

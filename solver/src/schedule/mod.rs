@@ -47,7 +47,7 @@ pub struct Team {
     scheduler: Scheduler,
     /// Absent where there is one thread.
     pool: Option<Arc<Pool>>,
-    /// Where durations of tasks are written down; absent unless the team traces.
+    /// Record of the durations of tasks; absent unless the team traces.
     tracer: Option<Arc<Mutex<Tracer>>>,
 }
 
@@ -175,12 +175,12 @@ impl Team {
         result
     }
 
-    /// The same team, but it writes down how long each task takes.
+    /// Returns the same team, but it records the duration of each task.
     pub(crate) fn traced(&self) -> Team {
         Team { tracer: Some(Arc::default()), ..self.clone() }
     }
 
-    /// What was written down since the last call; nothing if it does not trace.
+    /// Returns the records since the last call; empty if the team does not trace.
     pub(crate) fn take_trace(&self) -> StepTrace {
         let take = |tracer: &Arc<Mutex<Tracer>>| tracer.lock().expect("no task panics while it traces").take();
         self.tracer.as_ref().map(take).unwrap_or_default()

@@ -66,9 +66,9 @@ fn beyond(index: usize, length: usize) -> ! {
     panic!("a task asked for part {index} of {length}")
 }
 
-/// What the tasks of a region write, by their number.
+/// Memory that the tasks of a region write, by their number.
 pub(crate) trait Shares: Sync {
-    /// What one of them gets.
+    /// Share of one task.
     type Share;
 
     /// The share of a task.

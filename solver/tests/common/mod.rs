@@ -53,7 +53,7 @@ impl Setup {
         self.start_from(1)
     }
 
-    /// The same from a seed.
+    /// Returns the same from a seed.
     pub fn start_from(&self, seed: u64) -> Simulation {
         Simulation::new(&self.scene(), seed).unwrap_or_else(|error| panic!("{error}"))
     }

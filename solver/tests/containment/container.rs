@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 type Vector = Vector3<f64>;
 
-/// What encloses the grains, about the origin and the z axis of its own frame; m.
+/// Walls around the grains, about the origin and the z axis of their own frame; m.
 #[derive(Clone, Copy, Debug)]
 pub enum Shape {
     /// A box whose axes are those of the world.
@@ -30,7 +30,7 @@ pub enum Shape {
     Pipe { radius: f64, half: f64 },
 }
 
-/// How all walls move together.
+/// Common motion of all walls.
 #[derive(Clone, Copy, Debug)]
 pub enum Motion {
     Fixed,
@@ -51,7 +51,7 @@ pub struct Container {
 /// Length of a shell that no piston leaves, m.
 const LONG: f64 = 8.0;
 
-/// What rounding may do to a place, over the size of the container.
+/// Largest effect of rounding on a place, over the size of the container.
 const ROUNDING: f64 = 1e-7;
 
 impl Container {

@@ -24,7 +24,7 @@ fn place_rounding(farthest: f64) -> f64 {
     8.0 * f64::EPSILON * farthest
 }
 
-/// What the normal law asks: `u_n >= bias - regularisation lambda_n`, an equality where the contact bears.
+/// Condition of the normal law: `u_n >= bias - regularisation lambda_n`, an equality where the contact is active.
 #[derive(Clone, Copy, Debug)]
 pub struct Law {
     /// m/s
@@ -53,7 +53,7 @@ pub struct Touch {
     pub tangential: Vector,
 }
 
-/// How far the solve of a step may be from the laws, m/s.
+/// Largest residual of the solve of a step, m/s.
 #[derive(Clone, Copy, Debug)]
 pub struct Inexact {
     pub normal: f64,
@@ -70,7 +70,7 @@ impl Inexact {
         }
     }
 
-    /// The same and what rounding may add: a velocity is a sum of changes by impulses, [`ROUNDING`] in all, and the terms of the
+    /// Largest residual with rounding: a velocity is a sum of changes by impulses, [`ROUNDING`] in all, and the terms of the
     /// laws are as large as velocities, or as `lambda D` where contacts press against each other. An overlap is a difference of
     /// places, of which the stabilisation makes a velocity.
     pub fn rounded(self, touches: &[Touch], step: f64, farthest: f64) -> Inexact {
@@ -324,7 +324,7 @@ pub struct Stepped {
     pub after: Snapshot,
     pub touches: Vec<Touch>,
     pub inexact: Inexact,
-    /// What contacts kept from the step before.
+    /// Memory of contacts from the step before.
     pub kept: Vec<KeptContact>,
 }
 

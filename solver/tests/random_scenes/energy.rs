@@ -1,4 +1,4 @@
-//! Where the energy of a step comes from.
+//! Sources of the energy of a step.
 //!
 //! A step takes velocities from v to `v_f = v + h g`, then by impulses to v', and moves grains by h v'. With
 //! `v' = v_f + M^-1 G' lambda` the kinetic and potential energy E changes by exactly

@@ -32,7 +32,7 @@ pub struct Image {
     reversed: bool,
     polar: fn(Vector) -> Vector,
     axial: fn(Vector) -> Vector,
-    /// The same backwards.
+    /// Returns the inverse image.
     polar_back: fn(Vector) -> Vector,
     axial_back: fn(Vector) -> Vector,
 }

@@ -27,7 +27,7 @@ pub struct Grain {
     pub spin: Vector,
 }
 
-/// What holds the grains; m and rad/s.
+/// Container of the grains; m and rad/s.
 #[derive(Clone, Copy, Debug)]
 pub enum Container {
     None,
@@ -46,7 +46,7 @@ pub enum Container {
 }
 
 impl Container {
-    /// The same without motion.
+    /// Returns the same container without motion.
     pub fn at_rest(self) -> Container {
         match self {
             Container::Cylinder { radius, .. } => Container::Cylinder { radius, rate: 0.0 },
@@ -69,7 +69,7 @@ pub struct Drawn {
     pub step: f64,
 }
 
-/// How far the solves of a scene go.
+/// Stopping rule of the solves of a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Solves {
     /// Ten sweeps with the default over-relaxation.
@@ -88,7 +88,7 @@ pub fn components() -> impl Strategy<Value = Vector> {
     [-1.0..1.0, -1.0..1.0, -1.0..1.0_f64].prop_map(Vector::from)
 }
 
-/// What tells a grain from the others: size from 0 to 1, the way in which it comes to the cluster, its velocity and its spin as
+/// Properties of a single grain: size from 0 to 1, the way in which it comes to the cluster, its velocity and its spin as
 /// shares of the largest.
 type GrainDraw = (f64, Vector, Vector, Vector);
 

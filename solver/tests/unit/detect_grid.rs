@@ -12,7 +12,7 @@ const REACH: f64 = 2.2 * RADIUS;
 /// Grains along an edge of a block.
 const EDGE: i32 = 16;
 
-/// What sorting and searching have to do.
+/// Input of sorting and searching.
 #[derive(Debug)]
 struct Work {
     boxes: usize,

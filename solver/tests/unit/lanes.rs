@@ -89,7 +89,7 @@ fn single_operations<S: SingleLanes>(results: &mut Vec<Sixteen>) {
     }
 }
 
-/// What lanes do to records of two bodies each.
+/// Operations of lanes on records of two bodies each.
 #[inline(always)]
 fn line_operations<L: Lanes>(results: &mut Vec<Eight>) {
     let line =

@@ -1,11 +1,11 @@
-//! What the compiler made of the 512-bit kernels: read back from the executable that runs these tests.
+//! Machine code of the 512-bit kernels, read back from the executable that runs these tests.
 
 use iced_x86::{CpuidFeature, Decoder, DecoderOptions, Instruction, OpKind, Register};
 use object::{Object, ObjectSection, ObjectSymbol, SymbolKind};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
-/// What an instruction may ask of the processor: AVX-512F and CD and what is older, as the Xeon Phi x200 has it.
+/// Instruction sets that an instruction may require: AVX-512F and CD and older ones, as the Xeon Phi x200 has them.
 ///
 /// Fused multiply-add is not among them although that processor has it: kernels do without (see `lanes`).
 const ALLOWED: [CpuidFeature; 24] = [
@@ -76,7 +76,7 @@ fn own_functions() -> Vec<Function> {
     functions_of(&std::fs::read(path).expect("this test can be read"))
 }
 
-/// Why an instruction is not one for the Xeon Phi x200, if it is not.
+/// Returns the reason for which the Xeon Phi x200 does not have an instruction, if it does not.
 fn objection(instruction: &Instruction) -> Option<String> {
     let foreign: Vec<_> = instruction.cpuid_features().iter().filter(|feature| !ALLOWED.contains(feature)).collect();
     if instruction.is_invalid() {

@@ -46,7 +46,7 @@ observables = {observables}
     Scene::parse(&text).expect("a valid scene")
 }
 
-/// The same in a drum that turns at `rate` (rad/s).
+/// Returns the bed in a drum that turns at `rate` (rad/s).
 pub fn drum_scene(rate: f64, observables: &str) -> Scene {
     let walls = format!(
         r#"

@@ -1,4 +1,4 @@
-//! What several tests of the judge start from.
+//! Common parts of tests.
 
 pub mod beds;
 pub mod sample;

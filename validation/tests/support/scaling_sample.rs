@@ -19,7 +19,7 @@ const SETS: [(InstructionSet, f64); 2] = [(InstructionSet::Generic, 3.0), (Instr
 const COSTS: Costs = Costs { pop_alone: 15e-9, pop_contended: 90e-9, task_start: 30e-9, steal: 400e-9, region: 300e-9 };
 const SWEEPS: u32 = 12;
 
-/// The same step box by box: each task of a sweep in six pieces.
+/// Returns the same step box by box: each task of a sweep in six pieces.
 fn cut(mut step: StepTrace) -> StepTrace {
     for region in step.regions.iter_mut().filter(|region| region.phase == Phase::Sweep) {
         region.tasks = region.tasks.iter().flat_map(|&task| [task / 6.0; 6]).collect();
@@ -55,7 +55,7 @@ fn step(factor: f64) -> StepTrace {
     StepTrace { regions }
 }
 
-/// What a study is made of.
+/// Parts of a study.
 pub fn parts() -> (Plan, Measurement, Setting) {
     let plan = Plan {
         instruction_sets: SETS.map(|(set, _)| set).to_vec(),

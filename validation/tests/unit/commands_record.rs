@@ -12,7 +12,7 @@ use std::sync::{Arc, Mutex};
 /// A code that is done at once, writes down its seeds and fails where it is told to.
 struct Fake {
     version: &'static str,
-    /// What it is given to run from.
+    /// Options of a recorded run.
     deck: &'static str,
     failing: Vec<u64>,
     ran: Arc<Mutex<Vec<u64>>>,

@@ -4,7 +4,7 @@ use super::super::tests::sample;
 use super::*;
 use crate::plan::physics_hash;
 
-/// What is missing where a piece of what is wanted is changed; two seeds are recorded, three are wanted.
+/// Lists what is missing where a piece of what is wanted is changed; two seeds are recorded, three are wanted.
 fn missing(change: impl Fn(&mut Wanted<'_>)) -> Missing {
     let (scene, reference) = sample();
     let hash = physics_hash(&scene);

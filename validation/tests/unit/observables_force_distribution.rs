@@ -13,7 +13,7 @@ fn pool(frames: usize, from: usize) -> ForcePool {
     pool
 }
 
-/// What is left of a distribution once it is written to a file: six digits.
+/// Distribution after it was written to a file: six digits.
 fn recorded(mut distribution: ForceDistribution) -> ForceDistribution {
     for density in &mut distribution.density {
         *density = format!("{density:.5e}").parse().unwrap();

@@ -2,7 +2,7 @@
 
 use super::last_words;
 
-/// What LIGGGHTS leaves of a mesh that it refuses: the reason is in its own log alone, the terminal has the abort.
+/// Log of LIGGGHTS for a mesh that it refuses: the reason is in its own log alone, the terminal has the abort.
 const PRINTED: &str = "LIGGGHTS (Version LIGGGHTS-PUBLIC 3.8.0)\n\
         --------------------------------------------------------------------------\n\
         MPI_ABORT was invoked on rank 0 in communicator MPI_COMM_WORLD\nwith errorcode 1.\n";

@@ -25,7 +25,7 @@ struct Stepping {
     at: DocumentPath,
 }
 
-/// What moves faster than the steps of the scene can tell.
+/// Motions that are faster than the steps of the scene resolve.
 pub(super) fn faults(scene: &Scene, beforehand: Option<Beforehand>) -> Vec<Fault> {
     let solver = DocumentPath::default().key("solver").key("step");
     let mut all = vec![Stepping { step: scene.solver.step, until: scene.duration, at: solver }];

@@ -36,11 +36,11 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// First bytes of a file; the last one is the version of the format.
 const MARK: [u8; 8] = *b"makadam\x0d";
 
-/// The same of a simulation in which grains have come or gone, walls are moved by the caller, the candidate list holds more than what was
+/// Checkpoint of a simulation in which grains have come or gone, walls are moved by the caller, the candidate list holds more than what was
 /// near when it was built, or the ledger has something from outside or in tangential springs: what that is follows the state.
 const MARK_OF_ALTERED: [u8; 8] = *b"makadam\x0e";
 
-/// Why a checkpoint could not be written or read.
+/// Reason for which a checkpoint could not be written or read.
 #[derive(Debug, thiserror::Error)]
 pub enum CheckpointError {
     /// The system refused.
@@ -48,13 +48,13 @@ pub enum CheckpointError {
     Io {
         /// The file.
         file: PathBuf,
-        /// What the system said.
+        /// Message of the system.
         source: std::io::Error,
     },
     /// The bytes are no checkpoint of this version, or not one of this scene.
     #[error("the checkpoint {problem}; delete it and start anew")]
     Format {
-        /// What is wrong.
+        /// Problem.
         problem: String,
     },
 }
@@ -138,7 +138,7 @@ pub fn checksum(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3))
 }
 
-/// What follows the name of a file in the name of its draft; a number follows it in turn.
+/// Ending of the name of a draft of a file; a number follows it.
 pub const DRAFT: &str = ".part";
 
 /// Names that are tried before a folder full of drafts is given up.

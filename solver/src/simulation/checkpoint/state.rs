@@ -1,4 +1,4 @@
-//! What a checkpoint holds.
+//! Content of a checkpoint.
 
 use super::{MARK, MARK_OF_ALTERED, open, seal};
 use crate::Simulation;
@@ -38,14 +38,14 @@ pub(in crate::simulation) struct State {
     wall_torques: Vec<[f64; 3]>,
     /// In the order of the scene.
     driven_walls: Vec<DriveState>,
-    /// Where one is kept.
+    /// Place of a stored checkpoint.
     ledger: Option<Ledger>,
     /// Written only if there is anything to say.
     #[serde(skip)]
     altered: Altered,
 }
 
-/// What few simulations have: what the caller has done to one, as far as later steps depend on it, what the candidate list holds beyond what
+/// State that few simulations have: effects of the caller on later steps, what the candidate list holds beyond what
 /// was near, and what springs took up.
 #[derive(Clone, Default, PartialEq, Serialize, Deserialize)]
 struct Altered {
@@ -53,11 +53,11 @@ struct Altered {
     other_grains: bool,
     /// Walls that the caller moves, by their numbers in the scene.
     moved_walls: Vec<(u32, Steered)>,
-    /// What the ledger has from outside.
+    /// Entries of the ledger from outside.
     booked: Booked,
     /// True if contacts that the next candidate list finds were made by the caller, where a ledger is kept.
     disturbed: bool,
-    /// What tangential springs took up since the ledger was opened, J.
+    /// Energy that tangential springs took up since the ledger was opened, J.
     springs: f64,
     /// Numbers of the grains, by id, and of the next one to be inserted, where there are other grains than the scene has.
     numbers: (Vec<u64>, u64),
@@ -101,7 +101,7 @@ struct GrainState {
     material: u8,
 }
 
-/// What the candidate list was built from, and what it then was.
+/// State from which the candidate list was built, and the list at that time.
 #[derive(Serialize, Deserialize)]
 struct ListState {
     /// Simulated time, s.

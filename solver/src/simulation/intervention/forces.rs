@@ -44,7 +44,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// The same for torques about the centres, N m.
+    /// Applies torques about the centres, N m, in the same way.
     ///
     /// # Errors
     /// As for [`apply_forces`](Simulation::apply_forces).

@@ -130,7 +130,7 @@ impl Simulation {
         self.note_known_energy();
     }
 
-    /// Whether a grain can be inserted, but for its neighbours.
+    /// Checks that a grain can be inserted, apart from its neighbours.
     fn check_grain(
         &self,
         scene: &Scene,
@@ -192,7 +192,7 @@ impl Simulation {
         all.check().map_err(|error| InterventionError::Rule(error.to_string()))
     }
 
-    /// Whether new grains have room beside those that are there and each other.
+    /// Checks that new grains have room next to the existing grains and to each other.
     fn check_overlaps(&self, scene: &Scene, new: &[GrainEntry]) -> Result<(), InterventionError> {
         let world = &self.world;
         let there = world.spheres[..world.grains()].iter().zip(&world.ids);

@@ -1,4 +1,4 @@
-//! What the caller does to a simulation between its steps, besides what the scene says: forces, states that are written, grains that
+//! Interventions of the caller between steps, in addition to the scene: forces, states that are written, grains that
 //! come and go, walls that are steered.
 //!
 //! ```text
@@ -26,7 +26,7 @@ use forces::Loads;
 use serde::{Deserialize, Serialize};
 pub use states::{KeptContact, PairsInList, States};
 
-/// Why an intervention was refused; the simulation stays as it was.
+/// Reason for which an intervention was refused; the simulation stays as it was.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum InterventionError {
     /// A list is not as long as there are grains.
@@ -46,7 +46,7 @@ pub enum InterventionError {
         what: &'static str,
         /// Id of the grain.
         grain: usize,
-        /// What was given.
+        /// Given value.
         value: [f64; 3],
     },
     /// A grain cannot be inserted.
@@ -54,9 +54,9 @@ pub enum InterventionError {
     Insertion {
         /// Its place among those to insert.
         index: usize,
-        /// What is wrong.
+        /// Problem.
         problem: String,
-        /// What would be right.
+        /// Remedy.
         remedy: &'static str,
     },
     /// With the grains to insert, those that are there and the walls would not be a scene.

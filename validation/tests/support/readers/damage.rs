@@ -1,6 +1,6 @@
 //! Damage to documents: every edit follows from one number, so that an input can be made again from its numbers.
 
-/// What breaks readers: numbers that are none, huge, tiny, negative; brackets; other alphabets.
+/// Input that breaks readers: texts that are not numbers; huge, tiny, negative numbers; brackets; other alphabets.
 const TOKENS: [&str; 32] = [
     "nan",
     "inf",
@@ -39,7 +39,7 @@ const TOKENS: [&str; 32] = [
 /// Numbers that may well stand in the place of another: they lead past the checks.
 const ORDINARY: [&str; 12] = ["0.001", "0.003", "0.01", "0.02", "0.5", "1.0", "2", "3", "10.0", "1e3", "-0.01", "1e5"];
 
-/// What nests, and how deep.
+/// Nested brackets, and their depth.
 const NESTS: [&str; 5] = ["[", "{a=", "{\"a\":", "a.", "[["];
 const DEPTH: usize = 3000;
 

@@ -13,7 +13,7 @@ use std::collections::HashMap;
 use std::path::Path;
 use std::sync::OnceLock;
 
-/// What the line in front of a part of a document starts with; the part's name follows.
+/// Beginning of the line in front of a part of a document; the part's name follows.
 pub const PART: &str = "==> ";
 
 const MATERIALS: &str = "
@@ -173,7 +173,7 @@ normal_law = { kind = "linear", stiffness = 1e4 }
 method = { kind = "anderson", memory = 3 }
 "#;
 
-/// What changes in time or with speed.
+/// Effects that change in time or with speed.
 const CHANGING_SCENE: &str = r#"
 [[pair]]
 between = ["grain", "wall"]
@@ -309,7 +309,7 @@ pub fn yade_driven_walls() -> Vec<Vec<u8>> {
     vec![numbers.iter().flat_map(|number: &f64| number.to_le_bytes()).collect()]
 }
 
-/// What YADE's driver tells of a run.
+/// Report of YADE's driver on a run.
 pub fn yade_results() -> Vec<Vec<u8>> {
     vec![b"{\"seconds\": 12.5, \"steps\": 4000}".to_vec()]
 }

@@ -57,7 +57,7 @@ static WALLED: LazyLock<Scene> = LazyLock::new(|| documents::scene(WALLED_SCENE)
 /// Steps that an accepted scene or checkpoint takes.
 const STEPS: usize = 3;
 
-/// What a refusal must say: something, on one line, that is not a page long.
+/// Checks a refusal: not empty, on one line, shorter than a page.
 fn refused(message: &str) -> bool {
     assert!(!message.trim().is_empty(), "a refusal without words");
     false
@@ -85,7 +85,7 @@ fn scene(bytes: &[u8]) -> bool {
     true
 }
 
-/// Whether a scene can be placed and stepped in a moment.
+/// Returns true if a scene can be placed and stepped in a moment.
 fn is_small(scene: &Scene) -> bool {
     let sites = scene.population.iter().map(|population| {
         let pitch = 2.0 * population.radius.bounds().1 * population.spacing;
@@ -248,7 +248,7 @@ fn lammps_log(bytes: &[u8]) -> bool {
     is_time(lammps::loop_seconds(&String::from_utf8_lossy(bytes)))
 }
 
-/// Whether a wall time was found, which is a number in any case.
+/// Checks that a wall time was found, which is a number in any case.
 fn is_time(seconds: f64) -> bool {
     assert!(seconds.is_finite() && seconds >= 0.0, "{seconds} s");
     seconds > 0.0
