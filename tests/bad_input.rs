@@ -239,7 +239,7 @@ fn the_first_signal_ends_a_command_that_waits_for_a_scene() {
     }
 }
 
-/// A program that stands in for a peer: it tells a version, and then does what `body` says.
+/// A program that stands in for a reference code: it tells a version, and then does what `body` says.
 fn stand_in(folder: &Path, body: &str) -> String {
     let file = folder.join("stand-in");
     let text = format!(
@@ -255,14 +255,14 @@ fn stand_in(folder: &Path, body: &str) -> String {
     file.to_str().unwrap().to_string()
 }
 
-/// Compares the small scene live with a stand-in for one peer.
-fn compare_with(peer: &str, body: &str, limit: &str) -> (i32, String, String) {
+/// Compares the small scene live with a stand-in for one reference code.
+fn compare_with(reference_code: &str, body: &str, limit: &str) -> (i32, String, String) {
     let folder = tempfile::tempdir().unwrap();
     let program = stand_in(folder.path(), body);
     let output = makadam(folder.path())
-        .env(format!("MAKADAM_{}", peer.to_uppercase()), program)
+        .env(format!("MAKADAM_{}", reference_code.to_uppercase()), program)
         .args(["compare", smoke().to_str().unwrap(), "--live", "--seeds", "1", "--time-limit", limit])
-        .args(["--codes", &format!("makadam,{peer}")])
+        .args(["--codes", &format!("makadam,{reference_code}")])
         .output()
         .unwrap();
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
@@ -271,8 +271,8 @@ fn compare_with(peer: &str, body: &str, limit: &str) -> (i32, String, String) {
 
 #[test]
 fn a_peer_that_crashes() {
-    for peer in ["yade", "liggghts", "lammps"] {
-        let (code, results, message) = compare_with(peer, "echo 'Segmentation fault'; exit 139", "60");
+    for reference_code in ["yade", "liggghts", "lammps"] {
+        let (code, results, message) = compare_with(reference_code, "echo 'Segmentation fault'; exit 139", "60");
         assert_eq!(code, 1, "{message}");
         for word in ["failed", "Segmentation fault", "log"] {
             assert!(message.contains(word), "no '{word}' in: {message}");
@@ -284,9 +284,9 @@ fn a_peer_that_crashes() {
 
 #[test]
 fn a_peer_that_hangs() {
-    for peer in ["yade", "liggghts", "lammps"] {
+    for reference_code in ["yade", "liggghts", "lammps"] {
         let clock = std::time::Instant::now();
-        let (code, results, message) = compare_with(peer, "sleep 600", "1");
+        let (code, results, message) = compare_with(reference_code, "sleep 600", "1");
         assert_eq!(code, 1, "{message}");
         assert!(message.contains("stopped after 1 s") && message.contains("--time-limit"), "{message}");
         assert!(results.contains("Makadam"), "{results}");

@@ -1,10 +1,10 @@
-//! `makadam compare`: the JSON contract, recorded references, live peers where they are installed.
+//! `makadam compare`: the JSON contract, recorded references, live reference codes where they are installed.
 
 use crate::support::changed::changed;
 use crate::support::invented::record;
 use crate::support::makadam;
 use crate::support::small_scene::{compared_once, smoke};
-use makadam_validation::peers::{Code, Liggghts, Yade};
+use makadam_validation::codes::{Code, Liggghts, Yade};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
@@ -270,7 +270,7 @@ fn the_program_alone_knows_the_reference_scenes() {
     let output = run(&["compare", "packing", "--record", "--codes", "yade"]);
     let message = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(output.status.code() == Some(2) && message.contains("no folder to record into"), "{message}");
-    // With its references: what is wanting here is the peer alone.
+    // With its references: what is wanting here is the reference code alone.
     let output = run(&["compare", "packing", "--codes", "yade,liggghts", "-q"]);
     let table = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(output.status.success() && table.contains("packing fraction"), "{table}");
@@ -314,9 +314,9 @@ fn a_bad_reference_is_named() {
 
 #[test]
 fn live_peers_agree_on_the_small_scene() {
-    for peer in [&Yade::default() as &dyn Code, &Liggghts::default()] {
-        if peer.version().is_none() {
-            eprintln!("skipped: {} is not installed (scripts/install-peers)", peer.name());
+    for reference_code in [&Yade::default() as &dyn Code, &Liggghts::default()] {
+        if reference_code.version().is_none() {
+            eprintln!("skipped: {} is not installed (scripts/install-codes)", reference_code.name());
             return;
         }
     }
@@ -336,7 +336,7 @@ fn live_peers_agree_on_the_small_scene() {
 #[test]
 fn recording_reads_kept_recordings_and_writes_references() {
     if Liggghts::default().version().is_none() {
-        eprintln!("skipped: LIGGGHTS is not installed (scripts/install-peers)");
+        eprintln!("skipped: LIGGGHTS is not installed (scripts/install-codes)");
         return;
     }
     let folder = tempfile::tempdir().unwrap();

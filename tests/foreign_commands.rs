@@ -79,7 +79,7 @@ fn frames_of_an_unsound_run_or_of_a_part_of_the_window_are_noted() {
     ];
     run("unsound", &warned);
     let said = notes("unsound", &[]);
-    assert!(said.contains("run.json says that its numbers are worthless: "), "{said}");
+    assert!(said.contains("run.json says that its numbers are invalid: "), "{said}");
     assert_eq!(run("short", &["--set", "duration=0.3"]).0, 0);
     let from = ["--set", "measure.from=0.2"];
     let said = notes("short", &from);
@@ -264,7 +264,7 @@ fn what_an_exported_deck_leaves_is_measured_as_compare_measures_it() {
     for (code, program) in [("liggghts", "liggghts"), ("lammps", "lmp")] {
         let program = std::env::var(format!("MAKADAM_{}", code.to_uppercase())).unwrap_or(program.into());
         if Command::new(&program).arg("-help").output().is_err() {
-            eprintln!("skipped: {program} is not installed (scripts/install-peers)");
+            eprintln!("skipped: {program} is not installed (scripts/install-codes)");
             continue;
         }
         let folder = tempfile::tempdir().unwrap();

@@ -5,8 +5,8 @@
 
 use approx::assert_relative_eq;
 use makadam::scene::Stop;
+use makadam_validation::codes::{Code, Job, Makadam, Purpose};
 use makadam_validation::compare::{CodeRuns, Harvest, MeasuredRun, Reference, comparison};
-use makadam_validation::peers::{Code, Job, Makadam, Purpose};
 use makadam_validation::plan::{Scene, physics_hash};
 use makadam_validation::qualify::Tier;
 use makadam_validation::report::Test;
@@ -196,7 +196,8 @@ fn full_and_release_judge_every_scene_with_margins_and_references_of_both_peers(
             continue;
         }
         let reference = Reference::load(&Reference::folder(&file)).unwrap().unwrap_or_default();
-        if ["YADE", "LIGGGHTS"].iter().all(|peer| reference.codes().iter().any(|code| code == peer)) {
+        if ["YADE", "LIGGGHTS"].iter().all(|reference_code| reference.codes().iter().any(|code| code == reference_code))
+        {
             found.push(name);
         }
     }

@@ -1,4 +1,4 @@
-//! `makadam run` and its watchdogs: no run is too short for them, and worthless numbers are not handed out as sound.
+//! `makadam run` and its watchdogs: no run is too short for them, and invalid numbers are not handed out as sound.
 
 use crate::support::makadam;
 use serde_json::Value;
@@ -48,9 +48,9 @@ fn a_scene_that_only_wants_a_warning_gets_its_numbers_with_one_on_top() {
     let (code, summary, printed) = run("on_escape = 'warn'");
     assert_eq!((code, &summary["complete"]), (Some(0), &Value::Bool(true)), "{printed}");
     let head = printed.lines().next().unwrap();
-    assert!(head.contains("WORTHLESS") && head.contains("left the domain"), "{printed}");
+    assert!(head.contains("INVALID") && head.contains("left the domain"), "{printed}");
 
     let (code, summary, printed) = run("on_escape = 'ignore'");
     assert_eq!((code, summary["alarms"].as_array().unwrap().len()), (Some(0), 0), "{printed}");
-    assert!(!printed.contains("WORTHLESS"), "{printed}");
+    assert!(!printed.contains("INVALID"), "{printed}");
 }

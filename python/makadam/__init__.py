@@ -26,7 +26,7 @@ from .errors import (
     SceneNotFoundError,
     SettingError,
     ViewError,
-    WorthlessError,
+    InvalidStateError,
 )
 from .judge import Comparison, compare, measure, reference
 from .simulation import Handle, Simulation
@@ -50,7 +50,7 @@ __all__ = [
     "SettingError",
     "Simulation",
     "ViewError",
-    "WorthlessError",
+    "InvalidStateError",
     "__version__",
     "compare",
     "errors",

@@ -16,7 +16,7 @@ __all__ = [
     "SceneNotFoundError",
     "SettingError",
     "ViewError",
-    "WorthlessError",
+    "InvalidStateError",
 ]
 
 
@@ -75,8 +75,8 @@ class BusyError(Error, RuntimeError):
     """Another thread, or the caller of this very callback, steps the simulation."""
 
 
-class WorthlessError(Error, RuntimeError):
-    """A watchdog noticed what makes the numbers of a run worthless: deep overlaps, energy from nowhere, grains that are lost."""
+class InvalidStateError(Error, RuntimeError):
+    """A watchdog noticed what makes the numbers of a run invalid: deep overlaps, energy from nowhere, grains that are lost."""
 
 
 class JudgeError(Error, RuntimeError):

@@ -40,8 +40,8 @@ class Simulation(State, Interventions):
         time_step: Time step, s, in place of the scene's.
         precision: ``"double"`` or ``"single"``, in place of the scene's.
         method: How contact problems are solved, such as ``"gauss-seidel"``, in place of the scene's.
-        watch: Whether watchdogs look at the steps as the scene's ``[watch]`` says. What makes numbers worthless raises
-            ``makadam.WorthlessError``, what is tolerated is a ``makadam.MakadamWarning``.
+        watch: Whether watchdogs look at the steps as the scene's ``[watch]`` says. What makes numbers invalid raises
+            ``makadam.InvalidStateError``, what is tolerated is a ``makadam.MakadamWarning``.
 
     A scene that begins with a flowing state (``[prepare]``) is simulated for that time first; the state is kept on the machine.
 
@@ -132,7 +132,7 @@ class Simulation(State, Interventions):
         Raises:
             KeyboardInterrupt: At Ctrl-C.
             makadam.Interrupted: ``interrupt`` was called.
-            makadam.WorthlessError: The state makes the numbers of the run worthless.
+            makadam.InvalidStateError: The state makes the numbers of the run invalid.
             makadam.BusyError: Another thread steps this simulation, or it is called from one of its callbacks.
         """
         left = whole(steps, "steps")

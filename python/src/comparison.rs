@@ -1,12 +1,12 @@
-//! Comparison with the peers: what is recorded of them, and verdicts.
+//! Comparison with the reference codes: what is recorded of them, and verdicts.
 
 use crate::convert::plain;
 use crate::errors::exception;
 use crate::judge::{Recording, code_error, code_of};
 use crate::scene::Scene;
 use crate::stepping::beside;
+use makadam_validation::codes::{Code, CodeName};
 use makadam_validation::compare::{CodeRuns, Harvest, Reference, comparison, noticed};
-use makadam_validation::peers::{Code, CodeName};
 use makadam_validation::plan::{self, physics_hash};
 use makadam_validation::provenance::utc;
 use makadam_validation::qualify::{OneScene, usual_codes};
@@ -56,7 +56,7 @@ fn document<'py>(py: Python<'py>, qualification: &Qualification) -> PyResult<Bou
     Ok(found)
 }
 
-/// Runs a scene in several codes, or takes what is recorded of the peers, and compares.
+/// Runs a scene in several codes, or takes what is recorded of the reference codes, and compares.
 #[pyfunction]
 #[pyo3(name = "_compare")]
 pub fn compare<'py>(
@@ -163,7 +163,7 @@ fn whole(scene: &plan::Scene, run: &recording::Recording) -> Result<(), String> 
     Ok(())
 }
 
-/// Compares runs that were made here with what is recorded of the peers.
+/// Compares runs that were made here with what is recorded of the reference codes.
 #[pyfunction]
 #[pyo3(name = "_compare_runs")]
 pub fn compare_runs<'py>(

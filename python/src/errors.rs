@@ -159,7 +159,7 @@ pub fn start_error(py: Python<'_>, error: &StartError, origin: Origin<'_>) -> Py
     match error {
         StartError::Scene(error) => scenes_error(py, error, Some(origin)),
         StartError::Execution(error) => setting_error(py, error),
-        StartError::Worthless(_) => exception(py, "WorthlessError", &error.to_string()),
+        StartError::InvalidState(_) => exception(py, "InvalidStateError", &error.to_string()),
         StartError::Interrupted => exception(py, "Interrupted", &error.to_string()),
         StartError::Write(_) | StartError::Checkpoint(_) => exception(py, "Error", &error.to_string()),
     }

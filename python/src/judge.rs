@@ -9,9 +9,9 @@ use crate::settings::{Whole, seed_of};
 use crate::stepping::beside;
 use makadam::scene::populate;
 use makadam::snapshot::Snapshot;
+use makadam_validation::codes::{CodeError, CodeName, Job, Purpose};
 use makadam_validation::observables::{catalogue, measure, measure_frames, series};
 use makadam_validation::output::{file_stem, run_folder};
-use makadam_validation::peers::{CodeError, CodeName, Job, Purpose};
 use makadam_validation::provenance::Build;
 use makadam_validation::recording;
 use numpy::PyArray3;
@@ -134,7 +134,7 @@ impl Recording {
     /// Measures the frames from `measure.from` on: a list of rows, each a dict of `observable`, `unit`, `value`, `standard_error` (within
     /// the run, over blocks of time; None for too few frames) and `frames`. Observables without a value are left out.
     fn measure<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        if let Some(first) = self.recording.alarms.iter().find(|alarm| alarm.grave) {
+        if let Some(first) = self.recording.alarms.iter().find(|alarm| alarm.fatal) {
             warn(py, &first.words())?;
         }
         let measured = py.detach(|| measure(&self.scene.plan, &self.recording));
@@ -256,7 +256,7 @@ pub fn code_error(py: Python<'_>, error: &CodeError) -> PyErr {
     match error {
         CodeError::Scene(error) => crate::errors::scenes_error(py, error, None),
         CodeError::Execution(error) => crate::errors::setting_error(py, error),
-        CodeError::Worthless { .. } => exception(py, "WorthlessError", &error.to_string()),
+        CodeError::InvalidState { .. } => exception(py, "InvalidStateError", &error.to_string()),
         CodeError::Interrupted { .. } => exception(py, "Interrupted", &error.to_string()),
         _ => exception(py, "JudgeError", &error.to_string()),
     }
@@ -278,7 +278,7 @@ pub fn code_of(py: Python<'_>, name: &str) -> PyResult<CodeName> {
 ///
 /// Raises:
 ///     makadam.JudgeError: The code is not installed, cannot express the scene or failed.
-///     makadam.WorthlessError: The run came to a state that makes its numbers worthless.
+///     makadam.InvalidStateError: The run came to a state that makes its numbers invalid.
 #[pyfunction]
 #[pyo3(signature = (scene, seed=None, *, code="makadam", rayleigh_fraction=0.2, time_limit=86400.0))]
 pub fn simulate(

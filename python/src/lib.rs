@@ -12,7 +12,7 @@
 //! views.rs       arrays of NumPy that lie in the memory of a simulation
 //! frame.rs       copies of the state by id
 //! judge.rs       recordings, observables
-//! comparison.rs  comparison with the peers
+//! comparison.rs  comparison with the reference codes
 //! statistics.rs  statistics of the judge
 //! errors.rs      exceptions; convert.rs  values of Python, TOML and JSON
 //! ```

@@ -104,7 +104,7 @@ impl Simulation {
     /// Another simulation with the same state, which goes its own way.
     fn _copy<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, Simulation>> {
         let mut copy = self.0.with_settled(py, |simulation| simulation.clone())?;
-        copy.heed(makadam::Interrupt::new());
+        copy.set_interrupt(makadam::Interrupt::new());
         let watched = self.0.watchdog.lock().is_ok_and(|watchdog| watchdog.is_some());
         let shared = Shared::new(copy, self.0.scene.clone(), self.0.seed, watched);
         // What was written to this one and no step has looked at yet, the copy's first step looks at.

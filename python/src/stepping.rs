@@ -38,7 +38,7 @@ pub fn steps(py: Python<'_>, shared: &Shared, mut left: u64) -> PyResult<Vec<Str
         shared.taken_to_write.store(written, Ordering::SeqCst);
         let not_finite = written.then(|| simulation.not_finite()).flatten();
         let crowded = written.then(|| crowd(simulation.arrays().0)).flatten();
-        (not_finite, crowded, simulation.heeds_interrupts())
+        (not_finite, crowded, simulation.polls_interrupt())
     })?;
     if let Some(grain) = not_finite {
         let what = format!(
@@ -62,7 +62,7 @@ pub fn steps(py: Python<'_>, shared: &Shared, mut left: u64) -> PyResult<Vec<Str
         left -= slice.taken;
         for alarm in slice.alarms {
             match alarm.reaction {
-                Reaction::Stop => return Err(exception(py, "WorthlessError", &alarm.to_string())),
+                Reaction::Stop => return Err(exception(py, "InvalidStateError", &alarm.to_string())),
                 _ => warnings.push(alarm.to_string()),
             }
         }
@@ -82,7 +82,7 @@ pub fn look(py: Python<'_>, shared: &Shared) -> PyResult<Vec<String>> {
         watchdog.as_mut().map_or_else(Vec::new, |watchdog| watchdog.look(simulation))
     })?;
     match alarms.iter().find(|alarm| alarm.reaction == Reaction::Stop) {
-        Some(alarm) => Err(exception(py, "WorthlessError", &alarm.to_string())),
+        Some(alarm) => Err(exception(py, "InvalidStateError", &alarm.to_string())),
         None => Ok(alarms.iter().map(ToString::to_string).collect()),
     }
 }

@@ -73,10 +73,10 @@ def test_worthless_numbers_are_told():
     measure = {"interval": 2e-6, "observables": ["coordination-number"]}
     changes = {"duration": 4e-6, "solver": {"step": 1e-6}, "largest_start_overlap": 2.0}
     scene = space(deep, watch=watch, measure=measure, **changes)
-    with pytest.warns(makadam.MakadamWarning, match="WORTHLESS.*centre lies inside"):
+    with pytest.warns(makadam.MakadamWarning, match="INVALID.*centre lies inside"):
         recording = makadam.simulate(scene)
     for one in (recording, pickle.loads(pickle.dumps(recording))):
-        with pytest.warns(makadam.MakadamWarning, match="WORTHLESS"):
+        with pytest.warns(makadam.MakadamWarning, match="INVALID"):
             one.measure()
 
 
@@ -108,7 +108,7 @@ def test_references_are_tables():
 
 
 def test_seeds_are_held_against_references(recording):
-    # The recorded numbers of one peer against those of the other, by margins that a scene names.
+    # The recorded numbers of one reference code against those of the other, by margins that a scene names.
     rows = makadam.reference("packing")
 
     def values(code):

@@ -341,7 +341,7 @@ def test_what_is_noticed_is_said():
     with pytest.warns(makadam.MakadamWarning, match="overlaps its partner"):
         makadam.Simulation(scene).step(2)
     scene["watch"]["on_overlap"] = "stop"
-    with pytest.raises(makadam.WorthlessError, match="overlaps its partner"):
+    with pytest.raises(makadam.InvalidStateError, match="overlaps its partner"):
         makadam.Simulation(scene).step(2)
     with warnings.catch_warnings():
         warnings.simplefilter("error")

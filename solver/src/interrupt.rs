@@ -52,7 +52,7 @@ impl Interrupt {
 const UNASKED: u64 = 64;
 
 /// Returns true if solves look for an interrupt.
-pub(crate) fn is_heeded(settings: &SolverSettings) -> bool {
+pub(crate) fn polls_interrupt(settings: &SolverSettings) -> bool {
     u64::from(settings.stop.max_sweeps()) * u64::from(settings.inner_sweeps.max(1)) > UNASKED
 }
 

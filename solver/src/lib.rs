@@ -25,7 +25,7 @@
 //! ```
 //!
 //! A scene comes from code, as here, or from a file ([`Scene::load`]); [`Simulation`] steps it; [`Frame`] and
-//! [`Snapshot`] are what leaves it; [`watch`] notices when its numbers are worthless; [`Error`] is all that can go
+//! [`Snapshot`] are what leaves it; [`watch`] notices when its numbers are invalid; [`Error`] is all that can go
 //! wrong. The laws of contacts stand in [`effects`], walls in [`wall`], the methods of solution in [`methods`].
 //!
 //! ```text

@@ -105,7 +105,7 @@ impl Trouble {
     }
 
     /// Returns true if the numbers of a run in which it was noticed mean nothing, whatever the scene wants done.
-    pub fn is_grave(&self) -> bool {
+    pub fn is_fatal(&self) -> bool {
         !matches!(self, Trouble::Overlap { .. } | Trouble::Stagnation { .. })
     }
 }
@@ -214,7 +214,7 @@ impl Watchdog {
         }
     }
 
-    /// Takes note of a step; looks at the state where it is time to. What was noticed comes back, the gravest first.
+    /// Takes note of a step; looks at the state where it is time to. What was noticed comes back, the most severe first.
     ///
     /// It wants to see every step: after one that it has not seen, or in which grains came, went or were written to, it knows no longer
     /// what was given, and judges energy from there on. Between looks it allocates nothing, and a look no more than a pose a wall.
@@ -243,7 +243,7 @@ impl Watchdog {
     }
 
     /// Looks at the state that the last step of a run has left, or one after which it is interrupted, whether it is time to or not.
-    /// A state that was looked at is not looked at again. What was noticed comes back, the gravest first.
+    /// A state that was looked at is not looked at again. What was noticed comes back, the most severe first.
     pub fn last(&mut self, simulation: &Simulation) -> Vec<Alarm> {
         let mut troubles = self.look(simulation);
         if self.settings.every > 0 && self.settings.on_stagnation != Reaction::Ignore {
@@ -283,7 +283,7 @@ impl Watchdog {
     /// one.
     ///
     /// # Errors
-    /// The gravest of what was noticed that ends a run.
+    /// The most severe of what was noticed that ends a run.
     pub fn check(&mut self, simulation: &Simulation, report: &StepReport, measured: bool) -> Result<(), Alarm> {
         let mut alarms = self.observe(simulation, report);
         if measured {

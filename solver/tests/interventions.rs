@@ -163,7 +163,7 @@ fn the_contact_problem_of_a_step_knows_the_forces_of_the_caller() {
         one.use_stop(makadam::Stop::Sweeps { sweeps: 200 });
         one.apply_torques(&[[1e-5, 0.0, 0.0]; 30]).unwrap();
     }
-    stopped.heed(makadam::Interrupt::new());
+    stopped.set_interrupt(makadam::Interrupt::new());
     stopped.interrupt_handle().request();
     let before = stopped.state_hash();
     stopped.step();

@@ -40,7 +40,7 @@ fn the_last_step_of_a_run_is_looked_at() {
     let found = alarms(&scene, 0.0063);
     assert!(matches!(found[..], [Alarm { trouble: Trouble::Escape { grain: 0, .. }, step: 63, .. }]), "{found:?}");
     assert_eq!(found[0].reaction, Reaction::Stop);
-    assert!(found[0].trouble.is_grave());
+    assert!(found[0].trouble.is_fatal());
 }
 
 #[test]
@@ -68,7 +68,7 @@ fn a_state_is_looked_at_once_and_solves_are_judged_when_it_is_time_to() {
     assert!(watchdog.observe(&simulation, &bad).is_empty() && watchdog.look(&simulation).is_empty());
     let last = watchdog.last(&simulation);
     assert!(matches!(last[..], [Alarm { trouble: Trouble::Stagnation { .. }, .. }]), "{last:?}");
-    assert!(!last[0].trouble.is_grave() && watchdog.last(&simulation).is_empty());
+    assert!(!last[0].trouble.is_fatal() && watchdog.last(&simulation).is_empty());
 }
 
 #[test]
@@ -126,7 +126,7 @@ fn energy_from_nowhere_is_noticed_though_a_wall_moves() {
         matches!(found[..], [Alarm { trouble: Trouble::Energy { .. }, reaction: Reaction::Stop, .. }]),
         "{found:?}"
     );
-    assert!(found[0].trouble.is_grave());
+    assert!(found[0].trouble.is_fatal());
     // What was said is not said again; and who has missed a step begins anew.
     let report = thrown.step();
     assert!(watchdog.observe(&thrown, &report).is_empty());
@@ -162,7 +162,7 @@ fn a_wall_that_grains_are_inside_of_makes_numbers_worthless() {
     scene.largest_start_overlap = 2.0;
     let found = look(&scene, -0.2 * RADIUS);
     let deep = matches!(found[..], [Alarm { trouble: Trouble::DeepOverlap { .. }, reaction: Reaction::Stop, .. }]);
-    assert!(deep && found[0].trouble.is_grave(), "{found:?}");
+    assert!(deep && found[0].trouble.is_fatal(), "{found:?}");
     scene.watch.on_deep_overlap = Reaction::Ignore;
     let found = look(&scene, -0.2 * RADIUS);
     assert!(

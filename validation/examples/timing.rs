@@ -1,8 +1,8 @@
-//! Processor time of a peer's stepping by its input for measuring and by that for timing, and what both measure:
+//! Processor time of a reference code's stepping by its input for measuring and by that for timing, and what both measure:
 //! `timing SCENE CODE RAYLEIGH_FRACTION DURATION [SEED]`. What the tables of `validation/docs/timing.md` are made from.
 
+use makadam_validation::codes::{CodeName, Job, Purpose};
 use makadam_validation::observables::measure;
-use makadam_validation::peers::{CodeName, Job, Purpose};
 use makadam_validation::plan::Scene;
 use makadam_validation::scenes;
 use std::path::PathBuf;

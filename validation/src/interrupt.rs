@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 static INTERRUPT: OnceLock<Interrupt> = OnceLock::new();
 
 /// True while a computation runs that polls for a request.
-static HEEDED: AtomicBool = AtomicBool::new(false);
+static POLLED: AtomicBool = AtomicBool::new(false);
 
 /// Starts listening. A signal that the process was started to ignore stays ignored: `nohup` relies on that, and so do jobs in
 /// the background of a script. Where the system refuses, the default stays.
@@ -39,7 +39,7 @@ pub fn listen() {
 
 extern "C" fn request(_signal: c_int) {
     let second = INTERRUPT.get().is_none_or(Interrupt::request);
-    if second || !HEEDED.load(Ordering::SeqCst) {
+    if second || !POLLED.load(Ordering::SeqCst) {
         // SAFETY: `_exit` runs nothing of this process and may be called in a handler.
         unsafe { libc::_exit(1) }
     }
@@ -47,13 +47,13 @@ extern "C" fn request(_signal: c_int) {
 
 /// Returns true if the user has requested a stop. From the first poll on, the polling code handles requests.
 pub fn requested() -> bool {
-    heed();
+    start_polling();
     INTERRUPT.get().is_some_and(Interrupt::is_requested)
 }
 
 /// Returns the flag that a simulation polls to stop inside a step.
 pub fn handle() -> Interrupt {
-    heed();
+    start_polling();
     interrupt().clone()
 }
 
@@ -61,9 +61,9 @@ fn interrupt() -> &'static Interrupt {
     INTERRUPT.get_or_init(Interrupt::new)
 }
 
-fn heed() {
+fn start_polling() {
     // Many threads look, and all but the first find it set.
-    if !HEEDED.load(Ordering::Relaxed) {
-        HEEDED.store(true, Ordering::SeqCst);
+    if !POLLED.load(Ordering::Relaxed) {
+        POLLED.store(true, Ordering::SeqCst);
     }
 }

@@ -1,13 +1,14 @@
 //! The judge of Makadam: the same scene in Makadam, YADE, LIGGGHTS and LAMMPS, one measurement code, a verdict, a report.
 //!
 //! ```text
-//! peers (Makadam, YADE, LIGGGHTS) ─> Recording ─> observables ─> statistics ─> compare ─> report
+//! reference codes (Makadam, YADE, LIGGGHTS) ─> Recording ─> observables ─> statistics ─> compare ─> report
 //!
 //! convergence, effects, laws, scaling, stability, tradeoff ─> study (tables, files, finished runs) ─> draw
 //! ```
 //!
 //! Rooms import downwards alone: [`stepping`], [`statistics`], [`output`] and `draw` know no study, [`commands`] knows all.
 
+pub mod codes;
 pub mod commands;
 pub mod compare;
 pub mod convergence;
@@ -22,7 +23,6 @@ mod laws;
 pub mod observables;
 pub mod output;
 mod parameter_study;
-pub mod peers;
 pub mod pictures;
 pub mod plan;
 pub mod prepared;

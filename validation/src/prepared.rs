@@ -30,7 +30,7 @@ pub enum StartError {
     Execution(#[from] makadam::SettingError),
     /// The state that was prepared is worth nothing.
     #[error("while the flowing state was prepared: {0}")]
-    Worthless(Alarm),
+    InvalidState(Alarm),
     /// The user asked to stop while the state was prepared.
     #[error("interrupted while the flowing state was prepared")]
     Interrupted,
@@ -99,7 +99,7 @@ pub fn start(
     let mut watchdog = Watchdog::new(&scene.watch, &simulation);
     let stepping = Stepping::new(steps, progress).watched(&mut watchdog);
     stepping.carry_out(&mut simulation, |_, _| {}).map_err(|halt| match halt {
-        Halt::Worthless(alarm) => StartError::Worthless(alarm),
+        Halt::InvalidState(alarm) => StartError::InvalidState(alarm),
         Halt::Interrupted | Halt::OutOfTime(_) => StartError::Interrupted,
     })?;
     if let Some(folder) = file.parent() {

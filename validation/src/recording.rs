@@ -54,20 +54,20 @@ pub struct Noticed {
     /// Kind, place and time.
     pub what: String,
     /// True if it invalidates the numbers of the run.
-    pub grave: bool,
+    pub fatal: bool,
 }
 
 impl Noticed {
     /// Returns the diagnostics of a watchdog so far.
     pub fn by(watchdog: &Watchdog) -> Vec<Noticed> {
         let noticed = watchdog.noticed().iter();
-        noticed.map(|alarm| Noticed { what: alarm.to_string(), grave: alarm.trouble.is_grave() }).collect()
+        noticed.map(|alarm| Noticed { what: alarm.to_string(), fatal: alarm.trouble.is_fatal() }).collect()
     }
 
     /// In a sentence.
     pub fn words(&self) -> String {
-        match self.grave {
-            true => format!("THESE NUMBERS ARE WORTHLESS: {}", self.what),
+        match self.fatal {
+            true => format!("THESE NUMBERS ARE INVALID: {}", self.what),
             false => format!("NOT SOUND: {}", self.what),
         }
     }

@@ -13,8 +13,8 @@ use std::time::{Duration, Instant};
 pub enum Halt {
     /// The user asked to stop.
     Interrupted,
-    /// The watchdog noticed what makes a run worthless.
-    Worthless(Alarm),
+    /// The watchdog noticed what makes a run invalid.
+    InvalidState(Alarm),
     /// It took too long; the share of the steps that were taken, 0 to 1.
     OutOfTime(f64),
 }
@@ -87,7 +87,7 @@ impl<'a> Stepping<'a> {
                 number == steps || interval.is_some_and(|interval| frame_is_due(number, step_seconds, interval));
             let alarm = watchdog.as_mut().and_then(|watchdog| watchdog.check(simulation, &report, framed).err());
             if let Some(alarm) = alarm.filter(|alarm| !tolerated(alarm)) {
-                return Err(Halt::Worthless(alarm));
+                return Err(Halt::InvalidState(alarm));
             }
             each(simulation, &Taken { report, seconds: took.as_secs_f64(), number, framed });
             let share = number as f64 / steps as f64;

@@ -1,8 +1,8 @@
 //! LAMMPS without the program: what it is told, what it is not asked, and how its dumps are read.
 
 use makadam::snapshot::Partner;
+use makadam_validation::codes::{Code, CodeError, Job, Lammps, Purpose};
 use makadam_validation::import::{Column, column_of};
-use makadam_validation::peers::{Code, CodeError, Job, Lammps, Purpose};
 use makadam_validation::plan::Scene;
 use makadam_validation::recording::Recording;
 use std::path::Path;

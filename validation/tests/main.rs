@@ -3,6 +3,8 @@
 mod support;
 
 mod baseline;
+mod codes;
+mod codes_live;
 mod convergence;
 mod drums_and_heaps;
 mod export;
@@ -14,8 +16,6 @@ mod lammps;
 mod measured_bits;
 mod measured_frames;
 mod observables;
-mod peers;
-mod peers_live;
 mod pictures;
 mod problem;
 mod report;

@@ -1,13 +1,13 @@
-//! The inputs from which peers are timed give the physics of those from which they are measured, where the peers are installed.
+//! The inputs from which reference codes are timed give the physics of those from which they are measured, where the reference codes are installed.
 
 use makadam::snapshot::{Partner, Snapshot};
-use makadam_validation::peers::{Code, Job, Lammps, Liggghts, Purpose, Yade};
+use makadam_validation::codes::{Code, Job, Lammps, Liggghts, Purpose, Yade};
 use makadam_validation::plan::Scene;
 use makadam_validation::recording::{Content, Recording};
 use std::path::Path;
 use std::time::Duration;
 
-fn peers() -> [Box<dyn Code>; 3] {
+fn reference_codes() -> [Box<dyn Code>; 3] {
     [Box::new(Liggghts::default()), Box::new(Yade::default()), Box::new(Lammps::default())]
 }
 
@@ -27,9 +27,9 @@ fn run(code: &dyn Code, scene: &Scene, purpose: Purpose) -> Recording {
     code.simulate(&job).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Runs a scene for measuring and for timing in every peer that is installed.
+/// Runs a scene for measuring and for timing in every reference code that is installed.
 fn both(scene: &Scene, check: impl Fn(&str, &Recording, &Recording)) {
-    for code in peers() {
+    for code in reference_codes() {
         if code.version().is_none() {
             eprintln!("skipped: {} is not installed", code.name());
             continue;

@@ -10,7 +10,7 @@ use super::velocities::{self, Coefficients, MOST, sum_of};
 use super::visits::{Combine, Keep, Measure, Step, Transform};
 use crate::effects::drive::Drive;
 use crate::effects::{with_effects, with_tangential};
-use crate::interrupt::{Interrupt, is_heeded};
+use crate::interrupt::{Interrupt, polls_interrupt};
 use crate::lanes::{Eight, LANES, Slots};
 use crate::partition::{ByBodies, ByNumber, ByPlace, ByStarts, Layout, PlannedTask, SingleCopy, TaskShares};
 use crate::scene::{Precision, SolverSettings};
@@ -114,7 +114,7 @@ pub(crate) struct StepSums {
 impl Problem<'_> {
     /// Returns true if the solve has been asked to stop.
     pub fn is_interrupted(&self) -> bool {
-        is_heeded(self.settings) && self.interrupt.is_requested()
+        polls_interrupt(self.settings) && self.interrupt.is_requested()
     }
 
     /// Numbers the lane groups, so that vectors over contacts can be made.
@@ -133,8 +133,8 @@ impl Problem<'_> {
     /// One Gauss-Seidel sweep; its residuals |delta lambda| S, m/s, as far as they are asked for.
     pub fn sweep(&mut self, factor: f64, level: ResidualLevel) -> Option<Residuals> {
         let (inner, precision) = (self.settings.inner_sweeps.max(1), self.settings.precision);
-        let (heeds, interrupt) = (is_heeded(self.settings), self.interrupt);
-        let pass = SweepPass { factor, inner, stops: || heeds && interrupt.is_requested(), level };
+        let (polls, interrupt) = (polls_interrupt(self.settings), self.interrupt);
+        let pass = SweepPass { factor, inner, stops: || polls && interrupt.is_requested(), level };
         let Workspace { single, residuals, .. } = &mut *self.workspace;
         let operands = match precision {
             Precision::Double => SweepOperands::Double { bodies: self.bodies, groups: &mut self.layout.groups },

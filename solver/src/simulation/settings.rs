@@ -1,7 +1,7 @@
 //! Settings of the steps to come, and interrupts. An impossible setting is refused, and nothing changes.
 
 use super::Simulation;
-use crate::interrupt::{Interrupt, is_heeded};
+use crate::interrupt::{Interrupt, polls_interrupt};
 use crate::lanes::InstructionSet;
 use crate::methods::Solver;
 use crate::partition::Portion;
@@ -99,19 +99,19 @@ impl Simulation {
     }
 
     /// Stops when this is asked to: one request may stop many simulations.
-    pub fn heed(&mut self, interrupt: Interrupt) {
+    pub fn set_interrupt(&mut self, interrupt: Interrupt) {
         self.interrupt = interrupt;
     }
 
     /// Returns true if its solves may be so long that they look whether they are to stop.
-    pub fn heeds_interrupts(&self) -> bool {
-        is_heeded(&self.settings)
+    pub fn polls_interrupt(&self) -> bool {
+        polls_interrupt(&self.settings)
     }
 
     /// Returns true if spins at the start of a step are kept: friction may go by how contacts slide, and a step may be abandoned.
     pub(crate) fn keeps_spins(&self) -> bool {
         let effects = &self.relaxation.effects;
-        effects.kinetic_friction() || (effects.tangential() && is_heeded(&self.settings))
+        effects.kinetic_friction() || (effects.tangential() && polls_interrupt(&self.settings))
     }
 
     /// Goes back to the start of a step whose solve was interrupted.

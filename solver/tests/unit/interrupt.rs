@@ -88,7 +88,7 @@ fn a_step_of_endless_inner_sweeps_ends_when_it_is_asked_to() {
     // No scene may ask for so many.
     simulation.settings.inner_sweeps = u32::MAX;
     let interrupt = Interrupt::new();
-    simulation.heed(interrupt.clone());
+    simulation.set_interrupt(interrupt.clone());
     interrupt.0.by_itself.store(10_000, Ordering::SeqCst);
     let mut reason = StopReason::NoContacts;
     while reason == StopReason::NoContacts {

@@ -4,9 +4,9 @@ use super::arguments::{JobArguments, SourceArguments, rayleigh_fraction, time_li
 use super::beforehand::refuse_without_folder;
 use super::console::Colour;
 use super::{Console, Failure, within_tolerance};
+use crate::codes::{Code, CodeError, CodeName, External, absent, codes_of};
 use crate::compare::{CodeSummary, Recorder, Row};
 use crate::output::{JSON_VERSION, cache_folder, create_folder};
-use crate::peers::{Code, CodeError, CodeName, External, absent, codes_of};
 use crate::plan::Scene;
 use crate::qualify::{Judged, OneScene, codes_against, usual_codes};
 use crate::report::{self, Standing, Verdict};
@@ -220,17 +220,17 @@ fn claim(folder: &Path) -> Result<(), Failure> {
 fn record(arguments: &CompareArguments, scene: &Scene, file: &Path, console: &Console) -> Result<ExitCode, Failure> {
     // Recorded codes are recorded again, so that none is lost.
     let codes = codes_or_usual(arguments.codes.as_deref(), file, false);
-    let peers: Vec<Box<dyn Code>> = codes.into_iter().filter(|code| code.name() != "Makadam").collect();
-    if peers.is_empty() {
+    let reference_codes: Vec<Box<dyn Code>> = codes.into_iter().filter(|code| code.name() != "Makadam").collect();
+    if reference_codes.is_empty() {
         let problem =
             "--record keeps what other codes measure, and Makadam is run anew each time: name others with --codes";
         return Err(Failure::Usage(problem.into()));
     }
-    record_codes(peers, arguments, scene, file, console)
+    record_codes(reference_codes, arguments, scene, file, console)
 }
 
 fn record_codes(
-    peers: Vec<Box<dyn Code>>,
+    reference_codes: Vec<Box<dyn Code>>,
     arguments: &CompareArguments,
     scene: &Scene,
     file: &Path,
@@ -252,7 +252,7 @@ fn record_codes(
         note: &|text| console.note(text),
         warn: &|text| console.warn(text),
     };
-    let mut recorded = recorder.record(peers)?;
+    let mut recorded = recorder.record(reference_codes)?;
     let state = if recorded.changed { "" } else { " (unchanged)" };
     recorded.lines.push(format!("references: {}{state}", recorded.folder.display()));
     console.result(&recorded.lines.join("\n"))?;

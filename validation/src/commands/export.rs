@@ -2,9 +2,9 @@
 
 use super::arguments::{load, one_of, rayleigh_fraction};
 use super::{Console, Failure};
+use crate::codes::{CodeName, Job, Purpose};
 use crate::export::{FORMATS, Format, Written};
 use crate::output::file_stem;
-use crate::peers::{CodeName, Job, Purpose};
 use crate::run_frames::RunFrames;
 use crate::scenes::Change;
 use clap::builder::{PossibleValuesParser, TypedValueParser};

@@ -1,12 +1,12 @@
 //! Failures of commands: messages and exit codes.
 
+use crate::codes::CodeError;
 use crate::compare::RecordError;
 use crate::execution::MeasureError;
 use crate::export::ExportError;
 use crate::import::ImportError;
 use crate::output::{LockError, WriteError};
 use crate::parameter_study::ParameterError;
-use crate::peers::CodeError;
 use crate::pictures::PictureError;
 use crate::prepared::StartError;
 use crate::problem::{ProblemFileError, SiconosError};

@@ -44,7 +44,7 @@ enum Text {
         /// Print a page in Markdown instead of the JSON Schema.
         #[arg(long)]
         markdown: bool,
-        /// Print the JSON Schema of report.json, which qualify, compare and judge write, instead of that of scenes. There is no page of it.
+        /// Print the JSON Schema of report.json, which qualify and compare write, instead of that of scenes. There is no page of it.
         #[arg(long, conflicts_with = "markdown")]
         report: bool,
     },

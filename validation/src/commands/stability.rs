@@ -3,7 +3,7 @@
 use super::arguments::{JobArguments, OutputArguments, time_limit};
 use super::compare::installed;
 use super::{Console, Failure, within_tolerance};
-use crate::peers::CodeName;
+use crate::codes::CodeName;
 use crate::stability::{Campaign, Case, catalogue};
 use crate::study::{Document, RunCache};
 use clap::Args;

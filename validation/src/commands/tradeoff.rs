@@ -4,9 +4,9 @@ use super::arguments::{OutputArguments, SourceArguments, bound, positive, time_l
 use super::beforehand::refuse_time_budget;
 use super::compare::installed;
 use super::{Console, Failure, within_tolerance};
+use crate::codes::{CodeName, codes_of};
 use crate::compare::FEW_SEEDS;
 use crate::observables::catalogue::group_of;
-use crate::peers::{CodeName, codes_of};
 use crate::plan::Scene;
 use crate::provenance::account;
 use crate::study::RunCache;

@@ -1,9 +1,9 @@
 //! Stored result of one run, once its frames have been measured.
 
 use super::FinalState;
+use crate::codes::UNDAMPED_TANGENT;
 use crate::observables::Series;
 use crate::observables::{ForcePool, Measurement, measure, series};
-use crate::peers::UNDAMPED_TANGENT;
 use crate::plan::Scene;
 use crate::provenance::processor;
 use crate::recording::{Content, Noticed, Recording};
@@ -18,7 +18,7 @@ pub struct MeasuredRun {
     pub version: String,
     /// Seed of the initial positions.
     pub seed: u64,
-    /// The law of its contacts ([`Code::contact_law`](crate::peers::Code::contact_law)).
+    /// The law of its contacts ([`Code::contact_law`](crate::codes::Code::contact_law)).
     #[serde(default = "earlier_law")]
     pub contact_law: String,
     /// Time step, s; 0 where the code does not tell.

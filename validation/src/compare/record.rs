@@ -1,8 +1,8 @@
 //! Recording: what is missing in a scene's references is measured or run, and taken in.
 
 use super::{Announce, CodeRuns, Missing, Reference, ReferenceError, Runs, Simulated, Wanted};
+use crate::codes::{Code, CodeError, Purpose};
 use crate::output::WriteError;
-use crate::peers::{Code, CodeError, Purpose};
 use crate::plan::{Scene, physics_hash};
 use crate::statistics::Ensemble;
 use rayon::prelude::*;

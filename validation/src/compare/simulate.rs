@@ -1,8 +1,8 @@
 //! Runs of one code over several seeds, side by side, measured when they end.
 
 use super::{CodeRuns, CodeSummary, Harvest, Timing};
+use crate::codes::{Code, CodeError, Job, Purpose};
 use crate::output::{file_stem, run_folder};
-use crate::peers::{Code, CodeError, Job, Purpose};
 use crate::plan::{Scene, physics_hash};
 use crate::provenance::{machine, utc};
 use crate::recording::{Recording, RecordingError};

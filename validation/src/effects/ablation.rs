@@ -1,8 +1,8 @@
 //! Ablation: the scene with each effect off or on, over several seeds, compared by the equivalence test.
 
+use crate::codes::Makadam;
 use crate::compare::{Announce, MeasuredRun, Runs};
 use crate::draw::numbers::Rounding;
-use crate::peers::Makadam;
 use crate::plan::{Expectation, Scene};
 use crate::statistics::{Ensemble, Equivalence, Outcome, equivalence};
 use crate::study::{RunCache, RunError, run_jobs};

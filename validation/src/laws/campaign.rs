@@ -1,8 +1,8 @@
 //! Runs of a law: its cases over seeds, each on one thread, measured, and stored when it ends.
 
 use super::{Law, Row};
+use crate::codes::CodeError;
 use crate::execution::Execution;
-use crate::peers::CodeError;
 use crate::plan::Scene;
 use crate::provenance::{VERSION, scene_hash};
 use crate::scenes::named;
@@ -145,7 +145,7 @@ impl<'a> Run<'a> {
         let report = |fraction: f64| progress((from + fraction * (time - from)) / duration);
         let stepping = Stepping::new(steps, &report).watched(&mut self.watchdog);
         stepping.carry_out(&mut self.simulation, |_, _| {}).map(|_| ()).map_err(|halt| match halt {
-            Halt::Worthless(alarm) => RunError::Invalid(format!("{}: {alarm}", self.name)),
+            Halt::InvalidState(alarm) => RunError::Invalid(format!("{}: {alarm}", self.name)),
             Halt::Interrupted | Halt::OutOfTime(_) => RunError::Interrupted,
         })
     }

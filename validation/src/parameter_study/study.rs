@@ -1,9 +1,9 @@
 //! Ranges of keys, the runs over them, and their means.
 
+use crate::codes::{Code, Job, Makadam, Purpose};
 use crate::compare::Announce;
 use crate::observables::{Measurement, measure};
 use crate::output::file_stem;
-use crate::peers::{Code, Job, Makadam, Purpose};
 use crate::plan::Scene;
 use crate::recording::Noticed;
 use crate::scenes::{self, Change, SceneError};

@@ -1,4 +1,4 @@
-//! A qualification: reference scenes against the recorded references, live runs of the peers, studies, one report.
+//! A qualification: reference scenes against the recorded references, live runs of the reference codes, studies, one report.
 //!
 //! ```text
 //! Tier ─> Extent (one table) ─> cases, parts ─> what is timed, alone ─> jobs side by side ─> comparisons, sections ─> Qualification
@@ -14,9 +14,9 @@ mod tier;
 pub use one_scene::{Judged, OneScene, codes_against, usual_codes};
 pub use tier::{Ablated, Extent, Study, Tier};
 
+use crate::codes::{Code, CodeError, CodeName, Makadam, codes_of};
 use crate::compare::{Announce, Comparison, Reference, ReferenceError, Runs};
 use crate::output::WriteError;
-use crate::peers::{Code, CodeError, CodeName, Makadam, codes_of};
 use crate::plan::Scene;
 use crate::provenance::account;
 use crate::report::{Qualification, StudySection};
@@ -39,9 +39,9 @@ pub struct Settings<'a> {
     pub folder: PathBuf,
     /// Repeats runs that earlier starts have stored.
     pub again: bool,
-    /// Runs the peers.
+    /// Runs the reference codes.
     pub live: bool,
-    /// Wall time after which a run of a peer is stopped.
+    /// Wall time after which a run of a reference code is stopped.
     pub time_limit: Duration,
     /// Opens progress displays.
     pub announce: Announce<'a>,
@@ -67,7 +67,7 @@ pub enum QualifyError {
     /// Nothing is recorded of a code.
     #[error(
         "nothing is recorded of {code} on the scene {scene}; record it with 'makadam compare {scene} --record', run it with --live \
-         (scripts/install-peers installs it), or leave it out (name the others with --codes)"
+         (scripts/install-codes installs it), or leave it out (name the others with --codes)"
     )]
     NotRecorded {
         /// The code.
@@ -104,17 +104,17 @@ impl From<WriteError> for QualifyError {
 /// Runs a qualification of the given extent.
 ///
 /// # Errors
-/// [`QualifyError`]; a live run of a peer that fails is a part of the verdict, not an error.
+/// [`QualifyError`]; a live run of a reference code that fails is a part of the verdict, not an error.
 pub fn qualify(extent: &Extent, settings: &Settings<'_>) -> Result<Qualification, QualifyError> {
     let clock = Instant::now();
-    let peers = codes_of(&CodeName::REFEREES);
+    let reference_codes = codes_of(&CodeName::REFEREES);
     let further = codes_of(&CodeName::FURTHER_REFEREES);
     if settings.live
-        && let Some(missing) = peers.iter().find(|code| code.version().is_none())
+        && let Some(missing) = reference_codes.iter().find(|code| code.version().is_none())
     {
         return Err(CodeError::Missing { code: missing.name() }.into());
     }
-    let open = |name: &&'static str| Case::open(name, extent.fewest_seeds, settings, &peers, &further);
+    let open = |name: &&'static str| Case::open(name, extent.fewest_seeds, settings, &reference_codes, &further);
     let mut cases = extent.scenes.iter().map(open).collect::<Result<Vec<Case>, QualifyError>>()?;
     let cache = RunCache::open(&settings.folder.join("runs"), settings.again)?;
     let place = Place { settings, cache: &cache };
@@ -122,7 +122,7 @@ pub fn qualify(extent: &Extent, settings: &Settings<'_>) -> Result<Qualification
     let parts = parts.collect::<Result<Vec<Box<dyn Part>>, QualifyError>>()?;
 
     let mut qualification = Qualification::default();
-    time(extent, settings, &cache, &mut cases, &peers, &mut qualification)?;
+    time(extent, settings, &cache, &mut cases, &reference_codes, &mut qualification)?;
     let of_scenes = cases.iter().flat_map(|case| case.jobs(settings, &cache));
     let jobs: Vec<Job<'_>> = of_scenes.chain(parts.iter().flat_map(|part| part.jobs())).collect();
     (settings.say)(&format!("{} runs, those taken that {} holds", jobs.len(), settings.folder.display()));
@@ -145,29 +145,31 @@ pub fn qualify(extent: &Extent, settings: &Settings<'_>) -> Result<Qualification
     })
 }
 
-/// Times the codes, one core each, one after the other: these runs have the machine to themselves. Compares live runs of the peers with their
+/// Times the codes, one core each, one after the other: these runs have the machine to themselves. Compares live runs of the reference codes with their
 /// recorded ones.
 fn time(
     extent: &Extent,
     settings: &Settings<'_>,
     cache: &RunCache,
     cases: &mut [Case],
-    peers: &[Box<dyn Code>],
+    reference_codes: &[Box<dyn Code>],
     found: &mut Qualification,
 ) -> Result<(), QualifyError> {
     let margins = |case: &&Case| extent.timed.contains(&case.name).then_some(case.margins());
-    let values = peers.len() * cases.iter().filter_map(|case| margins(&case)).sum::<usize>();
+    let values = reference_codes.len() * cases.iter().filter_map(|case| margins(&case)).sum::<usize>();
     let confidence = confidence_of_each(values);
     for name in extent.timed {
         let case = cases.iter_mut().find(|case| case.name == *name).expect("what is timed is judged");
         (settings.say)(&format!("{name}: timed runs of seed {LIVE_SEED}, one core each, one after the other"));
         case.time(settings, cache, &Makadam)?;
-        for peer in peers.iter().rev().filter(|_| settings.live) {
-            match case.time(settings, cache, peer.as_ref()) {
+        for reference_code in reference_codes.iter().rev().filter(|_| settings.live) {
+            match case.time(settings, cache, reference_code.as_ref()) {
                 Ok(harvest) => case.check(&harvest, confidence, found),
                 Err(error) if error.ends_all() => return Err(error.into()),
                 Err(error) => {
-                    found.failed_runs.push(format!("{name}: the live run of {} failed: {error}", peer.name()));
+                    found
+                        .failed_runs
+                        .push(format!("{name}: the live run of {} failed: {error}", reference_code.name()));
                 }
             }
         }
@@ -181,7 +183,7 @@ fn notes(extent: &Extent, settings: &Settings<'_>, cache: &RunCache) -> Result<V
     if !settings.live {
         notes.push(
             "The other codes were not run: their numbers are the recorded references, and no speeds are compared. \
-             With YADE and LIGGGHTS installed (scripts/install-peers), --live runs these two; LAMMPS counts as recorded."
+             With YADE and LIGGGHTS installed (scripts/install-codes), --live runs these two; LAMMPS counts as recorded."
                 .into(),
         );
     }

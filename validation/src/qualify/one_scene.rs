@@ -1,8 +1,8 @@
 //! One scene in several codes, judged.
 
 use super::QualifyError;
+use crate::codes::{Code, CodeError, CodeName, Purpose};
 use crate::compare::{Announce, CodeRuns, Comparison, FEW_SEEDS, Reference, Runs, Simulated, comparison, noticed};
-use crate::peers::{Code, CodeError, CodeName, Purpose};
 use crate::plan::{Expectation, Scene};
 use crate::provenance::account;
 use crate::report::Qualification;

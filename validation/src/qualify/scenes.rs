@@ -1,10 +1,10 @@
-//! The scenes of a qualification: recorded runs, jobs side by side, live runs of the peers, the comparison.
+//! The scenes of a qualification: recorded runs, jobs side by side, live runs of the reference codes, the comparison.
 
 use super::{LIVE_SEED, QualifyError, Settings};
+use crate::codes::{Code, Makadam};
 use crate::compare::{
     CodeRuns, CodeSummary, Comparison, Harvest, LIVE_FRACTION, Reference, Runs, comparison, live_checks,
 };
-use crate::peers::{Code, Makadam};
 use crate::plan::Scene;
 use crate::report::Qualification;
 use crate::scenes::{self, SceneError};
@@ -67,12 +67,12 @@ pub(super) struct Case {
 }
 
 impl Case {
-    /// Opens a scene with at least so many seeds of Makadam. Recorded runs of `peers` are required, those of `further` codes optional.
+    /// Opens a scene with at least so many seeds of Makadam. Recorded runs of `reference codes` are required, those of `further` codes optional.
     pub(super) fn open(
         name: &'static str,
         fewest_seeds: u64,
         settings: &Settings<'_>,
-        peers: &[Box<dyn Code>],
+        reference_codes: &[Box<dyn Code>],
         further: &[Box<dyn Code>],
     ) -> Result<Case, QualifyError> {
         let file = scenes::find(name, &settings.roots)?;
@@ -95,16 +95,16 @@ impl Case {
             timings: Vec::new(),
             harvests: Mutex::default(),
         };
-        let needed = peers.iter().map(|peer| (peer, true));
-        for (peer, is_needed) in needed.chain(further.iter().map(|peer| (peer, false))) {
-            let code = peer.name();
+        let needed = reference_codes.iter().map(|reference_code| (reference_code, true));
+        for (reference_code, is_needed) in needed.chain(further.iter().map(|reference_code| (reference_code, false))) {
+            let code = reference_code.name();
             let recorded = match reference.code_on(code, &case.scene) {
                 Some(recorded) => recorded,
                 None if is_needed => return Err(QualifyError::NotRecorded { code, scene: name.into() }),
                 None => continue,
             };
             case.recorded.push(recorded);
-            case.notes.extend(reference.out_of_date(code, peer.contact_law(), &case.scene));
+            case.notes.extend(reference.out_of_date(code, reference_code.contact_law(), &case.scene));
         }
         Ok(case)
     }
@@ -159,11 +159,11 @@ impl Case {
         self.scene.compare.iter().filter(|expectation| expectation.margin.is_some()).count()
     }
 
-    /// Compares a live run of a peer with the spread of its recorded runs, each value with `confidence`.
+    /// Compares a live run of a reference code with the spread of its recorded runs, each value with `confidence`.
     pub(super) fn check(&self, harvest: &Harvest, confidence: f64, found: &mut Qualification) {
         let run = &harvest.run;
         let recorded = self.recorded.iter().find(|recorded| recorded.code == run.code);
-        let recorded = recorded.expect("a case is opened with what is recorded of every peer");
+        let recorded = recorded.expect("a case is opened with what is recorded of every reference_code");
         let head = format!(
             "{}: live {} (seed {}, {:.0}% of the Rayleigh step)",
             self.scene.name,

@@ -7,7 +7,7 @@ use clap::ValueEnum;
 pub enum Tier {
     /// Packing, drum, drum with caps and heap: 15 minutes on two cores.
     Quick,
-    /// Every scene with recorded references of both peers, hard cases, published laws, effects, convergence: under 3 hours on two cores.
+    /// Every scene with recorded references of both reference codes, hard cases, published laws, effects, convergence: under 3 hours on two cores.
     Full,
     /// All of that with at least 16 seeds of Makadam, effects of more scenes, trade-off: a night.
     Release,
@@ -18,12 +18,12 @@ pub enum Tier {
 pub struct Extent {
     /// Its name.
     pub name: &'static str,
-    /// Scenes that are judged against recorded references of both peers, in the order of the report.
+    /// Scenes that are judged against recorded references of both reference codes, in the order of the report.
     pub scenes: &'static [&'static str],
     /// Fewest seeds of Makadam for each scene: its own runs are quick, and narrow the intervals.
     pub fewest_seeds: u64,
-    /// Scenes on which the codes are timed one after the other, and on which the peers are run live. A live run is compared with recorded
-    /// ones, so these are scenes that are recorded under today's contact law of the peers.
+    /// Scenes on which the codes are timed one after the other, and on which the reference codes are run live. A live run is compared with recorded
+    /// ones, so these are scenes that are recorded under today's contact law of the reference codes.
     pub timed: &'static [&'static str],
     /// Studies of the qualification.
     pub studies: &'static [Study],
@@ -120,7 +120,7 @@ const RELEASE_STUDIES: &[Study] = &[
     Study::Tradeoff(&[("packing", 96), ("drum", 32), ("heap", 40)]),
 ];
 
-/// Every scene with margins and recorded references of both peers.
+/// Every scene with margins and recorded references of both reference codes.
 const REFERENCE_SCENES: [&str; 12] = [
     "packing",
     "packing-low-friction",

@@ -264,7 +264,7 @@ fn alarms(folder: &Path, summary: &serde_json::Value) -> Option<String> {
     let file = folder.join(RunFiles::SUMMARY);
     let alarms = summary["alarms"].as_array().map(Vec::as_slice).unwrap_or_default();
     let worth = match alarms.iter().any(|alarm| alarm["grave"] == true) {
-        true => "that its numbers are worthless",
+        true => "that its numbers are invalid",
         false => "that the run was not sound",
     };
     let words: Vec<&str> = alarms.iter().filter_map(|alarm| alarm["first"].as_str()).collect();

@@ -2,7 +2,7 @@
 //! finished case.
 
 use super::{Case, CaseResult, Evidence, Outcome, Study, Verdict};
-use crate::peers::{Code, CodeError, Job, Purpose};
+use crate::codes::{Code, CodeError, Job, Purpose};
 use crate::scenes::named;
 use crate::stepping::{Halt, Stepping, Taken, steps_in};
 use crate::study::{Document, Finding, Key, RunCache, RunError, run_jobs, write_scenes};
@@ -107,7 +107,7 @@ impl Case {
         let keep = |simulation: &Simulation, taken: &Taken| frames.extend(taken.framed.then(|| simulation.snapshot()));
         match stepping.carry_out(&mut simulation, keep) {
             Ok(_) => Ok(Ok((frames, time_step))),
-            Err(Halt::Worthless(alarm)) => Ok(Err((Verdict::Crashed, alarm.to_string()))),
+            Err(Halt::InvalidState(alarm)) => Ok(Err((Verdict::Crashed, alarm.to_string()))),
             Err(Halt::Interrupted) => Err(RunError::Interrupted),
             Err(Halt::OutOfTime(fraction)) => {
                 let (seconds, done) = (limit.as_secs_f64(), 100.0 * fraction);

@@ -4,7 +4,7 @@
 //! two codes agree if and only if an interval of the difference lies inside it. The interval is Welch's: the
 //! spreads need not be equal. At a significance alpha of each one-sided test the interval covers 1 - 2 alpha (Schuirmann,
 //! J. Pharmacokinet. Biopharm. 15, 657, 1987). With k codes alpha = 0.05/(k - 1) (Bonferroni), so that all
-//! comparisons of one code with its peers together err in no more than 5%.
+//! comparisons of one code with its reference codes together err in no more than 5%.
 
 use super::ensemble::{Ensemble, student_quantile};
 use schemars::JsonSchema;

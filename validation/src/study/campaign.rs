@@ -3,8 +3,8 @@
 //! A job takes its result from a [`RunCache`](super::RunCache) where an earlier start has stored it, so that a campaign resumes.
 
 use super::DocumentError;
+use crate::codes::CodeError;
 use crate::output::WriteError;
-use crate::peers::CodeError;
 use crate::scenes::SceneError;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -44,7 +44,7 @@ impl From<CodeError> for RunError {
         match error {
             CodeError::Scene(error) => RunError::Scene(error),
             CodeError::Interrupted { .. } => RunError::Interrupted,
-            CodeError::Worthless { .. } => RunError::Invalid(error.to_string()),
+            CodeError::InvalidState { .. } => RunError::Invalid(error.to_string()),
             other => RunError::Code(other),
         }
     }

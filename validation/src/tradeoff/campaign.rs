@@ -2,9 +2,9 @@
 
 use super::configuration::{Configuration, Knobs};
 use super::plan::Plan;
+use crate::codes::{Code, CodeError, CoreClock, Purpose};
 use crate::compare::{Harvest, MeasuredRun, Runs, Share};
 use crate::output::file_stem;
-use crate::peers::{Code, CodeError, CoreClock, Purpose};
 use crate::plan::Scene;
 use crate::provenance::{Build, JUDGE, command_line, machine, scene_hash};
 use crate::scenes::in_file;
@@ -249,7 +249,7 @@ impl Campaign<'_> {
             Err((error @ CodeError::Unsupported { .. }, _)) => Ok(Attempt::Unsupported(error)),
             Err((
                 error @ (CodeError::Crashed { .. }
-                | CodeError::Worthless { .. }
+                | CodeError::InvalidState { .. }
                 | CodeError::Output { .. }
                 | CodeError::LongLog { .. }
                 | CodeError::TimedOut { .. }),

@@ -11,7 +11,7 @@
 //! three grids tell how far it may still be from the limit ([`Convergence`]).
 //!
 //! Runs are timed one after the other on one core, reference codes by the inputs from which they are fastest
-//! ([`Purpose::Timing`](crate::peers::Purpose::Timing)). A time is the processor time of the stepping, without set-up and output:
+//! ([`Purpose::Timing`](crate::codes::Purpose::Timing)). A time is the processor time of the stepping, without set-up and output:
 //! the wall time on a core of its own, however busy the machine was.
 
 mod campaign;

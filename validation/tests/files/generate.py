@@ -1,4 +1,4 @@
-"""Writes the corpus: one state of three grains, as other programs write it. Needs vtk and h5py; with --peers also yade, liggghts and lmp,
+"""Writes the corpus: one state of three grains, as other programs write it. Needs vtk and h5py; with --reference codes also yade, liggghts and lmp,
 with --ovito the package ovito. Run in this folder; the test reads what is committed, not this script.
 
 values.csv has the right values: grains by frame. files.csv lists the files, their writers, and what each of them states.
@@ -462,7 +462,7 @@ def main():
     with_h5py()
     with tempfile.TemporaryDirectory() as folder:
         folder = Path(folder)
-        for option, made in {"--peers": (with_lammps, with_liggghts, with_yade), "--ovito": (with_ovito,)}.items():
+        for option, made in {"--codes": (with_lammps, with_liggghts, with_yade), "--ovito": (with_ovito,)}.items():
             for make in made if option in sys.argv else ():
                 make(folder)
                 for name in {row[0] for row in listed}:

@@ -1,9 +1,9 @@
 //! Unit tests of `src/commands/compare.rs`.
 
 use super::*;
+use crate::codes::{CodeError, Job};
 use crate::commands::{Arguments, Command};
 use crate::compare::Reference;
-use crate::peers::{CodeError, Job};
 use crate::recording::Recording;
 use std::cell::Cell;
 use std::path::PathBuf;

@@ -134,7 +134,7 @@ fn a_seed_without_a_value_is_no_smaller_ensemble() {
     let rows = outcomes(&[short.clone(), whole.clone()]);
     assert_eq!(rows[0], ("Makadam".into(), Some("YADE".into()), not, said.clone()));
     assert_eq!(rows[1], ("YADE".into(), None, None, String::new()));
-    // A peer as well as the judged code, and the judged code by itself.
+    // A reference code as well as the judged code, and the judged code by itself.
     short.code = "LIGGGHTS".into();
     let rows = outcomes(&[code("Makadam", &[0.585, 0.586]), whole, short.clone()]);
     let words: Vec<&str> = rows.iter().map(|row| row.3.as_str()).collect();

@@ -37,7 +37,7 @@ fn every_changed_bit_of_a_recording_is_seen_and_one_without_a_seal_is_refused() 
         simulated_seconds: 0.2,
         frames: vec![Snapshot { particles: vec![grain], ..Snapshot::default() }],
         lacks: vec![Content::Spins],
-        alarms: vec![Noticed { what: "deep".into(), grave: true }],
+        alarms: vec![Noticed { what: "deep".into(), fatal: true }],
         notes: Vec::new(),
     };
     let sealed = recording.to_bytes();

@@ -159,12 +159,12 @@ impl Swept {
 }
 
 impl Simulation {
-    /// The first grain that crossed a wall although everything was done to hold it, if there is one: what follows is worthless.
+    /// The first grain that crossed a wall although everything was done to hold it, if there is one: what follows is invalid.
     pub fn crossing(&self) -> Option<Crossing> {
         self.swept.crossing
     }
 
-    /// The first two grains that may have passed through each other, if there are any: what follows is worthless.
+    /// The first two grains that may have passed through each other, if there are any: what follows is invalid.
     pub fn passage(&self) -> Option<Passage> {
         self.swept.passage
     }

@@ -62,14 +62,15 @@ pub(super) struct Progress {
     pub alarms: BTreeMap<String, AlarmSummary>,
 }
 
-/// Violations of one kind; `grave` ones invalidate the numbers of the run.
+/// Violations of one kind; `fatal` ones invalidate the numbers of the run.
 #[derive(Clone, Serialize, Deserialize)]
 pub(super) struct AlarmSummary {
     pub kind: String,
     pub first: String,
     /// Number of checks that found one.
     pub count: u64,
-    pub grave: bool,
+    #[serde(rename = "grave")]
+    pub fatal: bool,
 }
 
 /// Effort of the solves of a run.
@@ -102,7 +103,7 @@ impl Progress {
             kind: kind.into(),
             first: alarm.to_string(),
             count: 0,
-            grave: alarm.trouble.is_grave(),
+            fatal: alarm.trouble.is_fatal(),
         });
         known.count += 1;
         (known.count == 1).then_some(&known.first)

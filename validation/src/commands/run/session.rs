@@ -125,7 +125,7 @@ impl<'a> Session<'a> {
 
     /// Takes the steps, with a frame at the start, at every interval and at the end.
     pub fn play(&mut self, last_step: u64, console: &Console) -> Result<(), Failure> {
-        self.simulation.heed(crate::interrupt::handle());
+        self.simulation.set_interrupt(crate::interrupt::handle());
         let bar = console.bar(&self.plan.scene.name);
         let (step_seconds, scene) = (self.simulation.time_step(), self.plan.scene);
         let due = |steps: u64| Due {

@@ -158,8 +158,8 @@ impl RunSummary {
             return String::new();
         }
         let mut text = String::new();
-        for alarm in self.alarms.iter().filter(|alarm| alarm.grave) {
-            text += &format!("THESE NUMBERS ARE WORTHLESS: {}\n", alarm.first);
+        for alarm in self.alarms.iter().filter(|alarm| alarm.fatal) {
+            text += &format!("THESE NUMBERS ARE INVALID: {}\n", alarm.first);
         }
         text += "NOT SOUND: the problems below make the numbers doubtful\n";
         for alarm in &self.alarms {

@@ -1,13 +1,13 @@
 //! Studies of the numerics: contact problems by several solvers, convergence of methods, accuracy against time.
 
 use super::{Job, Named, Part, Place, QualifyError, named, unless_fatal, weight};
+use crate::codes::{Code, Makadam};
 use crate::compare::{FEW_SEEDS, MeasuredRun, Runs};
 use crate::convergence::{self, Curve, Effort, TOLERANCES};
 use crate::draw::figure::Figure;
 use crate::draw::numbers::Rounding;
 use crate::execution::Execution;
 use crate::output::WriteError;
-use crate::peers::{Code, Makadam};
 use crate::plan::Scene;
 use crate::prepared::{Start, StartError, start};
 use crate::problem::{

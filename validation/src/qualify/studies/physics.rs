@@ -1,10 +1,10 @@
 //! Studies of the physics: stress tests, published laws, and effects that scenes need.
 
 use super::{Job, Named, Part, Place, QualifyError, unless_fatal, weight};
+use crate::codes::Makadam;
 use crate::effects::{Ablated as Row, Ablation, Need, Plan};
 use crate::laws::{self, Case as LawCase, LAWS, Law, LawResult, figure_and_bounds, row_of};
 use crate::output::WriteError;
-use crate::peers::Makadam;
 use crate::qualify::tier::Ablated;
 use crate::report::{StudyOutcome, StudySection, StudyTest};
 use crate::stability::{Campaign, Case, Outcome, Verdict, catalogue, known_exception};

@@ -7,9 +7,9 @@
 //! contacts     dumped                       not told: a primitive has none that can be dumped beside those of meshes
 //! ```
 
+use crate::codes::Purpose;
+use crate::codes::primitives::{Primitive, primitives};
 use crate::output::mesh::{COARSE, FINE, Mesh, wall_mesh};
-use crate::peers::Purpose;
-use crate::peers::primitives::{Primitive, primitives};
 use crate::plan::Scene;
 use makadam::scene::Grain;
 

@@ -1,4 +1,4 @@
-//! Unit tests of `src/peers/liggghts/turn.rs`.
+//! Unit tests of `src/codes/liggghts/turn.rs`.
 
 use super::*;
 

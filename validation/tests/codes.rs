@@ -1,12 +1,12 @@
-//! The peers: meshes and parsers always; misbehaving programs through fakes; the real codes where they are installed.
+//! The reference codes: meshes and parsers always; misbehaving programs through fakes; the real codes where they are installed.
 
 use makadam::scene::{Domain, Shape};
 use makadam::snapshot::{Contact, Partner};
+use makadam_validation::codes::liggghts::loop_seconds;
+use makadam_validation::codes::yade::read_frames;
+use makadam_validation::codes::{Code, CodeError, Job, Lammps, Liggghts, Purpose, Yade, lammps};
 use makadam_validation::import::{StatedColumns, merge_wall_contacts, parse};
 use makadam_validation::output::mesh::{FINE, Mesh, wall_mesh};
-use makadam_validation::peers::liggghts::loop_seconds;
-use makadam_validation::peers::yade::read_frames;
-use makadam_validation::peers::{Code, CodeError, Job, Lammps, Liggghts, Purpose, Yade, lammps};
 use makadam_validation::plan::Scene;
 use makadam_validation::recording::Recording;
 use nalgebra::Vector3;
@@ -198,7 +198,7 @@ proptest! {
 /// A scene of materials `m` and walls and grains in TOML.
 fn scene(gravity: &str, duration: f64, interval: f64, materials: &str, body: &str) -> Scene {
     let text = format!(
-        "name = 'peers'\ndescription = 'x'\nduration = {duration}\ngravity = {gravity}\n\
+        "name = 'codes'\ndescription = 'x'\nduration = {duration}\ngravity = {gravity}\n\
          domain = {{ min = [-0.3, -0.3, -0.3], max = [0.3, 0.3, 0.3] }}\n\
          [measure]\ninterval = {interval}\nfrom = 0.0\n{materials}{body}"
     );
@@ -225,7 +225,7 @@ fn simulate(
 ) -> Result<Recording, CodeError> {
     code.simulate(&Job {
         scene,
-        scene_file: Path::new("peers.toml"),
+        scene_file: Path::new("codes.toml"),
         purpose: Purpose::Measuring,
         seed: 1,
         stiffness_factor: 1.0,
@@ -266,10 +266,10 @@ fn all(program: &Path) -> [Box<dyn Code>; 3] {
 #[test]
 fn a_code_that_is_not_there_is_missing() {
     let folder = tempfile::tempdir().unwrap();
-    for code in all(Path::new("/nowhere/peer")) {
+    for code in all(Path::new("/nowhere/code")) {
         assert_eq!(code.version(), None);
         let error = simulate(&*code, &one_grain(), 0.2, folder.path(), 5.0).unwrap_err();
-        assert!(matches!(error, CodeError::Missing { .. }) && error.to_string().contains("install-peers"));
+        assert!(matches!(error, CodeError::Missing { .. }) && error.to_string().contains("install-codes"));
     }
 }
 

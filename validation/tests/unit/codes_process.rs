@@ -1,4 +1,4 @@
-//! Unit tests of `src/peers/process.rs`.
+//! Unit tests of `src/codes/process.rs`.
 
 use super::last_words;
 

@@ -36,7 +36,7 @@ impl Code for Makadam {
         let keep = |simulation: &Simulation, taken: &Taken| frames.extend(taken.framed.then(|| simulation.snapshot()));
         let clock = ThreadClock::start();
         let wall = stepping.carry_out(&mut simulation, keep).map_err(|halt| match halt {
-            Halt::Worthless(alarm) => CodeError::Worthless { code: "Makadam", alarm },
+            Halt::InvalidState(alarm) => CodeError::InvalidState { code: "Makadam", alarm },
             Halt::Interrupted | Halt::OutOfTime(_) => CodeError::Interrupted { code: "Makadam" },
         })?;
         Ok(Recording {
@@ -59,7 +59,7 @@ fn started(job: &Job<'_>) -> Result<Simulation, CodeError> {
             StartError::Write(WriteError { path, source }) => CodeError::Io { path, source },
             StartError::Checkpoint(error) => CodeError::State(error),
             StartError::Execution(error) => CodeError::Execution(error),
-            StartError::Worthless(alarm) => CodeError::Worthless { code: "Makadam", alarm },
+            StartError::InvalidState(alarm) => CodeError::InvalidState { code: "Makadam", alarm },
             StartError::Interrupted => CodeError::Interrupted { code: "Makadam" },
         })?;
     Ok(simulation)

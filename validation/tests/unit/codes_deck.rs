@@ -1,4 +1,4 @@
-//! Unit tests of `src/peers/deck.rs`.
+//! Unit tests of `src/codes/deck.rs`.
 
 use super::*;
 

@@ -1,4 +1,4 @@
-//! Unit tests of `src/peers/run_folder.rs`.
+//! Unit tests of `src/codes/run_folder.rs`.
 
 use super::*;
 use std::fs::{File, write};

@@ -92,5 +92,5 @@ fn seconds_in(line: &str, place: usize) -> Option<f64> {
 }
 
 #[cfg(test)]
-#[path = "../../tests/unit/peers_core_share.rs"]
+#[path = "../../tests/unit/codes_core_share.rs"]
 mod tests;

@@ -1,4 +1,4 @@
-//! Unit tests of `src/peers/mod.rs`.
+//! Unit tests of `src/codes/mod.rs`.
 
 use super::*;
 use crate::scenes::{find, load};

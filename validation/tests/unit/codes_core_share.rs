@@ -1,4 +1,4 @@
-//! Unit tests of `src/peers/core_share.rs`.
+//! Unit tests of `src/codes/core_share.rs`.
 
 use super::*;
 use std::time::Duration;

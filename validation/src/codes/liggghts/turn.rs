@@ -107,5 +107,5 @@ impl Turn {
 }
 
 #[cfg(test)]
-#[path = "../../../tests/unit/peers_liggghts_turn.rs"]
+#[path = "../../../tests/unit/codes_liggghts_turn.rs"]
 mod tests;

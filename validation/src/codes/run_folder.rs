@@ -104,5 +104,5 @@ pub(super) fn check_pattern(pattern: &str) -> Result<(), String> {
 }
 
 #[cfg(test)]
-#[path = "../../tests/unit/peers_run_folder.rs"]
+#[path = "../../tests/unit/codes_run_folder.rs"]
 mod tests;

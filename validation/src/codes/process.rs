@@ -1,4 +1,4 @@
-//! A peer as a child process: started in its own group, watched, stopped whole.
+//! A reference code as a child process: started in its own group, watched, stopped whole.
 
 use super::CodeError;
 use super::core_share::share_of;
@@ -25,7 +25,7 @@ const LONGEST_LOG: u64 = 64;
 /// Free bytes below which a failure is put down to a full disk.
 const FULL_DISK: u64 = 1 << 20;
 
-/// A peer's program, and its version once that was asked for.
+/// A reference code's program, and its version once that was asked for.
 pub(super) struct Program {
     path: OsString,
     version: OnceLock<Option<String>>,
@@ -66,7 +66,7 @@ fn variable_of(code: &str) -> String {
 pub(crate) fn absent(code: &str) -> String {
     let variable = variable_of(code);
     match std::env::var_os(&variable) {
-        None => format!("{code} is not installed; run scripts/install-peers"),
+        None => format!("{code} is not installed; run scripts/install-codes"),
         Some(path) => {
             let path = Path::new(&path).display();
             format!("{code} does not run: {variable} names {path}, which is no program; correct it, or unset it")
@@ -292,5 +292,5 @@ fn ending(log: &Path) -> String {
 }
 
 #[cfg(test)]
-#[path = "../../tests/unit/peers_process.rs"]
+#[path = "../../tests/unit/codes_process.rs"]
 mod tests;

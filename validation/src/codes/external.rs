@@ -391,5 +391,5 @@ fn input(job: &Job<'_>, grains: &[Grain]) -> Vec<(String, Vec<u8>)> {
 }
 
 #[cfg(test)]
-#[path = "../../tests/unit/peers_external.rs"]
+#[path = "../../tests/unit/codes_external.rs"]
 mod tests;

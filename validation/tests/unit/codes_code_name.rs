@@ -1,4 +1,4 @@
-//! Unit tests of `src/peers/code_name.rs`.
+//! Unit tests of `src/codes/code_name.rs`.
 
 use super::*;
 

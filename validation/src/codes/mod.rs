@@ -157,9 +157,9 @@ pub enum CodeError {
         /// Log file, kept, as long as the limit.
         log: PathBuf,
     },
-    /// It came to a state that makes its numbers worthless.
-    #[error("{code} came to a state that makes its numbers worthless: {alarm}")]
-    Worthless {
+    /// It came to a state that makes its numbers invalid.
+    #[error("{code} came to a state that makes its numbers invalid: {alarm}")]
+    InvalidState {
         /// The code.
         code: &'static str,
         /// Diagnostic.
@@ -261,7 +261,7 @@ pub fn refuse_effects(
     Ok(())
 }
 
-/// The grains that a soft peer starts from, or what it cannot do with the scene; `has` are the effects that it has.
+/// The grains that a soft reference code starts from, or what it cannot do with the scene; `has` are the effects that it has.
 fn supported_start(code: &'static str, has: &[&'static Effect], job: &Job<'_>) -> Result<Vec<Grain>, CodeError> {
     makadam::starting_grains_if(job, |grains| refuse_unsupported(code, has, job.scene, grains))
 }
@@ -287,5 +287,5 @@ fn refuse_unsupported(
 }
 
 #[cfg(test)]
-#[path = "../../tests/unit/peers.rs"]
+#[path = "../../tests/unit/codes.rs"]
 mod tests;

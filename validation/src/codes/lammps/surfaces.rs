@@ -10,7 +10,7 @@
 //! `fix wall/gran/region` tells of one contact a grain, so that a box is not a `block`: its six surfaces would share that one. Cylinders
 //! lie along x, y or z; others are turned about their base by a variable that stays as it is.
 
-use crate::peers::plan::{MotionPhase, Plan};
+use crate::codes::plan::{MotionPhase, Plan};
 use crate::plan::Scene;
 use makadam::scene::{Grain, Motion, Shape, Wall};
 use nalgebra::{Unit, Vector3};

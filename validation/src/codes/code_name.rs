@@ -54,5 +54,5 @@ pub fn codes_of(names: &[CodeName]) -> Vec<Box<dyn Code>> {
 }
 
 #[cfg(test)]
-#[path = "../../tests/unit/peers_code_name.rs"]
+#[path = "../../tests/unit/codes_code_name.rs"]
 mod tests;

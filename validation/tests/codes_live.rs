@@ -1,8 +1,8 @@
-//! The real peers against closed forms of one contact, where they are installed.
+//! The real reference codes against closed forms of one contact, where they are installed.
 
 use makadam::scene::Cohesion;
 use makadam::snapshot::{Contact, Partner, Snapshot};
-use makadam_validation::peers::{Code, Job, Lammps, Liggghts, Purpose, Yade};
+use makadam_validation::codes::{Code, Job, Lammps, Liggghts, Purpose, Yade};
 use makadam_validation::plan::Scene;
 use makadam_validation::recording::Recording;
 use nalgebra::Vector3;

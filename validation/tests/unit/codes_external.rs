@@ -1,4 +1,4 @@
-//! Unit tests of `src/peers/external.rs`.
+//! Unit tests of `src/codes/external.rs`.
 
 use super::*;
 use crate::scenes::{find, load};

@@ -230,5 +230,5 @@ fn last_step(log: &Path) -> Option<u64> {
 }
 
 #[cfg(test)]
-#[path = "../../tests/unit/peers_deck.rs"]
+#[path = "../../tests/unit/codes_deck.rs"]
 mod tests;
