@@ -5,7 +5,7 @@
 //!                        └─> fields averaged over time ─> free surface ─> angles
 //! ```
 //!
-//! Frames are [looked at](frames::Frames) one after the other and added up; none is held. What grows with their number is a number
+//! Frames are measured one after the other and added up; none is held. What grows with their number is a number
 //! a frame and quantity.
 //!
 //! Nothing is taken from a simulator's own estimators: every quantity follows from the two tables of a
@@ -13,7 +13,7 @@
 //! their motion, or the frame, has them then. A drum is the cylinder that turns about its own level axis.
 //!
 //! **Bulk.** Grains whose centres, and contacts whose points, lie at least two mean diameters from every wall and
-//! from the [free surface](bulk) of their frame. Where fewer than 50 grains are left, one diameter is used. The ends of a periodic axis count as
+//! from the free surface of their frame. Where fewer than 50 grains are left, one diameter is used. The ends of a periodic axis count as
 //! walls; a contact across an end lies there, between a grain and the nearest image of the other one. A bed that has none of the known free
 //! surfaces has no bulk, and is not measured.
 //!
@@ -99,7 +99,7 @@ pub fn measured_in(scene: &Scene, recording: &Recording) -> Measured {
 /// was never measured is told from one that could not be.
 ///
 /// A quantity that cannot be measured (no bulk, no drum, no contacts, grains too far apart or too unlike for a grid of
-/// [`effort::most`] cells) is left out of the list; none is NaN. A quantity of single frames depends on nothing but the frame and the
+/// `effort::most` cells) is left out of the list; none is NaN. A quantity of single frames depends on nothing but the frame and the
 /// scene: its value over several frames is the mean of what [`measure_frames`] gives of each.
 pub fn measure_frames<F: Frames + ?Sized>(scene: &Scene, frames: &F) -> Result<Option<Measured>, F::Error> {
     let (frames, properties) = (Wrapped::new(frames, &scene.domain), Properties::new(scene));

@@ -25,7 +25,7 @@ pub struct OneScene<'a> {
     pub judged: &'a str,
     /// True if codes other than Makadam are run instead of taking their recorded references.
     pub live: bool,
-    /// Number of seeds, counted from 1; absent, those that the scene registers, else as many as are recorded, or [`FEW_SEEDS`].
+    /// Number of seeds, counted from 1; absent, those that the scene registers, else as many as are recorded, or `FEW_SEEDS`.
     pub seeds: Option<u64>,
     /// Time step of explicit codes over the Rayleigh step.
     pub rayleigh_fraction: f64,
