@@ -65,7 +65,9 @@ def test_ctrl_c_ends_a_run_that_can_be_resumed(tmp_path):
     scene = tmp_path / "bin.toml"
     scene.write_text(makadam.Scene(bin_scene(duration=1e4, measure={"interval": 1.0})).to_toml())
     arguments = line("run", scene, "--quiet", "--output", "run")
-    process = subprocess.Popen(arguments, cwd=tmp_path, stderr=subprocess.PIPE, text=True)
+    # A job in the background of a script ignores Ctrl-C, and so would its child.
+    default = lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)  # noqa: E731
+    process = subprocess.Popen(arguments, cwd=tmp_path, stderr=subprocess.PIPE, text=True, preexec_fn=default)
     until = time.time() + 60
     while not (tmp_path / "run" / "frames.mkd").exists() and time.time() < until:
         time.sleep(0.02)
