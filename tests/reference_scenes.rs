@@ -186,7 +186,7 @@ fn baseline_has_the_tests_of_the_scenes() {
 
 /// The tiers beyond the quick one judge every scene that can be judged.
 #[test]
-fn full_and_release_judge_every_scene_with_margins_and_references_of_both_peers() {
+fn full_and_release_compare_every_scene_with_margins_and_two_references() {
     let mut found: Vec<String> = Vec::new();
     for entry in std::fs::read_dir(file_of("packing").parent().unwrap().parent().unwrap()).unwrap() {
         let name = entry.unwrap().file_name().into_string().unwrap();

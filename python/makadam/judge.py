@@ -1,4 +1,4 @@
-"""The judge: observables of runs, references that are recorded of the reference codes, and verdicts whether codes agree."""
+"""The judge: observables of runs, recorded references, and verdicts on the agreement of codes."""
 
 from __future__ import annotations
 

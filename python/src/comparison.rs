@@ -1,4 +1,4 @@
-//! Comparison with the reference codes: what is recorded of them, and verdicts.
+//! Comparison with the reference codes: recorded references and verdicts.
 
 use crate::convert::plain;
 use crate::errors::exception;

@@ -67,7 +67,7 @@ def test_frames_and_recordings_are_pickled(recording):
         pickle.loads(damaged)
 
 
-def test_worthless_numbers_are_told():
+def test_invalid_numbers_are_reported():
     deep = [{"position": [0.0, 0.0, 0.0]}, {"position": [0.0045, 0.0, 0.0]}]
     watch = {"on_deep_overlap": "warn", "on_overlap": "warn", "on_energy": "ignore"}
     measure = {"interval": 2e-6, "observables": ["coordination-number"]}

@@ -283,7 +283,7 @@ impl Watchdog {
     /// one.
     ///
     /// # Errors
-    /// The most severe of what was noticed that ends a run.
+    /// Returns the most severe violation that ends a run.
     pub fn check(&mut self, simulation: &Simulation, report: &StepReport, measured: bool) -> Result<(), Alarm> {
         let mut alarms = self.observe(simulation, report);
         if measured {

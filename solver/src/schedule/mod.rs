@@ -127,7 +127,7 @@ impl Team {
         self.trace_each(phase, count, &task);
     }
 
-    /// Hands tasks out, and records how long each takes if the team traces. Tasks are called by reference: Rayon is compiled once.
+    /// Hands tasks out, and records how long each takes if the team traces. Calls tasks by reference, so that Rayon is compiled once.
     fn trace_each(&self, phase: Phase, count: usize, task: &(dyn Fn(usize) + Sync)) {
         let Some(tracer) = &self.tracer else { return self.hand_out(count, task) };
         let seconds: Vec<AtomicU64> = (0..count).map(|_| AtomicU64::new(0)).collect();

@@ -79,14 +79,14 @@ fn steps(first: &[f64], second: &[f64]) -> impl Iterator<Item = (f64, f64)> {
     })
 }
 
-/// Bits that one look tells.
+/// Bits of a number that one pass determines.
 const DIGIT: u32 = 16;
 
-/// The number of a rank, from 0 for the smallest, among those that `each` goes through: none of them negative, and more of them
-/// than the rank. `each` is called four times and gives the same numbers each time; they are counted, not kept.
+/// Returns the number of a rank, from 0 for the smallest, among those that `each` visits: none of them negative, and more of them
+/// than the rank. `each` is called four times and visits the same numbers each time; they are counted, not stored.
 ///
 /// # Errors
-/// Those of `each`.
+/// Errors of `each`.
 pub fn ranked<E>(rank: u64, mut each: impl FnMut(&mut dyn FnMut(f64)) -> Result<(), E>) -> Result<f64, E> {
     // The bits of numbers that are not negative are in the order of the numbers: a digit is known after each look.
     let (mut known, mut left) = (0_u64, rank);
