@@ -38,7 +38,7 @@ pub fn build_key(folder: &Path) -> u64 {
 
 /// `Cargo.lock` of the package, where it is on its own, or of the workspace that it lies in.
 pub fn lock_file(folder: &Path) -> Option<PathBuf> {
-    let candidates = [folder.join("Cargo.lock"), folder.join("../Cargo.lock")];
+    let candidates = ["Cargo.lock", "../Cargo.lock", "../../Cargo.lock"].map(|file| folder.join(file));
     candidates.into_iter().find(|file| file.is_file())
 }
 

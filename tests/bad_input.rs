@@ -5,7 +5,7 @@ use crate::support::child::{signal, wait_for};
 use crate::support::lines::line_of;
 use crate::support::makadam;
 use crate::support::small_scene::smoke;
-use makadam_validation::run_frames::RunFrames;
+use makadam_frames::run_frames::RunFrames;
 use std::path::Path;
 
 /// Runs the command and returns its exit code and what it says on standard error.

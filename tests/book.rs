@@ -3,7 +3,7 @@
 //! Blocks marked `sh` run one after the other in a folder of the page's own; those marked `sh ignore` install something, need another
 //! code or take long. A block marked `toml` whose first line is a comment with a file's name is written to that file.
 
-use makadam_validation::plan::Scene;
+use makadam_frames::plan::Scene;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 

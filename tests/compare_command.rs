@@ -4,7 +4,7 @@ use crate::support::changed::changed;
 use crate::support::invented::record;
 use crate::support::makadam;
 use crate::support::small_scene::{compared_once, smoke};
-use makadam_validation::codes::{Code, Liggghts, Yade};
+use makadam_compare::codes::{Code, Liggghts, Yade};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 

@@ -5,7 +5,7 @@
 
 use crate::support::disk::{CUTS, Record};
 use crate::support::tiny_scene::tiny;
-use makadam_validation::run_frames::RunFrames;
+use makadam_frames::run_frames::RunFrames;
 use serde_json::Value;
 use std::collections::{BTreeMap, HashSet};
 use std::path::{Path, PathBuf};

@@ -3,7 +3,7 @@
 use crate::support::child::{signal, wait_for};
 use crate::support::makadam;
 use makadam::scene::populate;
-use makadam_validation::plan::Scene;
+use makadam_frames::plan::Scene;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;

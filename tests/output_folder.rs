@@ -4,7 +4,7 @@
 use crate::support::child::{signal, wait_for};
 use crate::support::makadam;
 use crate::support::tiny_scene::tiny;
-use makadam_validation::run_frames::RunFrames;
+use makadam_frames::run_frames::RunFrames;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

@@ -57,7 +57,7 @@ fn only_problems_are_replaced_by_problems() {
 #[test]
 fn bad_files_and_missing_programs_have_their_exit_codes() {
     let folder = tempfile::tempdir().unwrap();
-    let recorded = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/problem/recorded/drum.hdf5");
+    let recorded = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/src/problem/recorded/drum.hdf5");
     let bytes = std::fs::read(&recorded).unwrap();
     std::fs::write(folder.path().join("cut.hdf5"), &bytes[..bytes.len() / 2]).unwrap();
     for (name, words) in [("cut.hdf5", "write it anew"), ("none.hdf5", "check the path")] {

@@ -5,12 +5,12 @@
 
 use approx::assert_relative_eq;
 use makadam::scene::Stop;
-use makadam_validation::codes::{Code, Job, Makadam, Purpose};
-use makadam_validation::compare::{CodeRuns, Harvest, MeasuredRun, Reference, comparison};
-use makadam_validation::plan::{Scene, physics_hash};
-use makadam_validation::qualify::Tier;
-use makadam_validation::report::Test;
-use makadam_validation::statistics::{Ensemble, Outcome};
+use makadam_compare::codes::{Code, Job, Makadam, Purpose};
+use makadam_compare::compare::{CodeRuns, Harvest, MeasuredRun, Reference, comparison};
+use makadam_frames::plan::{Scene, physics_hash};
+use makadam_measure::statistics::{Ensemble, Outcome};
+use makadam_qualification::qualify::Tier;
+use makadam_qualification::report::Test;
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 use std::time::Duration;

@@ -3,7 +3,7 @@
 use crate::support::changed::changed;
 use crate::support::makadam;
 use crate::support::small_scene::smoke;
-use makadam_validation::run_frames::RunFrames;
+use makadam_frames::run_frames::RunFrames;
 use std::fs::read;
 use std::path::Path;
 use std::process::{Command, Stdio};

@@ -3,7 +3,7 @@
 use crate::support::changed::changed;
 use crate::support::makadam;
 use crate::support::small_scene::smoke;
-use makadam_validation::run_frames::RunFrames;
+use makadam_frames::run_frames::RunFrames;
 use serde_json::Value;
 use std::path::Path;
 

@@ -1,7 +1,7 @@
 //! The hard cases: the quick catalogue in Makadam, and the command around it.
 
 use crate::support::makadam;
-use makadam_validation::stability::{Verdict, catalogue, known_exception};
+use makadam_compare::stability::{Verdict, catalogue, known_exception};
 use std::time::Duration;
 
 #[test]

@@ -2,8 +2,8 @@
 
 use makadam::SettingError;
 use makadam::scene::{SceneError, SceneFileError};
-use makadam_validation::prepared::StartError;
-use makadam_validation::scenes;
+use makadam_compare::prepared::StartError;
+use makadam_compare::scenes;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::Path;

@@ -6,8 +6,8 @@
 use crate::errors::{exception, warn};
 use crate::scene::Scene;
 use makadam::checkpoint::{open, seal};
-use makadam_validation::plan;
-use makadam_validation::provenance::scene_hash;
+use makadam_frames::plan;
+use makadam_frames::provenance::scene_hash;
 use pyo3::prelude::*;
 use serde::{Deserialize, Serialize};
 

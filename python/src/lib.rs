@@ -49,6 +49,7 @@ fn command(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
 /// The parts of Makadam that are written in Rust.
 #[pymodule]
 fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    makadam_validation::state_commit();
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add("BUILD", makadam::BUILD)?;
     module.add_class::<scene::Scene>()?;

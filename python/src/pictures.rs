@@ -3,11 +3,11 @@
 use crate::errors::{exception, warn};
 use crate::stepping::beside;
 use makadam::snapshot::Snapshot;
-use makadam_validation::output::{RunFiles, WriteError, create_folder};
-use makadam_validation::pictures::{Content, Style, write_png};
-use makadam_validation::plan::{Output, Scene};
-use makadam_validation::run_frames::{RunFrames, StoreWriter};
-use makadam_validation::viewer::{self, Wishes, fields_of};
+use makadam_frames::output::{RunFiles, WriteError, create_folder};
+use makadam_frames::plan::{Output, Scene};
+use makadam_frames::run_frames::{RunFrames, StoreWriter};
+use makadam_view::pictures::{Content, Style, write_png};
+use makadam_view::viewer::{self, Wishes, fields_of};
 use numpy::ndarray::Array3;
 use numpy::{IntoPyArray, PyArray3};
 use pyo3::prelude::*;
@@ -114,7 +114,7 @@ impl Frames {
             let frame = run.read(run.count() - 1).map_err(|error| error.to_string())?;
             let style = Style { size, view, cut, walls };
             let drawn = content.picture(&run, &frame, &style).map_err(|error| error.to_string())?;
-            if let Some(file) = file.filter(|_| !makadam_validation::interrupt::requested()) {
+            if let Some(file) = file.filter(|_| !makadam_frames::interrupt::requested()) {
                 write_png(&file, &drawn).map_err(|error| error.to_string())?;
             }
             Ok(drawn)

@@ -2,9 +2,9 @@
 
 use crate::convert::{from_toml, to_toml};
 use crate::errors::{Origin, exception, scene_error, scene_file_error, scenes_error};
-use makadam_validation::observables::catalogue;
-use makadam_validation::plan;
-use makadam_validation::scenes;
+use makadam_compare::scenes;
+use makadam_frames::plan;
+use makadam_measure::observables::catalogue;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 use std::path::{Path, PathBuf};
@@ -238,7 +238,7 @@ impl Scene {
     }
 
     fn __hash__(&self) -> u64 {
-        makadam_validation::provenance::scene_hash(&self.plan)
+        makadam_frames::provenance::scene_hash(&self.plan)
     }
 }
 

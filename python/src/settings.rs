@@ -3,7 +3,7 @@
 use crate::errors::{exception, setting_error};
 use crate::scene::Scene;
 use makadam::{Execution, InstructionSet, Precision, Scheduler, SolverMethod};
-use makadam_validation::plan;
+use makadam_frames::plan;
 use pyo3::exceptions::PyOverflowError;
 use pyo3::prelude::*;
 

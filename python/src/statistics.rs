@@ -2,7 +2,7 @@
 
 use crate::convert::plain;
 use crate::errors::exception;
-use makadam_validation::statistics;
+use makadam_measure::statistics;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 

@@ -6,7 +6,7 @@ use crate::shared::Shared;
 use makadam::StopReason;
 use makadam::scene::Reaction;
 use makadam::watch::Alarm;
-use makadam_validation::interrupt;
+use makadam_frames::interrupt;
 use pyo3::prelude::*;
 use std::sync::atomic::Ordering;
 use std::sync::mpsc::{RecvTimeoutError, channel};

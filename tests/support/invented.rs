@@ -1,7 +1,7 @@
 //! Invented records of YADE and LIGGGHTS, for tests of what is made of records.
 
-use makadam_validation::plan::Scene;
-use makadam_validation::plan::physics_hash;
+use makadam_frames::plan::Scene;
+use makadam_frames::plan::physics_hash;
 use std::path::Path;
 
 /// Writes what is recorded of both codes on a scene into a folder: three seeds of the force on walls over the weight, a little above 1.

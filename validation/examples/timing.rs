@@ -1,10 +1,10 @@
 //! Processor time of a reference code's stepping by its input for measuring and by that for timing, and what both measure:
 //! `timing SCENE CODE RAYLEIGH_FRACTION DURATION [SEED]`. What the tables of `validation/docs/timing.md` are made from.
 
-use makadam_validation::codes::{CodeName, Job, Purpose};
-use makadam_validation::observables::measure;
-use makadam_validation::plan::Scene;
-use makadam_validation::scenes;
+use makadam_compare::codes::{CodeName, Job, Purpose};
+use makadam_compare::scenes;
+use makadam_frames::plan::Scene;
+use makadam_measure::observables::measure;
 use std::path::PathBuf;
 use std::time::Duration;
 

@@ -1,11 +1,11 @@
 //! The baseline: tests that are missing, new or of another verdict.
 
 use crate::support::sample;
-use makadam_validation::compare::{CodeRuns, Comparison, MeasuredRun, Source, Timing, comparison};
-use makadam_validation::observables::Measurement;
-use makadam_validation::plan::Scene;
-use makadam_validation::report::{Changes, Qualification, StudyOutcome, Test, tests, write};
-use makadam_validation::statistics::Outcome;
+use makadam_compare::compare::{CodeRuns, Comparison, MeasuredRun, Source, Timing, comparison};
+use makadam_frames::plan::Scene;
+use makadam_measure::observables::Measurement;
+use makadam_measure::statistics::Outcome;
+use makadam_qualification::report::{Changes, Qualification, StudyOutcome, Test, tests, write};
 use std::path::Path;
 
 /// A drum in which every test agrees, and a study.

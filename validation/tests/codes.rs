@@ -2,13 +2,13 @@
 
 use makadam::scene::{Domain, Shape};
 use makadam::snapshot::{Contact, Partner};
-use makadam_validation::codes::liggghts::loop_seconds;
-use makadam_validation::codes::yade::read_frames;
-use makadam_validation::codes::{Code, CodeError, Job, Lammps, Liggghts, Purpose, Yade, lammps};
-use makadam_validation::import::{StatedColumns, merge_wall_contacts, parse};
-use makadam_validation::output::mesh::{FINE, Mesh, wall_mesh};
-use makadam_validation::plan::Scene;
-use makadam_validation::recording::Recording;
+use makadam_compare::codes::liggghts::loop_seconds;
+use makadam_compare::codes::yade::read_frames;
+use makadam_compare::codes::{Code, CodeError, Job, Lammps, Liggghts, Purpose, Yade, lammps};
+use makadam_frames::import::{StatedColumns, merge_wall_contacts, parse};
+use makadam_frames::output::mesh::{FINE, Mesh, wall_mesh};
+use makadam_frames::plan::Scene;
+use makadam_frames::recording::Recording;
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};

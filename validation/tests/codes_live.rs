@@ -2,9 +2,9 @@
 
 use makadam::scene::Cohesion;
 use makadam::snapshot::{Contact, Partner, Snapshot};
-use makadam_validation::codes::{Code, Job, Lammps, Liggghts, Purpose, Yade};
-use makadam_validation::plan::Scene;
-use makadam_validation::recording::Recording;
+use makadam_compare::codes::{Code, Job, Lammps, Liggghts, Purpose, Yade};
+use makadam_frames::plan::Scene;
+use makadam_frames::recording::Recording;
 use nalgebra::Vector3;
 use std::path::Path;
 use std::time::Duration;

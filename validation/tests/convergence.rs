@@ -3,11 +3,11 @@
 use makadam::ConvergencePoint;
 use makadam::scene::SolverMethod;
 use makadam::sweep::{Residual, Residuals};
-use makadam_validation::convergence::{Curve, Effort, Problem, Study};
-use makadam_validation::execution::Execution;
-use makadam_validation::plan::Scene;
-use makadam_validation::provenance::Provenance;
-use makadam_validation::study::Document as _;
+use makadam_compare::study::Document as _;
+use makadam_frames::execution::Execution;
+use makadam_frames::plan::Scene;
+use makadam_frames::provenance::Provenance;
+use makadam_studies::convergence::{Curve, Effort, Problem, Study};
 use std::path::Path;
 
 /// A method whose residual is divided by `factor` in each iteration of `seconds`.

@@ -6,8 +6,8 @@ use crate::support::beds::{
 use approx::assert_abs_diff_eq;
 use makadam::scene::Motion;
 use makadam::snapshot::{Contact, DrivenWall, Partner, Snapshot};
-use makadam_validation::observables::{Measured, impossible, measured_in, series, unmeasured};
-use makadam_validation::plan::Scene;
+use makadam_frames::plan::Scene;
+use makadam_measure::observables::{Measured, impossible, measured_in, series, unmeasured};
 use nalgebra::Vector3;
 
 /// Frames of grains that turn about the axis of a drum at `rate` (rad/s), and drag the shell's lowest point along with 0.3 N against it.

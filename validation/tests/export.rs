@@ -2,10 +2,10 @@
 
 use hdf5_pure::File;
 use makadam::Simulation;
-use makadam_validation::export::Format;
-use makadam_validation::output::RunFiles;
-use makadam_validation::plan::{FrameFormat, Scene};
-use makadam_validation::run_frames::{Kind, RunFrames, StoreWriter};
+use makadam_frames::export::Format;
+use makadam_frames::output::RunFiles;
+use makadam_frames::plan::{FrameFormat, Scene};
+use makadam_frames::run_frames::{Kind, RunFrames, StoreWriter};
 use std::path::Path;
 
 const FRAMES: usize = 3;

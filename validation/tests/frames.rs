@@ -2,9 +2,9 @@
 
 use makadam::Simulation;
 use makadam::scene::GravityChange;
-use makadam_validation::output::RunFiles;
-use makadam_validation::plan::Scene;
-use makadam_validation::run_frames::{RunFrame, RunFrames, StoreWriter};
+use makadam_frames::output::RunFiles;
+use makadam_frames::plan::Scene;
+use makadam_frames::run_frames::{RunFrame, RunFrames, StoreWriter};
 use std::f64::consts::PI;
 use std::path::Path;
 

@@ -2,11 +2,11 @@
 
 use approx::assert_abs_diff_eq;
 use makadam::snapshot::{DrivenWall, Snapshot};
-use makadam_validation::observables::contour::{area, contours, encloses, outline, segments, squared_distance};
-use makadam_validation::observables::field::Field;
-use makadam_validation::observables::line::{Line, clip};
-use makadam_validation::observables::walls::PlacedWalls;
-use makadam_validation::plan::Scene;
+use makadam_frames::plan::Scene;
+use makadam_measure::observables::contour::{area, contours, encloses, outline, segments, squared_distance};
+use makadam_measure::observables::field::Field;
+use makadam_measure::observables::line::{Line, clip};
+use makadam_measure::observables::walls::PlacedWalls;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 

@@ -4,9 +4,10 @@ use crate::support::beds::{Random, drum_scene, frame, particles, random_crystal,
 use crate::support::turn::{Turn, turned};
 use makadam::scene::{Axis, Domain, GravityChange};
 use makadam::snapshot::{Contact, DrivenWall, Partner, Snapshot};
-use makadam_validation::observables::catalogue::{definition, definitions};
-use makadam_validation::observables::{Measurement, close_pairs, measure_frames};
-use makadam_validation::plan::{Observable, Scene};
+use makadam_frames::neighbours::close_pairs;
+use makadam_frames::plan::{Observable, Scene};
+use makadam_measure::observables::catalogue::{definition, definitions};
+use makadam_measure::observables::{Measurement, measure_frames};
 use nalgebra::Vector3;
 
 /// Every group of observables.

@@ -2,7 +2,7 @@
 
 use makadam::checkpoint::{open, seal};
 use makadam::{BUILD, Simulation};
-use makadam_validation::plan::Scene;
+use makadam_frames::plan::Scene;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::Duration;

@@ -1,10 +1,10 @@
 //! LAMMPS without the program: what it is told, what it is not asked, and how its dumps are read.
 
 use makadam::snapshot::Partner;
-use makadam_validation::codes::{Code, CodeError, Job, Lammps, Purpose};
-use makadam_validation::import::{Column, column_of};
-use makadam_validation::plan::Scene;
-use makadam_validation::recording::Recording;
+use makadam_compare::codes::{Code, CodeError, Job, Lammps, Purpose};
+use makadam_frames::import::{Column, column_of};
+use makadam_frames::plan::Scene;
+use makadam_frames::recording::Recording;
 use std::path::Path;
 use std::process::Command;
 use std::time::Duration;

@@ -10,6 +10,7 @@ mod drums_and_heaps;
 mod export;
 mod frames;
 mod geometry;
+mod import;
 mod invariants;
 mod kept_states;
 mod lammps;

@@ -3,8 +3,9 @@
 use crate::support::beds::{Random, drum_scene, frame, particles, random_crystal, recording, scene, tilted_drum};
 use makadam::checkpoint::checksum;
 use makadam::snapshot::{Contact, Partner, Snapshot};
-use makadam_validation::observables::{Measurement, close_pairs, force_distribution, measure};
-use makadam_validation::plan::Scene;
+use makadam_frames::neighbours::close_pairs;
+use makadam_frames::plan::Scene;
+use makadam_measure::observables::{Measurement, force_distribution, measure};
 use nalgebra::Vector3;
 
 /// Every observable.

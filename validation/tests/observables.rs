@@ -6,11 +6,11 @@ use crate::support::beds::{
 use approx::assert_abs_diff_eq;
 use makadam::scene::{Axis, Domain, GravityChange, Shape};
 use makadam::snapshot::{Contact, Particle, Partner, Snapshot};
-use makadam_validation::observables::neighbours::{Pair, close_pairs, close_pairs_in};
-use makadam_validation::observables::packing_fraction::fraction_in_box;
-use makadam_validation::observables::{Measurement, force_distribution, measure, measured_in, unmeasured};
-use makadam_validation::plan::{Observable, Scene};
-use makadam_validation::recording::{Content, Recording};
+use makadam_frames::neighbours::{Pair, close_pairs, close_pairs_in};
+use makadam_frames::plan::{Observable, Scene};
+use makadam_frames::recording::{Content, Recording};
+use makadam_measure::observables::packing_fraction::fraction_in_box;
+use makadam_measure::observables::{Measurement, force_distribution, measure, measured_in, unmeasured};
 use nalgebra::{Rotation3, Vector3};
 use std::f64::consts::{PI, SQRT_2};
 

@@ -1,12 +1,12 @@
 //! Pictures: what is where on them, in which colour, and files that others read.
 
 use makadam::snapshot::{Particle, Snapshot};
-use makadam_validation::output::RunFiles;
-use makadam_validation::pictures::{
+use makadam_frames::output::RunFiles;
+use makadam_frames::plan::Scene;
+use makadam_frames::run_frames::{RunFrame, RunFrames, StoreWriter};
+use makadam_view::pictures::{
     Animation, Camera, Cut, Picture, Scale, Style, Subject, VIRIDIS, View, camera, draw, has_scale, memory, write_png,
 };
-use makadam_validation::plan::Scene;
-use makadam_validation::run_frames::{RunFrame, RunFrames, StoreWriter};
 use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;

@@ -2,7 +2,7 @@
 
 use makadam::Simulation;
 use makadam::scene::{Scene, Stop};
-use makadam_validation::problem::{
+use makadam_studies::problem::{
     AGREEMENT, BodyVelocities, Check, FromSiconos, Method, ProblemFile, RECORDED, Settings, bytes, check, parse, pose,
     read,
 };
@@ -13,7 +13,7 @@ const SETTINGS: Settings = Settings { tolerance: 1e-11, most_sweeps: 100_000 };
 const NAMES: [&str; 3] = ["packing", "drum", "oedometer"];
 
 fn recorded(name: &str) -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("src/problem/recorded").join(name)
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("studies/src/problem/recorded").join(name)
 }
 
 fn bytes_of(name: &str) -> Vec<u8> {
@@ -73,7 +73,7 @@ fn recorded_problems_have_one_solution_by_all_solvers() {
 #[test]
 fn a_solution_is_written_where_fclib_has_it() {
     let file = read(&recorded("packing.hdf5")).unwrap();
-    let answer = makadam_validation::problem::solve(&file, Method::Direct, &SETTINGS).unwrap();
+    let answer = makadam_studies::problem::solve(&file, Method::Direct, &SETTINGS).unwrap();
     let written = bytes(&file, Some(&answer.impulses)).unwrap();
     let hdf5 = hdf5_pure::File::from_bytes(written.clone()).unwrap();
     let flat = |vectors: &[nalgebra::Vector3<f64>]| vectors.iter().flatten().copied().collect::<Vec<f64>>();
@@ -136,15 +136,15 @@ fn what_is_wrong_is_told() {
 #[test]
 fn a_local_problem_alone_is_solved_directly() {
     let mut file = read(&recorded("drum.hdf5")).unwrap();
-    let own = makadam_validation::problem::solve(&file, Method::Direct, &SETTINGS).unwrap();
+    let own = makadam_studies::problem::solve(&file, Method::Direct, &SETTINGS).unwrap();
     file.contact = None;
     file.lanes = None;
     let alone = parse(bytes(&file, None).unwrap()).unwrap();
-    let answer = makadam_validation::problem::solve(&alone, Method::Direct, &SETTINGS).unwrap();
+    let answer = makadam_studies::problem::solve(&alone, Method::Direct, &SETTINGS).unwrap();
     for (one, other) in answer.contact_velocities.iter().zip(&own.contact_velocities) {
         assert!((one - other).amax() < 1e-9, "{one}, {other}");
     }
-    makadam_validation::problem::solve(&alone, Method::Reference, &SETTINGS).unwrap_err();
+    makadam_studies::problem::solve(&alone, Method::Reference, &SETTINGS).unwrap_err();
 }
 
 /// Recorded results of Siconos stand with the problem that they were found for.

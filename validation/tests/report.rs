@@ -1,10 +1,10 @@
 //! The report: self-contained, well formed, complete, and never half-written.
 
 use crate::support::sample;
-use makadam_validation::compare::{Comparison, Row, Timing};
-use makadam_validation::report::{Qualification, REPORT_VERSION, ReportDocument, Standing, comparison_table, write};
-use makadam_validation::statistics::Outcome;
-use makadam_validation::study::DocumentError;
+use makadam_compare::compare::{Comparison, Row, Timing};
+use makadam_compare::study::DocumentError;
+use makadam_measure::statistics::Outcome;
+use makadam_qualification::report::{Qualification, REPORT_VERSION, ReportDocument, Standing, comparison_table, write};
 use roxmltree::{Document, ParsingOptions};
 use std::fs;
 use std::sync::LazyLock;

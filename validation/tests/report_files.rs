@@ -2,10 +2,10 @@
 
 use crate::support::sample;
 use jsonschema::Validator;
-use makadam_validation::plan::Scene;
-use makadam_validation::report::{Qualification, ReportDocument, StudyOutcome, schema, write};
-use makadam_validation::scenes;
-use makadam_validation::statistics::Outcome;
+use makadam_compare::scenes;
+use makadam_frames::plan::Scene;
+use makadam_measure::statistics::Outcome;
+use makadam_qualification::report::{Qualification, ReportDocument, StudyOutcome, schema, write};
 use roxmltree::{Document, ParsingOptions};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;

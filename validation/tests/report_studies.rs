@@ -1,7 +1,7 @@
 //! Studies in a report: the page, the tests as XML, the data.
 
 use crate::support::sample;
-use makadam_validation::report::{Qualification, StudyOutcome, write};
+use makadam_qualification::report::{Qualification, StudyOutcome, write};
 use roxmltree::{Document, ParsingOptions};
 use std::fs;
 

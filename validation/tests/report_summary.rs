@@ -1,8 +1,8 @@
 //! The summary of a report, the table of every test.
 
 use crate::support::sample;
-use makadam_validation::compare::{Comparison, Row};
-use makadam_validation::report::write;
+use makadam_compare::compare::{Comparison, Row};
+use makadam_qualification::report::write;
 use roxmltree::{Document, Node, ParsingOptions};
 use std::fs;
 

@@ -1,9 +1,9 @@
 //! Tests that are not settled, in each form of a report.
 
 use crate::support::sample;
-use makadam_validation::compare::Row;
-use makadam_validation::report::{Qualification, Standing, comparison_table, write};
-use makadam_validation::statistics::Outcome;
+use makadam_compare::compare::Row;
+use makadam_measure::statistics::Outcome;
+use makadam_qualification::report::{Qualification, Standing, comparison_table, write};
 use std::fs;
 
 /// A drum in which every test agrees.

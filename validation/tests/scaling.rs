@@ -5,8 +5,8 @@ use approx::assert_relative_eq;
 use makadam::lanes::InstructionSet;
 use makadam::partition::Portion;
 use makadam::schedule::{Phase, Region, Scheduler};
-use makadam_validation::scaling::{Costs, Machine, MeasuredRow, Replayed, ReplayedRow, Traffic, replay};
-use makadam_validation::study::Document;
+use makadam_compare::study::Document;
+use makadam_studies::scaling::{Costs, Machine, MeasuredRow, Replayed, ReplayedRow, Traffic, replay};
 
 const NOTHING: Costs = Costs { pop_alone: 0.0, pop_contended: 0.0, task_start: 0.0, steal: 0.0, region: 0.0 };
 
@@ -212,7 +212,7 @@ fn a_study_says_what_is_replayed() {
 fn different_bits_are_said() {
     let (plan, mut measurement, setting) = sample::parts();
     measurement.timings[2].hashes[0] += 1;
-    let study = makadam_validation::scaling::Study::new(&plan, &measurement, setting);
+    let study = makadam_studies::scaling::Study::new(&plan, &measurement, setting);
     assert!(!study.same_bits);
     assert_eq!(study.differing.len(), 1);
     assert!(study.findings[0].contains("Not all configurations"), "{}", study.findings[0]);

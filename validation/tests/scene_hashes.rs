@@ -1,8 +1,8 @@
 //! One document, two readers: what a scene says of measuring is checked, and hashes of scenes are those of recorded results.
 
-use makadam_validation::plan::Scene;
-use makadam_validation::plan::physics_hash;
-use makadam_validation::scenes;
+use makadam_compare::scenes;
+use makadam_frames::plan::Scene;
+use makadam_frames::plan::physics_hash;
 
 /// Reference scenes with the hash of what other codes are given of them, by which recorded results are known.
 const HASHES: [(&str, &str); 18] = [

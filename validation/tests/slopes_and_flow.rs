@@ -6,9 +6,9 @@ use crate::support::beds::{
 use approx::assert_abs_diff_eq;
 use makadam::scene::{Grain, populate};
 use makadam::snapshot::{Contact, Particle, Partner};
-use makadam_validation::effects::variations;
-use makadam_validation::observables::{measure, series};
-use makadam_validation::plan::Scene;
+use makadam_frames::plan::Scene;
+use makadam_measure::observables::{measure, series};
+use makadam_studies::effects::variations;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 use std::path::Path;

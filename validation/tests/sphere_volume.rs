@@ -1,8 +1,8 @@
 //! Exact volumes of spheres cut by boxes: closed forms, partitions, Monte Carlo.
 
 use approx::assert_abs_diff_eq;
-use makadam_validation::observables::field::Field;
-use makadam_validation::observables::sphere_volume::{half_space, octant, quadrant, sphere, sphere_in_box};
+use makadam_measure::observables::field::Field;
+use makadam_measure::observables::sphere_volume::{half_space, octant, quadrant, sphere, sphere_in_box};
 use proptest::prelude::*;
 use std::f64::consts::PI;
 

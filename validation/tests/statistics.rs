@@ -1,8 +1,8 @@
 //! Statistics against closed forms, tables and values worked out by hand.
 
 use approx::assert_abs_diff_eq;
-use makadam_validation::statistics::Outcome;
-use makadam_validation::statistics::{
+use makadam_measure::statistics::Outcome;
+use makadam_measure::statistics::{
     CONFIDENCE, Ensemble, block_average, confidence_of_each, equivalence, gini, kolmogorov_smirnov,
     prediction_interval, second_moment, seeds_needed, share_below_mean, student_quantile, wasserstein, weak_load_share,
 };

@@ -1,9 +1,9 @@
 //! The inputs from which reference codes are timed give the physics of those from which they are measured, where the reference codes are installed.
 
 use makadam::snapshot::{Partner, Snapshot};
-use makadam_validation::codes::{Code, Job, Lammps, Liggghts, Purpose, Yade};
-use makadam_validation::plan::Scene;
-use makadam_validation::recording::{Content, Recording};
+use makadam_compare::codes::{Code, Job, Lammps, Liggghts, Purpose, Yade};
+use makadam_frames::plan::Scene;
+use makadam_frames::recording::{Content, Recording};
 use std::path::Path;
 use std::time::Duration;
 

@@ -2,11 +2,11 @@
 
 use approx::assert_relative_eq;
 use makadam::scene::{Precision, SolverMethod, SolverSettings, Stop};
-use makadam_validation::compare::MeasuredRun;
-use makadam_validation::observables::Measurement;
-use makadam_validation::plan::Scene;
-use makadam_validation::provenance::Build;
-use makadam_validation::tradeoff::{
+use makadam_compare::compare::MeasuredRun;
+use makadam_frames::plan::Scene;
+use makadam_frames::provenance::Build;
+use makadam_measure::observables::Measurement;
+use makadam_studies::tradeoff::{
     Bound, Configuration, Convergence, KeptRun, Knobs, Outcome, Plan, Study, Terms, pareto_front,
 };
 use std::collections::{BTreeMap, BTreeSet};

@@ -1,7 +1,7 @@
 //! Recorded trade-offs, read back from their tables: reproduced cell by cell, and figures without overlapping text.
 
-use makadam_validation::study::Document as _;
-use makadam_validation::tradeoff::{Bound, Convergence, Deviation, Point, Reference, Study};
+use makadam_compare::study::Document as _;
+use makadam_studies::tradeoff::{Bound, Convergence, Deviation, Point, Reference, Study};
 use roxmltree::{Document, Node};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

@@ -3,10 +3,10 @@
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use makadam::Simulation;
-use makadam_validation::output::RunFiles;
-use makadam_validation::plan::Scene;
-use makadam_validation::run_frames::{RunFrames, StoreWriter};
-use makadam_validation::viewer::{Wishes, unpack, write};
+use makadam_frames::output::RunFiles;
+use makadam_frames::plan::Scene;
+use makadam_frames::run_frames::{RunFrames, StoreWriter};
+use makadam_view::viewer::{Wishes, unpack, write};
 use serde_json::Value;
 use std::io::Read;
 use std::path::Path;

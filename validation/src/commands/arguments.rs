@@ -1,14 +1,14 @@
 //! Arguments that commands share, and parsers of their values.
 
 use super::{Failure, beforehand};
-use crate::observables::catalogue;
-use crate::output::file_stem;
-use crate::plan::Scene;
-use crate::scenes::{self, Change};
-use crate::tradeoff::Bound;
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use makadam::scene::{Accuracy, suggestion};
+use makadam_compare::scenes::{self, Change};
+use makadam_frames::output::file_stem;
+use makadam_frames::plan::Scene;
+use makadam_measure::observables::catalogue;
+use makadam_studies::tradeoff::Bound;
 use std::path::PathBuf;
 
 /// The scene of a command.

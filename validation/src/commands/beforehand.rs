@@ -1,15 +1,15 @@
 //! Steps before a run: preflight warnings, memory, the start of the simulation.
 
 use super::{Console, Failure};
-use crate::execution::Execution;
-use crate::observables::impossible;
-use crate::output::cache_folder;
-use crate::plan::Scene;
-use crate::prepared::{Start, is_ready, start};
-use crate::scenes;
-use crate::stepping::{Stepping, steps_in};
 use makadam::Simulation;
 use makadam::scene::{Finding, Stop};
+use makadam_compare::prepared::{Start, is_ready, start};
+use makadam_compare::scenes;
+use makadam_frames::execution::Execution;
+use makadam_frames::output::cache_folder;
+use makadam_frames::plan::Scene;
+use makadam_frames::stepping::{Stepping, steps_in};
+use makadam_measure::observables::impossible;
 use std::path::Path;
 
 /// Prints what a scene cannot carry with its settings on standard error; the findings go to `run.json` as well.

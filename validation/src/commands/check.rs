@@ -4,9 +4,9 @@ use super::arguments::{SceneArguments, accuracy};
 use super::beforehand::tell_findings;
 use super::{Console, Failure};
 use crate::forecast::Forecast;
-use crate::scenes::{self, Change};
 use clap::Args;
 use makadam::scene::Accuracy;
+use makadam_compare::scenes::{self, Change};
 use std::process::ExitCode;
 
 #[derive(Debug, Args)]

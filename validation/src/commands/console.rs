@@ -1,10 +1,10 @@
 //! Output of commands: results on standard output, everything else on standard error.
 
 use super::{Failure, json};
-use crate::compare::Share;
-use crate::output::shown;
-use crate::study::Document;
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
+use makadam_compare::compare::Share;
+use makadam_compare::study::Document;
+use makadam_frames::output::shown;
 use std::ffi::OsStr;
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::Path;

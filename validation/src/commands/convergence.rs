@@ -3,15 +3,15 @@
 use super::arguments::{OutputArguments, SceneArguments, positive};
 use super::beforehand::{begin, refuse_without_folder, settle};
 use super::{Console, Failure};
-use crate::convergence::{self, Effort};
-use crate::execution::Execution;
-use crate::output::record_folder;
-use crate::prepared::Start;
-use crate::provenance::Provenance;
-use crate::study::Document;
 use clap::Args;
 use makadam::scene::SolverMethod;
 use makadam::schedule::Scheduler;
+use makadam_compare::prepared::Start;
+use makadam_compare::study::Document;
+use makadam_frames::execution::Execution;
+use makadam_frames::output::record_folder;
+use makadam_frames::provenance::Provenance;
+use makadam_studies::convergence::{self, Effort};
 use std::process::ExitCode;
 
 #[derive(Debug, Args)]

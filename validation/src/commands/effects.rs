@@ -3,12 +3,12 @@
 use super::arguments::{JobArguments, OutputArguments, SceneArguments, positive, time_limit};
 use super::beforehand::{flowing, settle};
 use super::{Console, Failure, within_tolerance};
-use crate::effects::{Ablation, Costs, Look, Plan, Study};
-use crate::execution::Execution;
-use crate::provenance::Provenance;
-use crate::scenes;
-use crate::study::RunCache;
 use clap::Args;
+use makadam_compare::scenes;
+use makadam_compare::study::RunCache;
+use makadam_frames::execution::Execution;
+use makadam_frames::provenance::Provenance;
+pub use makadam_studies::effects::{Ablation, Costs, Look, Plan, Study};
 use std::process::ExitCode;
 use std::time::Duration;
 

@@ -2,13 +2,13 @@
 
 use super::arguments::{load, one_of, rayleigh_fraction};
 use super::{Console, Failure};
-use crate::codes::{CodeName, Job, Purpose};
-use crate::export::{FORMATS, Format, Written};
-use crate::output::file_stem;
-use crate::run_frames::RunFrames;
-use crate::scenes::Change;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
+use makadam_compare::codes::{CodeName, Job, Purpose};
+use makadam_compare::scenes::Change;
+use makadam_frames::export::{FORMATS, Format, Written};
+use makadam_frames::output::file_stem;
+use makadam_frames::run_frames::RunFrames;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;

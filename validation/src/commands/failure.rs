@@ -1,23 +1,23 @@
 //! Failures of commands: messages and exit codes.
 
-use crate::codes::CodeError;
-use crate::compare::RecordError;
-use crate::execution::MeasureError;
-use crate::export::ExportError;
-use crate::import::ImportError;
-use crate::output::{LockError, WriteError};
-use crate::parameter_study::ParameterError;
-use crate::pictures::PictureError;
-use crate::prepared::StartError;
-use crate::problem::{ProblemFileError, SiconosError};
-use crate::qualify::QualifyError;
-use crate::recording::RecordingError;
-use crate::run_frames::RunFolderError;
-use crate::scenes::SceneError;
-use crate::study::{DocumentError, RunError};
-use crate::viewer::ViewerError;
 use makadam::SettingError;
 use makadam::scene::SceneFileError;
+use makadam_compare::codes::CodeError;
+use makadam_compare::compare::RecordError;
+use makadam_compare::prepared::StartError;
+use makadam_compare::scenes::SceneError;
+use makadam_compare::study::{DocumentError, RunError};
+use makadam_frames::execution::MeasureError;
+use makadam_frames::export::ExportError;
+use makadam_frames::import::ImportError;
+use makadam_frames::output::{LockError, WriteError};
+use makadam_frames::recording::RecordingError;
+use makadam_frames::run_frames::RunFolderError;
+use makadam_qualification::qualify::QualifyError;
+use makadam_studies::parameter_study::ParameterError;
+use makadam_studies::problem::{ProblemFileError, SiconosError};
+use makadam_view::pictures::PictureError;
+use makadam_view::viewer::ViewerError;
 
 /// Exit code of a result outside its tolerance, or undecided.
 pub const OUTSIDE_TOLERANCE: u8 = 4;

@@ -2,11 +2,11 @@
 
 use super::arguments::{JobArguments, OutputArguments};
 use super::{Console, Failure, within_tolerance};
-use crate::laws::{LAWS, Law, LawResult, Study, run_cases};
-use crate::output::JSON_VERSION;
-use crate::provenance::account;
-use crate::study::{Document, RunCache, write_scenes};
 use clap::Args;
+use makadam_compare::laws::{LAWS, Law, LawResult, Study, run_cases};
+use makadam_compare::study::{Document, RunCache, write_scenes};
+use makadam_frames::output::JSON_VERSION;
+use makadam_frames::provenance::account;
 use std::path::Path;
 use std::process::ExitCode;
 

@@ -2,16 +2,16 @@
 
 use super::arguments::{load, positive};
 use super::{Console, Failure, within_tolerance};
-use crate::draw::values;
-use crate::import::{FilePattern, Imported, Manifest, StatedColumns, Tables, assemble, unlike};
-use crate::observables::{Measurement, Unmeasured, measured_frames, measured_in, unmeasured};
-use crate::output::JSON_VERSION;
-use crate::plan::Scene;
-use crate::recording::Recording;
-use crate::run_frames::RunFrames;
-use crate::scenes::Change;
 use clap::Args;
 use makadam::snapshot::Snapshot;
+use makadam_compare::scenes::Change;
+use makadam_frames::import::{FilePattern, Imported, Manifest, StatedColumns, Tables, assemble, unlike};
+use makadam_frames::output::JSON_VERSION;
+use makadam_frames::plan::Scene;
+use makadam_frames::recording::Recording;
+use makadam_frames::run_frames::RunFrames;
+use makadam_measure::observables::{Measurement, Unmeasured, measured_frames, measured_in, unmeasured};
+use makadam_view::draw::values;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;

@@ -150,13 +150,14 @@ pub fn main() -> ExitCode {
 
 /// Runs the program on arguments, the first of which is its name.
 pub fn run_program(arguments: Vec<OsString>) -> ExitCode {
-    crate::provenance::set_command_line(&arguments);
+    crate::state_commit();
+    makadam_frames::provenance::set_command_line(&arguments);
     let arguments = match Arguments::read(&arguments) {
         Ok(arguments) => arguments,
         Err(message) => return print_clap(&renamed::with_new_name(message, &arguments)),
     };
     let console = Console::new(arguments.quiet, arguments.verbose);
-    crate::interrupt::listen();
+    makadam_frames::interrupt::listen();
     let done = match &arguments.command {
         Command::New(new) => new::new(new, &console),
         Command::Check(check) => check::check(check, &console),

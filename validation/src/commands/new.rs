@@ -1,10 +1,10 @@
 //! `makadam new`: a scene to start from.
 
 use super::{Console, Failure};
-use crate::output::WriteError;
 use crate::templates::{TEMPLATES, template};
 use clap::Args;
 use clap::builder::PossibleValuesParser;
+use makadam_frames::output::WriteError;
 use std::fs::OpenOptions;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};

@@ -3,13 +3,13 @@
 use super::arguments::positive;
 use super::beforehand::refuse_picture_beyond_memory;
 use super::{Console, Failure};
-use crate::output::create_folder_of;
-use crate::pictures::{
+use clap::Args;
+use makadam_frames::output::create_folder_of;
+use makadam_frames::run_frames::{Quantity, RunFolderError, RunFrame, RunFrames, rounded};
+use makadam_view::pictures::{
     Animation, Content, Cut, Picture, Style, Subject, View, camera, caption, draw, has_scale, is_animation, memory,
     write_png,
 };
-use crate::run_frames::{Quantity, RunFolderError, RunFrame, RunFrames, rounded};
-use clap::Args;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -123,7 +123,7 @@ fn image(arguments: &PictureArguments, console: &Console) -> Result<ExitCode, Fa
     let style = arguments.style(size);
     let content = arguments.content();
     let drawn = content.picture(&run, &frame, &style)?;
-    if crate::interrupt::requested() {
+    if makadam_frames::interrupt::requested() {
         return Err(Failure::interrupted("nothing: the picture was not finished"));
     }
     tell_scale_left_out(size, console);
@@ -168,7 +168,7 @@ fn animation(arguments: &PictureArguments, output: &Path, console: &Console) -> 
         let frame = run.read(numbers[number])?;
         let quantity = run.field(&frame, &field)?;
         let drawn = draw(&frame, &quantity, &scale, &camera, &style, &caption(&run, &frame));
-        match crate::interrupt::requested() {
+        match makadam_frames::interrupt::requested() {
             true => Err(Failure::interrupted("nothing: the animation was not finished")),
             false => Ok(drawn),
         }

@@ -2,12 +2,13 @@
 
 use super::arguments::nothing_measures;
 use super::{Arguments, Console, Failure, json};
-use crate::draw::wrapped;
-use crate::observables::catalogue::{Definition, definitions, page};
-use crate::output::{WriteError, create_folder};
-use crate::{report, scenes};
 use clap::{Args, Subcommand};
 use clap_complete::Shell;
+use makadam_compare::scenes;
+use makadam_frames::output::{WriteError, create_folder};
+use makadam_measure::observables::catalogue::{Definition, definitions, page};
+use makadam_qualification::report;
+use makadam_view::draw::wrapped;
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};

@@ -3,11 +3,11 @@
 use super::arguments::{SceneArguments, positive};
 use super::beforehand::begin;
 use super::{Console, Failure, within_tolerance};
-use crate::execution::Execution;
-use crate::output::HDF5;
-use crate::problem::{self, AGREEMENT, Check, FromSiconos, Method, Settings};
-use crate::stepping::{Halt, Stepping, steps_in};
 use clap::{Args, Subcommand};
+use makadam_frames::execution::Execution;
+use makadam_frames::output::HDF5;
+use makadam_frames::stepping::{Halt, Stepping, steps_in};
+use makadam_studies::problem::{self, AGREEMENT, Check, FromSiconos, Method, Settings};
 use serde::Serialize;
 use std::fs::File;
 use std::io::Read;

@@ -3,14 +3,14 @@
 use super::arguments::{OutputArguments, SceneArguments, one_of, positive};
 use super::beforehand::{flowing, refuse_time_budget, refuse_without_folder};
 use super::{Console, Failure};
-use crate::execution::{Execution, cores};
-use crate::output::record_folder;
-use crate::provenance::Provenance;
-use crate::scaling::{Plan, Study};
-use crate::study::Document;
 use clap::Args;
 use makadam::lanes::InstructionSet;
 use makadam::schedule::Scheduler;
+use makadam_compare::study::Document;
+use makadam_frames::execution::{Execution, cores};
+use makadam_frames::output::record_folder;
+use makadam_frames::provenance::Provenance;
+use makadam_studies::scaling::{Plan, Study};
 use std::process::ExitCode;
 
 #[derive(Debug, Args)]

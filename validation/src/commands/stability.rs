@@ -3,11 +3,11 @@
 use super::arguments::{JobArguments, OutputArguments, time_limit};
 use super::compare::installed;
 use super::{Console, Failure, within_tolerance};
-use crate::codes::CodeName;
-use crate::stability::{Campaign, Case, catalogue};
-use crate::study::{Document, RunCache};
 use clap::Args;
 use makadam::scene::suggestion;
+use makadam_compare::codes::CodeName;
+use makadam_compare::stability::{Campaign, Case, catalogue};
+use makadam_compare::study::{Document, RunCache};
 use std::process::ExitCode;
 
 #[derive(Debug, Args)]

@@ -3,10 +3,10 @@
 use super::arguments::{JobArguments, OutputArguments, SourceArguments, observable};
 use super::beforehand::refuse_time_budget;
 use super::{Console, Failure, within_tolerance};
-use crate::observables::catalogue::group_of;
-use crate::parameter_study::{Failed, Plan, Range, Study, take};
-use crate::provenance::account;
 use clap::Args;
+use makadam_frames::provenance::account;
+use makadam_measure::observables::catalogue::group_of;
+use makadam_studies::parameter_study::{Failed, Plan, Range, Study, take};
 use std::process::ExitCode;
 
 #[derive(Debug, Args)]

@@ -4,14 +4,14 @@ use super::arguments::{OutputArguments, SourceArguments, bound, positive, time_l
 use super::beforehand::refuse_time_budget;
 use super::compare::installed;
 use super::{Console, Failure, within_tolerance};
-use crate::codes::{CodeName, codes_of};
-use crate::compare::FEW_SEEDS;
-use crate::observables::catalogue::group_of;
-use crate::plan::Scene;
-use crate::provenance::account;
-use crate::study::RunCache;
-use crate::tradeoff::{Bound, Campaign, Plan, Progress, QUICK_TIME_LIMIT, STIFFNESS_FACTORS, Study, Terms};
 use clap::Args;
+use makadam_compare::codes::{CodeName, codes_of};
+use makadam_compare::compare::FEW_SEEDS;
+use makadam_compare::study::RunCache;
+use makadam_frames::plan::Scene;
+use makadam_frames::provenance::account;
+use makadam_measure::observables::catalogue::group_of;
+use makadam_studies::tradeoff::{Bound, Campaign, Plan, Progress, QUICK_TIME_LIMIT, STIFFNESS_FACTORS, Study, Terms};
 use std::process::ExitCode;
 use std::sync::Arc;
 

@@ -2,10 +2,10 @@
 
 use super::arguments::positive;
 use super::{Console, Failure};
-use crate::output::create_folder_of;
-use crate::run_frames::RunFrames;
-use crate::viewer::{Wishes, fields_of, write};
 use clap::Args;
+use makadam_frames::output::create_folder_of;
+use makadam_frames::run_frames::RunFrames;
+use makadam_view::viewer::{Wishes, fields_of, write};
 use std::os::unix::ffi::OsStrExt;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;

@@ -8,15 +8,15 @@
 mod pace;
 mod scales;
 
-use crate::draw::numbers::{compact, count, duration, plural};
-use crate::draw::wrapped;
-use crate::effects::{Called, called};
-use crate::execution::threads_for;
-use crate::observables::impossible;
-use crate::plan::Scene;
-use crate::stepping::steps_in;
 use makadam::scene::{DocumentPath, Finding, NormalLaw, Reaction, Stop, TangentialLaw, populate};
 use makadam::solve::{residual_text, residual_unit_name};
+use makadam_frames::execution::threads_for;
+use makadam_frames::plan::Scene;
+use makadam_frames::stepping::steps_in;
+use makadam_measure::observables::impossible;
+pub use makadam_studies::effects::{Called, called};
+use makadam_view::draw::numbers::{compact, count, duration, plural};
+use makadam_view::draw::wrapped;
 use pace::{Pace, Work};
 use scales::Bed;
 use serde::Serialize;

@@ -5,12 +5,12 @@
 //! ```
 
 use super::frames;
-use crate::execution::threads_for;
-use crate::plan::Scene;
-use crate::prepared::is_ready;
-use crate::stepping::steps_in;
 use makadam::Simulation;
 use makadam::scene::Stop;
+use makadam_compare::prepared::is_ready;
+use makadam_frames::execution::threads_for;
+use makadam_frames::plan::Scene;
+use makadam_frames::stepping::steps_in;
 
 /// Bed that is simulated: 400 grains in a box, which touch each other from the start or soon.
 const BED: &str = include_str!("pace.toml");

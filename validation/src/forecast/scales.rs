@@ -1,8 +1,8 @@
 //! Numbers that characterise a scene: of its bed, of its moving walls, of its contacts.
 
 use super::Scale;
-use crate::plan::Scene;
 use makadam::scene::{Grain, Motion, NormalLaw, Shape};
+use makadam_frames::plan::Scene;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 

@@ -1,9 +1,9 @@
 //! Beds whose numbers are known beforehand, and scenes to measure them with.
 
 use makadam::snapshot::{Particle, Snapshot};
-use makadam_validation::observables::Measurement;
-use makadam_validation::plan::Scene;
-use makadam_validation::recording::Recording;
+use makadam_frames::plan::Scene;
+use makadam_frames::recording::Recording;
+use makadam_measure::observables::Measurement;
 use nalgebra::{Rotation3, Vector3};
 use std::f64::consts::SQRT_2;
 

@@ -1,11 +1,11 @@
 //! An invented qualification that looks like a real one: three codes, three scenes, every kind of outcome.
 
 use makadam::snapshot::Particle;
-use makadam_validation::compare::{CodeSummary, Comparison, FinalState, Row, Source, Timing};
-use makadam_validation::observables::{ForceDistribution, Series};
-use makadam_validation::plan::Scene;
-use makadam_validation::report::{Qualification, StudyOutcome, StudySection, StudyTest};
-use makadam_validation::statistics::Outcome;
+use makadam_compare::compare::{CodeSummary, Comparison, FinalState, Row, Source, Timing};
+use makadam_frames::plan::Scene;
+use makadam_measure::observables::{ForceDistribution, Series};
+use makadam_measure::statistics::Outcome;
+use makadam_qualification::report::{Qualification, StudyOutcome, StudySection, StudyTest};
 use std::path::Path;
 
 pub const CODES: [&str; 3] = ["Makadam", "LIGGGHTS", "YADE"];

@@ -5,9 +5,9 @@ use makadam::lanes::InstructionSet;
 use makadam::partition::Portion;
 use makadam::schedule::{Phase, Region, Scheduler, StepTrace};
 use makadam::sweep::SweepBytes;
-use makadam_validation::execution::Execution;
-use makadam_validation::provenance::Provenance;
-use makadam_validation::scaling::{
+use makadam_frames::execution::Execution;
+use makadam_frames::provenance::Provenance;
+use makadam_studies::scaling::{
     Bandwidth, Costs, Machine, Measurement, Plan, Setting, Study, Times, Timing, Traces, replay,
 };
 use std::path::Path;
@@ -92,7 +92,7 @@ pub fn parts() -> (Plan, Measurement, Setting) {
         traces_same_bits: true,
     };
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/scenes/smoke.toml");
-    let scene = makadam_validation::plan::Scene::load(&file).expect("the small scene is valid");
+    let scene = makadam_frames::plan::Scene::load(&file).expect("the small scene is valid");
     let setting = Setting {
         scene: "invented".into(),
         started: 1.0,

@@ -2,7 +2,7 @@
 
 use makadam::scene::{Axis, Motion, Shape};
 use makadam::snapshot::Snapshot;
-use makadam_validation::plan::Scene;
+use makadam_frames::plan::Scene;
 use nalgebra::{Matrix3, Vector3};
 
 /// A rotation by right angles, and a shift after it (m).

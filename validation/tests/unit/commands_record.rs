@@ -1,10 +1,10 @@
 //! Unit tests of `src/commands/compare.rs`.
 
 use super::*;
-use crate::codes::{CodeError, Job};
 use crate::commands::{Arguments, Command};
-use crate::compare::Reference;
-use crate::recording::Recording;
+use makadam_compare::codes::{CodeError, Job};
+use makadam_compare::compare::Reference;
+use makadam_frames::recording::Recording;
 use std::cell::Cell;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex};

@@ -1,8 +1,8 @@
 //! Unit tests of `src/commands/run/measured.rs`.
 
 use super::*;
-use crate::observables::Measured;
 use makadam::Simulation;
+use makadam_measure::observables::Measured;
 
 const SCENE: &str = "../tests/scenes/smoke.toml";
 

@@ -3,7 +3,7 @@
 use super::*;
 
 fn forecast(name: &str) -> Forecast {
-    let text = crate::scenes::text(&crate::scenes::find(name, &[]).unwrap()).unwrap();
+    let text = makadam_compare::scenes::text(&makadam_compare::scenes::find(name, &[]).unwrap()).unwrap();
     Forecast::of(&Scene::parse(&text).unwrap(), &text).unwrap()
 }
 

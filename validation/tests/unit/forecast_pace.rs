@@ -20,8 +20,8 @@ fn work_is_that_of_runs_within_a_factor_of_two() {
         ("packing-stiff", 642_000_000.0),
     ];
     let close = counted.iter().filter(|(name, counted)| {
-        let file = crate::scenes::find(name, &[]).unwrap();
-        let scene = crate::scenes::load(&file).unwrap();
+        let file = makadam_compare::scenes::find(name, &[]).unwrap();
+        let scene = makadam_compare::scenes::load(&file).unwrap();
         let ratio = Work::of(&scene, scene.seed).contact_sweeps / counted;
         (0.5..2.0).contains(&ratio)
     });

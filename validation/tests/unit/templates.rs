@@ -1,8 +1,8 @@
 //! Unit tests of `src/templates.rs`.
 
 use super::*;
-use crate::observables::catalogue;
-use crate::plan::Scene;
+use makadam_frames::plan::Scene;
+use makadam_measure::observables::catalogue;
 use std::path::Path;
 
 #[test]

@@ -3,12 +3,12 @@
 use super::RunArguments;
 use super::progress::Progress;
 use crate::commands::Failure;
-use crate::output::{RunFiles, WriteError};
-use crate::plan::Scene;
-use crate::prepared::Label;
-use crate::provenance::scene_hash;
 use makadam::BUILD;
 use makadam::checkpoint::{open, seal, sync_folder, write_atomically};
+use makadam_compare::prepared::Label;
+use makadam_frames::output::{RunFiles, WriteError};
+use makadam_frames::plan::Scene;
+use makadam_frames::provenance::scene_hash;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::io::ErrorKind;

@@ -4,12 +4,12 @@
 //! them, which is removed after the measurement.
 
 use crate::commands::Failure;
-use crate::observables::frames::Frames;
-use crate::observables::{self, measure_frames, unmeasured};
-use crate::output::{RunFiles, WriteError};
-use crate::plan::Scene;
-use crate::run_frames::{Store, StoreMark, StoreWriter};
 use makadam::snapshot::Snapshot;
+use makadam_frames::output::{RunFiles, WriteError};
+use makadam_frames::plan::Scene;
+use makadam_frames::run_frames::{Store, StoreMark, StoreWriter};
+pub use makadam_measure::observables::frames::Frames;
+use makadam_measure::observables::{self, measure_frames, unmeasured};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::ops::Range;

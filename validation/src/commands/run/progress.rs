@@ -1,14 +1,14 @@
 //! Plan and progress of a run.
 
 use super::measured::Mark;
-use crate::output::TableWritten;
-use crate::plan::Scene;
-use crate::provenance::Provenance;
-use crate::run_frames::StoreMark;
 use makadam::StepReport;
 use makadam::scene::Finding;
 use makadam::solve::StopReason;
 use makadam::watch::Alarm;
+use makadam_frames::output::TableWritten;
+use makadam_frames::plan::Scene;
+use makadam_frames::provenance::Provenance;
+use makadam_frames::run_frames::StoreMark;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::PathBuf;

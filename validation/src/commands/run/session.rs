@@ -10,14 +10,14 @@ use super::progress::{Plan, Progress};
 use super::summary::RunSummary;
 use super::writer::{FrameToWrite, Marks, MarksToCome, Outputs, Writer};
 use crate::commands::{Console, Failure, json};
-use crate::output::{RunFiles, TimeTable, WriteError, create_folder, write_durably};
-use crate::run_frames::StoreWriter;
-use crate::stepping::frame_is_due;
 use makadam::Simulation;
 use makadam::scene::Reaction;
 use makadam::snapshot::Snapshot;
 use makadam::solve::StopReason;
 use makadam::watch::{Alarm, Watchdog};
+use makadam_frames::output::{RunFiles, TimeTable, WriteError, create_folder, write_durably};
+use makadam_frames::run_frames::StoreWriter;
+use makadam_frames::stepping::frame_is_due;
 use std::time::Instant;
 
 /// First columns of `observables.csv`; the observables of a frame follow.
@@ -125,7 +125,7 @@ impl<'a> Session<'a> {
 
     /// Takes the steps, with a frame at the start, at every interval and at the end.
     pub fn play(&mut self, last_step: u64, console: &Console) -> Result<(), Failure> {
-        self.simulation.set_interrupt(crate::interrupt::handle());
+        self.simulation.set_interrupt(makadam_frames::interrupt::handle());
         let bar = console.bar(&self.plan.scene.name);
         let (step_seconds, scene) = (self.simulation.time_step(), self.plan.scene);
         let due = |steps: u64| Due {
@@ -147,7 +147,7 @@ impl<'a> Session<'a> {
             }
             self.progress.steps += 1;
             self.progress.note(report);
-            let interrupted = crate::interrupt::requested();
+            let interrupted = makadam_frames::interrupt::requested();
             let last = self.progress.steps == last_step;
             let due = due(self.progress.steps);
             let mut alarms = self.watchdog.observe(&self.simulation, &report);

@@ -2,15 +2,15 @@
 
 use super::measured::Measurements;
 use super::progress::{AlarmSummary, Plan, Progress};
-use crate::draw::numbers::{duration, plural};
-use crate::draw::values;
-use crate::output::JSON_VERSION;
-use crate::plan::setup_hash;
-use crate::provenance::{Provenance, peak_bytes};
 use makadam::scene::Finding;
 use makadam::solve::StopReason;
 use makadam::sweep::Residuals;
 use makadam::{Balance, Simulation};
+use makadam_frames::output::JSON_VERSION;
+use makadam_frames::plan::setup_hash;
+use makadam_frames::provenance::{Provenance, peak_bytes};
+use makadam_view::draw::numbers::{duration, plural};
+use makadam_view::draw::values;
 use serde::Serialize;
 
 #[derive(Serialize)]

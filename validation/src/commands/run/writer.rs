@@ -6,11 +6,11 @@
 use super::measured::{Mark, MeasuredFrames, instant};
 use super::progress::Progress;
 use crate::commands::Failure;
-use crate::output::{TableWritten, TimeTable, WriteError};
-use crate::plan::Scene;
-use crate::run_frames::{StoreMark, StoreWriter};
 use makadam::checkpoint::sync_folder;
 use makadam::snapshot::Snapshot;
+use makadam_frames::output::{TableWritten, TimeTable, WriteError};
+use makadam_frames::plan::Scene;
+use makadam_frames::run_frames::{StoreMark, StoreWriter};
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
 use std::thread::JoinHandle;

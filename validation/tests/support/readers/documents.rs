@@ -2,13 +2,13 @@
 
 use makadam::Simulation;
 use makadam::snapshot::{Contact, DrivenWall, Particle, Partner, Snapshot};
-use makadam_validation::compare::MeasuredRun;
-use makadam_validation::observables::Measurement;
-use makadam_validation::plan::Scene;
-use makadam_validation::provenance::Build;
-use makadam_validation::recording::Recording;
-use makadam_validation::study::{Key, sealed};
-use makadam_validation::tradeoff::{Configuration, KeptRun, Knobs, run_key};
+use makadam_compare::compare::MeasuredRun;
+use makadam_compare::study::{Key, sealed};
+use makadam_frames::plan::Scene;
+use makadam_frames::provenance::Build;
+use makadam_frames::recording::Recording;
+use makadam_measure::observables::Measurement;
+use makadam_studies::tradeoff::{Configuration, KeptRun, Knobs, run_key};
 use std::collections::HashMap;
 use std::path::Path;
 use std::sync::OnceLock;

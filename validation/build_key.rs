@@ -1,1 +1,0 @@
-../solver/build_key.rs

@@ -1,0 +1,1 @@
+../../solver/build_key.rs

@@ -1,0 +1,296 @@
+//! A reference code as a child process: started in its own group, watched, stopped whole.
+
+use super::CodeError;
+use super::core_share::share_of;
+use makadam_frames::output::shown;
+use rustix::process::{Pid, Signal, kill_process_group};
+use std::ffi::{OsStr, OsString};
+use std::fs::File;
+use std::io::{Read, Seek, SeekFrom, Write};
+use std::os::unix::process::CommandExt;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::OnceLock;
+use std::time::{Duration, Instant};
+
+/// Bytes of the log that an error quotes.
+const TAIL: usize = 600;
+
+/// Bytes of the end of a log that are searched for the reason of a failure.
+const SEARCHED: u64 = 1 << 16;
+
+/// MiB that a program may print: far more than any log, and far less than a disk.
+const LONGEST_LOG: u64 = 64;
+
+/// Free bytes below which a failure is put down to a full disk.
+const FULL_DISK: u64 = 1 << 20;
+
+/// A reference code's program, and its version once that was asked for.
+pub(super) struct Program {
+    path: OsString,
+    version: OnceLock<Option<String>>,
+}
+
+impl Program {
+    /// A program by its name or path.
+    pub fn new(path: impl Into<OsString>) -> Program {
+        Program { path: path.into(), version: OnceLock::new() }
+    }
+
+    /// A code's program: the one that its environment variable names, else the one of this name on PATH.
+    pub fn from_environment(code: &str, name: &str) -> Program {
+        Program::new(std::env::var_os(variable_of(code)).unwrap_or_else(|| name.into()))
+    }
+
+    /// Its name or path.
+    pub fn path(&self) -> &OsStr {
+        &self.path
+    }
+
+    /// Its version as `version_in` finds it in what it prints with these arguments, else "unknown"; none if it is not there.
+    pub fn version(&self, arguments: &[&str], version_in: impl Fn(&str) -> Option<&str>) -> Option<String> {
+        let ask = || {
+            let words = first_words(&self.path, arguments)?;
+            Some(shown(version_in(&words).unwrap_or("unknown"), false).into_owned())
+        };
+        self.version.get_or_init(ask).clone()
+    }
+}
+
+/// The environment variable that names a code's program.
+fn variable_of(code: &str) -> String {
+    format!("MAKADAM_{code}")
+}
+
+/// Reason for which a code's program is missing, and the remedy.
+pub fn absent(code: &str) -> String {
+    let variable = variable_of(code);
+    match std::env::var_os(&variable) {
+        None => format!("{code} is not installed; run scripts/install-codes"),
+        Some(path) => {
+            let path = Path::new(&path).display();
+            format!("{code} does not run: {variable} names {path}, which is no program; correct it, or unset it")
+        }
+    }
+}
+
+/// One run of a program.
+pub struct Run<'a> {
+    /// Name of the code, for errors.
+    pub code: &'static str,
+    /// The program.
+    pub program: &'a OsStr,
+    /// Its arguments.
+    pub arguments: &'a [OsString],
+    /// Folder in which it runs.
+    pub folder: &'a Path,
+    /// File for what it prints.
+    pub log: PathBuf,
+    /// Files in which it may say itself why it fails; that is added to the log.
+    pub own_logs: &'a [PathBuf],
+    /// Wall time after which it is stopped.
+    pub limit: Duration,
+    /// Called now and then while it runs.
+    pub watch: &'a dyn Fn(),
+}
+
+/// Stops the whole group when dropped, so that nothing outlives an early return or a panic.
+struct Group(Child);
+
+impl Drop for Group {
+    fn drop(&mut self) {
+        let _ = kill_process_group(Pid::from_child(&self.0), Signal::KILL);
+        let _ = self.0.wait();
+    }
+}
+
+impl Run<'_> {
+    /// Runs the program to its end. Gives the share of a core that it got, 0 to 1, if it ran long enough for the system to tell.
+    pub fn execute(&self) -> Result<Option<f64>, CodeError> {
+        let Some(program) = locate(self.program) else { return Err(CodeError::Missing { code: self.code }) };
+        let log = File::create(&self.log).map_err(|source| io(&self.log, source))?;
+        let copy = || log.try_clone().map_err(|source| io(&self.log, source));
+        let (log_copy, printed) = (copy()?, copy()?);
+        let mut command = tied(&program);
+        command
+            .args(self.arguments)
+            .current_dir(self.folder)
+            .env("OMP_NUM_THREADS", "1")
+            .stdin(Stdio::null())
+            .stdout(log)
+            .stderr(log_copy)
+            .process_group(0);
+        let mut group = Group(command.spawn().map_err(|source| io(&program, source))?);
+        let start = Instant::now();
+        let mut pause = Duration::from_millis(5);
+        let mut core_share = None;
+        let status = loop {
+            if let Some(status) = group.0.try_wait().map_err(|source| io(&program, source))? {
+                break status;
+            }
+            if makadam_frames::interrupt::requested() {
+                return Err(CodeError::Interrupted { code: self.code });
+            }
+            if start.elapsed() > self.limit {
+                drop(group);
+                let seconds = self.limit.as_secs_f64();
+                return Err(CodeError::TimedOut { code: self.code, seconds, log: self.log.clone() });
+            }
+            if is_too_long(&printed) {
+                drop(group);
+                return Err(self.cut(&printed));
+            }
+            // Both times of the same moment: one that has ended tells no more.
+            core_share = share_of(group.0.id(), start).or(core_share);
+            std::thread::sleep(pause);
+            pause = (pause * 2).min(Duration::from_millis(200));
+            (self.watch)();
+        };
+        if is_too_long(&printed) {
+            // What it has left running may still print.
+            drop(group);
+            return Err(self.cut(&printed));
+        }
+        if status.success() {
+            return Ok(core_share);
+        }
+        let tail = self.last_words();
+        if tail.contains("No space left on device") {
+            return Err(io(self.folder, std::io::ErrorKind::StorageFull.into()));
+        }
+        disk_has_room(self.folder)?;
+        Err(CodeError::Crashed { code: self.code, status: status.to_string(), log: self.log.clone(), tail })
+    }
+}
+
+impl Run<'_> {
+    /// Cuts the log off at the limit, and says why the run was stopped.
+    fn cut(&self, printed: &File) -> CodeError {
+        match printed.set_len(LONGEST_LOG << 20) {
+            Ok(()) => CodeError::LongLog { code: self.code, mebibytes: LONGEST_LOG, log: self.log.clone() },
+            Err(source) => io(&self.log, source),
+        }
+    }
+
+    /// Returns the program's own reason of its failure; the log named to the user holds all of its output.
+    fn last_words(&self) -> String {
+        let printed = ending(&self.log);
+        let own: Vec<String> = self.own_logs.iter().map(|log| ending(log)).collect();
+        let appended = || -> std::io::Result<()> {
+            let mut log = File::options().append(true).open(&self.log)?;
+            for (file, text) in self.own_logs.iter().zip(&own).filter(|(_, text)| !text.is_empty()) {
+                writeln!(log, "\n--- end of {} ---\n{text}", file.display())?;
+            }
+            Ok(())
+        };
+        // A log that cannot be added to is still the one that the program wrote.
+        let _ = appended();
+        last_words(&printed, &own)
+    }
+}
+
+fn is_too_long(log: &File) -> bool {
+    log.metadata().is_ok_and(|log| log.len() > LONGEST_LOG << 20)
+}
+
+/// The last line that tells of an error, in what a program printed or in its own logs, before the end of what it printed. Programs
+/// that are aborted end with words of whoever aborts them.
+fn last_words(printed: &str, own_logs: &[String]) -> String {
+    let texts = || std::iter::once(printed).chain(own_logs.iter().map(String::as_str));
+    let tells = |line: &&str| line.contains("ERROR") || line.contains("Error:");
+    let reason = texts().find_map(|text| text.lines().rev().find(tells));
+    let mut start = printed.len().saturating_sub(TAIL);
+    while !printed.is_char_boundary(start) {
+        start += 1;
+    }
+    let words = reason.into_iter().chain([&printed[start..]]).flat_map(str::split_whitespace);
+    shown(&words.collect::<Vec<_>>().join(" "), false).into_owned()
+}
+
+/// An error if the disk under `folder` is full: programs that do not check their writes leave torn files then.
+pub(super) fn disk_has_room(folder: &Path) -> Result<(), CodeError> {
+    match rustix::fs::statvfs(folder) {
+        Ok(room) if room.f_bavail.saturating_mul(room.f_frsize) < FULL_DISK => {
+            Err(io(folder, std::io::ErrorKind::StorageFull.into()))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// [`CodeError::Io`] for a path.
+pub(super) fn io(path: &Path, source: std::io::Error) -> CodeError {
+    CodeError::Io { path: path.display().to_string(), source }
+}
+
+/// A command that is killed should this program die without a word, and that prints line by line; without `setpriv` and `stdbuf` it
+/// is a plain one.
+fn tied(program: &Path) -> Command {
+    // Line by line: what a program holds back is lost when it aborts, and its reason with it.
+    let helpers = [("setpriv", &["--pdeathsig", "KILL", "--"][..]), ("stdbuf", &["--output=L"][..])];
+    let mut words: Vec<OsString> = Vec::new();
+    for (name, arguments) in helpers {
+        if let Some(helper) = locate(OsStr::new(name)) {
+            words.push(helper.into());
+            words.extend(arguments.iter().map(OsString::from));
+        }
+    }
+    words.push(program.into());
+    let mut command = Command::new(&words[0]);
+    command.args(&words[1..]);
+    command
+}
+
+/// The file of a program: itself if it is a path, else the first match on PATH.
+pub(super) fn locate(program: &OsStr) -> Option<PathBuf> {
+    let as_path = Path::new(program);
+    if as_path.components().count() > 1 {
+        return as_path.is_file().then(|| std::path::absolute(as_path).unwrap_or_else(|_| as_path.to_path_buf()));
+    }
+    std::env::split_paths(&std::env::var_os("PATH")?).map(|folder| folder.join(program)).find(|file| file.is_file())
+}
+
+/// Reads a program's answer about its version; none if it is not there, empty if it cannot be started or does
+/// not answer in time. Why it cannot be started is told by the run that follows.
+fn first_words(program: &OsStr, arguments: &[&str]) -> Option<String> {
+    let program = locate(program)?;
+    let mut command = Command::new(program);
+    command.args(arguments).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::null()).process_group(0);
+    let Ok(child) = command.spawn() else { return Some(String::new()) };
+    let mut group = Group(child);
+    let mut pipe = group.0.stdout.take()?;
+    let reader = std::thread::spawn(move || {
+        let mut words = vec![0; 4096];
+        let mut length = 0;
+        while length < words.len() {
+            match pipe.read(&mut words[length..]) {
+                Ok(0) | Err(_) => break,
+                Ok(count) => length += count,
+            }
+        }
+        words.truncate(length);
+        String::from_utf8_lossy(&words).into_owned()
+    });
+    let start = Instant::now();
+    while !reader.is_finished() && start.elapsed() < Duration::from_secs(10) {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    drop(group);
+    Some(reader.join().unwrap_or_default())
+}
+
+/// End of a log file.
+fn ending(log: &Path) -> String {
+    let read = || -> std::io::Result<Vec<u8>> {
+        let mut file = File::open(log)?;
+        let length = file.metadata()?.len();
+        file.seek(SeekFrom::Start(length.saturating_sub(SEARCHED)))?;
+        let mut bytes = Vec::new();
+        file.read_to_end(&mut bytes)?;
+        Ok(bytes)
+    };
+    String::from_utf8_lossy(&read().unwrap_or_default()).into_owned()
+}
+
+#[cfg(test)]
+#[path = "../../tests/unit/codes_process.rs"]
+mod tests;

@@ -1,0 +1,466 @@
+//! YADE: a job file for `yade_driver.py`, which runs inside it, and the frames that come back.
+
+use super::palette::Palette;
+use super::plan::{MotionPhase, Plan};
+use super::primitives::{Primitive, primitives};
+use super::process::{self, Program, Run, io};
+use super::yade_rolling::{Rolling, rolling};
+use super::{Code, CodeError, HERTZ_MINDLIN, Job, Purpose, supported_start};
+use makadam::effects::catalogue::{
+    COHESION, COMPLIANCE, DRIVEN_WALLS, Effect, FRICTION, GRAVITY, RESTITUTION, ROLLING, SIZE_SPREAD, SPIN,
+    TANGENTIAL_SPRING, VISCOSITY, WALL_MOTION,
+};
+use makadam::scene::{Cohesion, Grain, Motion};
+use makadam::snapshot::{DrivenWall, Particle, Partner, Snapshot};
+use makadam_frames::import::{contact_from_force, measurable, merge_wall_contacts};
+use makadam_frames::output::mesh::{COARSE, FINE, Mesh, Triangle, wall_mesh};
+use makadam_frames::recording::Recording;
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+use std::ffi::OsString;
+use std::path::Path;
+
+const NAME: &str = "YADE";
+/// Effects that its input expresses; a scene with any other effect is refused.
+pub(super) const HAS: [&Effect; 12] = [
+    &GRAVITY,
+    &WALL_MOTION,
+    &DRIVEN_WALLS,
+    &SIZE_SPREAD,
+    &COMPLIANCE,
+    &VISCOSITY,
+    &RESTITUTION,
+    &FRICTION,
+    &TANGENTIAL_SPRING,
+    &SPIN,
+    &COHESION,
+    &ROLLING,
+];
+const DRIVER: &str = include_str!("yade_driver.py");
+
+/// Reach of YADE's candidate list over the smallest radius; a matter of speed alone. The second one is that at which packing and drum are
+/// fastest.
+const VERLET_DISTANCE: f64 = 0.2;
+const FASTEST_VERLET_DISTANCE: f64 = 0.3;
+
+/// Doubles in the rows of a frame.
+const HEADER: usize = 3;
+const GRAIN_ROW: usize = 9;
+const CONTACT_ROW: usize = 12;
+
+/// Doubles that tell of a driven wall in a frame.
+const DRIVEN_ROW: usize = 2;
+
+/// YADE, an explicit soft-sphere code.
+pub struct Yade {
+    program: Program,
+}
+
+impl Default for Yade {
+    fn default() -> Self {
+        Self { program: Program::from_environment(NAME, "yade") }
+    }
+}
+
+impl Yade {
+    /// YADE under another name or path.
+    pub fn new(program: impl Into<OsString>) -> Self {
+        Self { program: Program::new(program) }
+    }
+}
+
+#[derive(Serialize)]
+struct JobFile<'a> {
+    time_step: f64,
+    steps: u64,
+    frames: Vec<u64>,
+    gravity: [f64; 3],
+    verlet_distance: f64,
+    materials: Vec<MaterialEntry>,
+    /// Two materials, friction angle (radians), restitution.
+    pairs: Vec<(usize, usize, f64, f64)>,
+    /// Absent where nothing resists rolling.
+    rolling: Option<Rolling>,
+    /// Surface energy of all contacts, J/m2; absent where nothing coheres.
+    cohesion: Option<f64>,
+    grains: Vec<GrainEntry<'a>>,
+    walls: Vec<WallEntry>,
+}
+
+#[derive(Serialize)]
+struct MaterialEntry {
+    young: f64,
+    poisson: f64,
+    density: f64,
+}
+
+#[derive(Serialize)]
+struct GrainEntry<'a> {
+    material: usize,
+    radius: f64,
+    position: &'a [f64; 3],
+    velocity: &'a [f64; 3],
+    spin: &'a [f64; 3],
+}
+
+#[derive(Serialize)]
+struct WallEntry {
+    material: usize,
+    /// True if the triangles approximate a curved surface.
+    curved: bool,
+    triangles: Vec<Triangle>,
+    /// Endless planes across an axis: the axis, 0 to 2, and where on it they are, m.
+    planes: Vec<(usize, f64)>,
+    motions: Vec<MotionEntry>,
+    /// Absent where no force drives it.
+    drive: Option<DriveEntry>,
+}
+
+#[derive(Serialize)]
+struct DriveEntry {
+    /// Unit vector of the axis.
+    axis: [f64; 3],
+    /// Force along it, N.
+    force: f64,
+    /// Mass, kg.
+    mass: f64,
+    /// Step at which it is let go.
+    first: u64,
+}
+
+#[derive(Serialize)]
+struct MotionEntry {
+    kind: &'static str,
+    /// Point of the axis, m.
+    point: [f64; 3],
+    /// Unit vector along the motion or the axis.
+    axis: [f64; 3],
+    /// Speed (m/s), angular velocity (rad/s), or largest displacement (m).
+    rate: f64,
+    /// Frequency, Hz, of a vibration.
+    frequency: f64,
+    first: u64,
+    last: u64,
+}
+
+/// Statement of the driver about the run.
+#[derive(Debug, Deserialize)]
+pub struct RunResult {
+    /// Wall time of the stepping, s.
+    pub seconds: f64,
+    /// Processor time of the stepping, s.
+    #[serde(default)]
+    pub core_seconds: Option<f64>,
+    /// Steps taken.
+    pub steps: u64,
+}
+
+/// Reads the driver's `result.json`; any bytes are either a result or an error.
+///
+/// # Errors
+/// What is wrong, in words.
+pub fn read_result(bytes: &[u8]) -> Result<RunResult, String> {
+    let result: RunResult = serde_json::from_slice(bytes).map_err(|error| error.to_string())?;
+    match [result.seconds].into_iter().chain(result.core_seconds).find(|time| !time.is_finite() || *time < 0.0) {
+        None => Ok(result),
+        Some(time) => Err(format!("{time} s is no time of a run")),
+    }
+}
+
+impl Code for Yade {
+    fn name(&self) -> &'static str {
+        NAME
+    }
+
+    fn contact_law(&self) -> &'static str {
+        HERTZ_MINDLIN
+    }
+
+    fn timing_input(&self) -> Option<&'static str> {
+        Some(
+            "fixed planes across an axis are its walls, curved walls coarse meshes; candidates reach 0.3 of the smallest radius",
+        )
+    }
+
+    fn version(&self) -> Option<String> {
+        self.program.version(&["--version"], version_in)
+    }
+
+    fn write_input(&self, job: &Job<'_>) -> Result<String, CodeError> {
+        write_input(job).map(|_| "yade -j1 -n -x yade_driver.py job.json".into())
+    }
+
+    fn simulate(&self, job: &Job<'_>) -> Result<Recording, CodeError> {
+        let version = self.version().ok_or(CodeError::Missing { code: NAME })?;
+        let (scene, folder) = (job.scene, job.work_folder);
+        for stale in ["frames.bin", "driven.bin", "result.json", "progress.txt"] {
+            let _ = std::fs::remove_file(folder.join(stale));
+        }
+        let (grains, plan) = write_input(job)?;
+
+        let progress_file = folder.join("progress.txt");
+        Run {
+            code: NAME,
+            program: self.program.path(),
+            arguments: &["-j1", "-n", "-x", "yade_driver.py", "job.json"].map(OsString::from),
+            folder,
+            own_logs: &[],
+            log: folder.join("yade.log"),
+            limit: job.time_limit,
+            watch: &|| {
+                let text = std::fs::read_to_string(&progress_file).unwrap_or_default();
+                if let Ok(done) = text.trim().parse::<f64>() {
+                    (job.progress)(done.clamp(0.0, 1.0));
+                }
+            },
+        }
+        .execute()?;
+
+        let result_path = folder.join("result.json");
+        let problem =
+            |path: &Path, problem: String| CodeError::Output { code: NAME, file: path.to_path_buf(), line: 1, problem };
+        process::disk_has_room(folder)?;
+        let text = std::fs::read(&result_path)
+            .map_err(|_| problem(&folder.join("yade.log"), "the run ended early, without an error".into()))?;
+        let result = read_result(&text).map_err(|what| problem(&result_path, what))?;
+        let frames_path = folder.join("frames.bin");
+        let bytes = std::fs::read(&frames_path).map_err(|source| io(&frames_path, source))?;
+        let radii: Vec<f64> = grains.iter().map(|grain| grain.radius).collect();
+        let mut frames = read_frames(&bytes, &radii, scene.wall.len()).map_err(|what| problem(&frames_path, what))?;
+        if result.steps != plan.steps || frames.len() != plan.frames().len() {
+            return Err(problem(&frames_path, format!("{} frames after {} steps", frames.len(), result.steps)));
+        }
+        let driven_path = folder.join("driven.bin");
+        let bytes = std::fs::read(&driven_path).map_err(|source| io(&driven_path, source))?;
+        let driven: Vec<u32> =
+            (0..).zip(&scene.wall).filter(|(_, wall)| wall.motion.is_driven()).map(|(index, _)| index).collect();
+        read_driven_walls(&bytes, &driven, &mut frames).map_err(|what| problem(&driven_path, what))?;
+        let _ = (std::fs::remove_file(&frames_path), std::fs::remove_file(&driven_path));
+        (job.progress)(1.0);
+        let RunResult { seconds, core_seconds, .. } = result;
+        Ok(Recording { core_seconds, ..plan.recording(NAME, version, job, seconds, frames) })
+    }
+}
+
+/// Writes job and driver into the job's folder: the grains and the steps of the run.
+fn write_input(job: &Job<'_>) -> Result<(Vec<Grain>, Plan), CodeError> {
+    let scene = job.scene;
+    let grains = supported_start(NAME, &HAS, job)?;
+    let unsupported = |reason: String| CodeError::Unsupported { code: NAME, reason };
+    if scene.wall.iter().any(|wall| matches!(wall.motion, Motion::TorqueDriven { .. })) {
+        return Err(unsupported("a wall is driven by a torque".into()));
+    }
+    let plan = Plan::new(scene, job.rayleigh_fraction * scene.rayleigh_step(&grains));
+    let palette = Palette::new(scene, &grains);
+    let rolling = rolling(&palette, &grains).map_err(unsupported)?;
+    let cohesion = surface_energy(&palette).map_err(unsupported)?;
+    let text = serde_json::to_string(&job_file(job, &grains, &plan, &palette, (rolling, cohesion)))
+        .map_err(|error| io(&job.work_folder.join("job.json"), error.into()))?;
+    let files = vec![("job.json".to_string(), text), ("yade_driver.py".to_string(), DRIVER.to_string())];
+    super::write_files(job.work_folder, files)?;
+    Ok((grains, plan))
+}
+
+/// The version in the words "Yade version: 2023.02a".
+fn version_in(words: &str) -> Option<&str> {
+    words.split_once("ersion:")?.1.split_whitespace().next()
+}
+
+/// Cohesion in YADE's terms: a pull of `4 pi gamma R*` while two touch (Derjaguin, Muller & Toporov), which is the pull-off force
+/// `3/2 pi w R*` for `gamma = 3 w / 8`, one number for all contacts, without a range.
+fn surface_energy(palette: &Palette<'_>) -> Result<Option<f64>, String> {
+    let mut all = palette.pairs().map(|(_, _, pair)| pair.cohesion);
+    match all.next().flatten() {
+        first if !all.all(|other| other == first) => Err("it has one surface energy for all contacts".into()),
+        None => Ok(None),
+        Some(Cohesion::SurfaceEnergy { work, range: Some(0.0) }) => Ok(Some(0.375 * work)),
+        Some(Cohesion::SurfaceEnergy { .. }) => Err("its pull ends where contact ends: give cohesion range = 0".into()),
+        Some(Cohesion::Constant { .. }) => Err("its pull goes with the radius: give cohesion as surface-energy".into()),
+    }
+}
+
+fn job_file<'a>(
+    job: &Job<'_>,
+    grains: &'a [Grain],
+    plan: &Plan,
+    palette: &Palette<'_>,
+    (rolling, cohesion): (Option<Rolling>, Option<f64>),
+) -> JobFile<'a> {
+    let scene = job.scene;
+    let smallest = grains.iter().map(|grain| grain.radius).fold(f64::INFINITY, f64::min);
+    let surfaces = surfaces(job, grains, rolling.is_some());
+    let pairs = palette.pairs().map(|(a, b, pair)| (a, b, pair.friction.atan(), pair.restitution)).collect();
+    JobFile {
+        time_step: plan.time_step,
+        steps: plan.steps,
+        frames: plan.frames(),
+        gravity: scene.gravity,
+        verlet_distance: smallest
+            * match job.purpose {
+                Purpose::Measuring => VERLET_DISTANCE,
+                Purpose::Timing => FASTEST_VERLET_DISTANCE,
+            },
+        materials: palette
+            .materials()
+            .map(|material| MaterialEntry {
+                young: material.youngs_modulus,
+                poisson: material.poisson_ratio,
+                density: material.density,
+            })
+            .collect(),
+        pairs,
+        rolling,
+        cohesion,
+        grains: grains
+            .iter()
+            .map(|grain| GrainEntry {
+                material: palette.index(&grain.material, false),
+                radius: grain.radius,
+                position: &grain.position,
+                velocity: &grain.velocity,
+                spin: &grain.spin,
+            })
+            .collect(),
+        walls: scene
+            .wall
+            .iter()
+            .zip(surfaces)
+            .map(|(wall, (mesh, planes))| WallEntry {
+                material: palette.index(&wall.material, true),
+                curved: mesh.bend > 0.0,
+                triangles: mesh.triangles,
+                planes,
+                motions: plan
+                    .phases(&wall.motion)
+                    .iter()
+                    .filter_map(|phase| motion_entry(&wall.motion, phase))
+                    .collect(),
+                drive: drive_entry(&wall.motion, plan),
+            })
+            .collect(),
+    }
+}
+
+/// The surfaces of each wall: triangles, and for timing planes in their place where a wall is some. Planes resist rolling otherwise than
+/// facets do, which the coefficient stands for.
+fn surfaces(job: &Job<'_>, grains: &[Grain], rolls: bool) -> Vec<(Mesh, Vec<(usize, f64)>)> {
+    let Job { scene, purpose, .. } = job;
+    let smallest = grains.iter().map(|grain| grain.radius).fold(f64::INFINITY, f64::min);
+    let (fineness, found) = match purpose {
+        Purpose::Measuring => (FINE, vec![Vec::new(); scene.wall.len()]),
+        Purpose::Timing => (COARSE, primitives(scene, grains)),
+    };
+    let plane = |primitive: &Primitive| match *primitive {
+        Primitive::Plane { axis, at } if !rolls => Some((axis, at)),
+        Primitive::Plane { .. } | Primitive::Cylinder { .. } => None,
+    };
+    let of = |(wall, found): (&makadam::scene::Wall, &Vec<Primitive>)| match found
+        .iter()
+        .filter_map(plane)
+        .collect::<Vec<_>>()
+    {
+        planes if planes.is_empty() => (wall_mesh(&wall.shape, &scene.domain, smallest, fineness), planes),
+        planes => (Mesh::default(), planes),
+    };
+    scene.wall.iter().zip(&found).map(of).collect()
+}
+
+fn drive_entry(motion: &Motion, plan: &Plan) -> Option<DriveEntry> {
+    let Motion::ForceDriven { axis, force, mass, start } = *motion else { return None };
+    let axis = Vector3::from(axis).normalize().into();
+    Some(DriveEntry { axis, force, mass, first: plan.step_at(start) })
+}
+
+fn motion_entry(motion: &Motion, phase: &MotionPhase) -> Option<MotionEntry> {
+    let size = |vector: &[f64; 3]| Vector3::from(*vector).norm();
+    let (kind, point, direction, rate, frequency) = match motion {
+        Motion::Fixed | Motion::ForceDriven { .. } | Motion::TorqueDriven { .. } => return None,
+        Motion::Translating { velocity, .. } => ("translating", [0.0; 3], *velocity, size(velocity), 0.0),
+        Motion::Rotating { point, axis, rate, .. } => ("rotating", *point, *axis, *rate, 0.0),
+        Motion::Vibrating { amplitude, frequency, .. } => {
+            ("vibrating", [0.0; 3], *amplitude, size(amplitude), *frequency)
+        }
+    };
+    let axis = Vector3::from(direction).try_normalize(0.0)?.into();
+    let rate = phase.direction * rate;
+    Some(MotionEntry { kind, point, axis, rate, frequency, first: phase.first, last: phase.last })
+}
+
+/// Reads the driver's frames; any bytes are either frames or an error.
+///
+/// # Errors
+/// What is wrong, in words.
+pub fn read_frames(bytes: &[u8], radii: &[f64], walls: usize) -> Result<Vec<Snapshot>, String> {
+    let mut rest = bytes.chunks_exact(8).map(|eight| f64::from_le_bytes(eight.try_into().unwrap_or_default()));
+    if !bytes.len().is_multiple_of(8) {
+        return Err("it ends in the middle of a number".into());
+    }
+    let mut row = |length: usize| -> Result<Vec<f64>, String> {
+        let row: Vec<f64> = rest.by_ref().take(length).collect();
+        match row.len() == length && row.iter().all(|value| value.is_finite()) {
+            true => Ok(row),
+            false if row.len() < length => Err("it ends in the middle of a frame".into()),
+            false => Err("a number is not finite: the run has blown up".into()),
+        }
+    };
+    let mut frames = Vec::new();
+    let mut left = bytes.len() / 8;
+    while left > 0 {
+        let header = row(HEADER)?;
+        let (time, grains, contacts) = (header[0], header[1], header[2]);
+        if grains != radii.len() as f64 || contacts < 0.0 || contacts > left as f64 {
+            return Err(format!("frame {} holds {grains} grains and {contacts} contacts", frames.len()));
+        }
+        let mut particles = Vec::with_capacity(radii.len());
+        for (id, &radius) in radii.iter().enumerate() {
+            let r = row(GRAIN_ROW)?;
+            particles.push(Particle {
+                id: id as u32,
+                position: [r[0], r[1], r[2]],
+                radius,
+                velocity: [r[3], r[4], r[5]],
+                spin: [r[6], r[7], r[8]],
+            });
+        }
+        let count = contacts as usize;
+        let mut list = Vec::new();
+        for _ in 0..count {
+            let r = row(CONTACT_ROW)?;
+            let bound = if r[1] == 0.0 { radii.len() } else { walls } as f64;
+            if !(0.0..radii.len() as f64).contains(&r[0]) || !(0.0..bound).contains(&r[2]) {
+                return Err(format!("a contact between {} and {} does not exist", r[0], r[2]));
+            }
+            let partner = if r[1] == 0.0 { Partner::Grain(r[2] as u32) } else { Partner::Wall(r[2] as u32) };
+            let normal = Vector3::new(r[6], r[7], r[8]);
+            let force = Vector3::new(r[9], r[10], r[11]);
+            list.extend(contact_from_force(r[0] as u32, partner, [r[3], r[4], r[5]], normal, force));
+        }
+        let contacts = merge_wall_contacts(list);
+        frames.push(measurable(Snapshot { time, particles, contacts, ..Snapshot::default() })?);
+        left -= HEADER + GRAIN_ROW * radii.len() + CONTACT_ROW * count;
+    }
+    Ok(frames)
+}
+
+/// Reads where driven walls are in each frame: displacement and speed of each, frame after frame.
+///
+/// # Errors
+/// What is wrong, in words.
+pub fn read_driven_walls(bytes: &[u8], walls: &[u32], frames: &mut [Snapshot]) -> Result<(), String> {
+    let row = 8 * DRIVEN_ROW * walls.len();
+    if bytes.len() != row * frames.len() {
+        return Err(format!("it holds {} bytes for {} frames of {} walls", bytes.len(), frames.len(), walls.len()));
+    }
+    let mut numbers = bytes.chunks_exact(8).map(|eight| f64::from_le_bytes(eight.try_into().unwrap_or_default()));
+    for frame in frames {
+        for &wall in walls {
+            let mut number = || numbers.next().unwrap_or(f64::NAN);
+            let (displacement, rate) = (number(), number());
+            if !displacement.is_finite() || !rate.is_finite() {
+                return Err("a number is not finite: the run has blown up".into());
+            }
+            frame.driven_walls.push(DrivenWall { wall, displacement, rate });
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,234 @@
+//! Recorded references: what other codes measured once on a scene, kept as CSV beside it.
+//!
+//! | file | holds |
+//! | --- | --- |
+//! | `runs.csv` | one line a run: code, version, contact law, seed, time step, wall time, processor, date, hash of the scene |
+//! | `measurements.csv` | one line a run and observable |
+//! | `forces.csv` | distribution of normal forces over their mean, all seeds of a code pooled |
+//! | `series.csv` | observables over time, of each code's first seed |
+//! | `final-state-CODE.csv` | grains at the end, of each code's first seed, to six significant digits |
+
+mod merge;
+mod missing;
+mod read;
+mod write;
+
+pub use missing::{Missing, Wanted};
+pub use read::ReferenceError;
+
+use super::{CodeRuns, FinalState, MeasuredRun, Source, Timing};
+use crate::scenes;
+use makadam_frames::plan::{Scene, physics_hash};
+use makadam_measure::observables::{ForceDistribution, Series};
+use serde::Deserialize;
+use std::path::{Path, PathBuf};
+
+/// The recorded references of one scene.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Reference {
+    /// All runs, by code and seed.
+    pub runs: Vec<MeasuredRun>,
+    /// Distributions of normal forces, one a code.
+    pub forces: Vec<ForceDistribution>,
+    /// Observables over time, of the first seed of each code.
+    pub series: Vec<Series>,
+    /// Grains at the end, of the first seed of each code.
+    pub final_states: Vec<FinalState>,
+}
+
+impl Reference {
+    /// Folder of a scene's references: `reference` beside a `scene.toml`, `NAME-reference` beside any other file.
+    pub fn folder(scene_file: &Path) -> PathBuf {
+        match scene_file.file_stem().and_then(|stem| stem.to_str()) {
+            Some("scene") | None => scene_file.with_file_name("reference"),
+            Some(stem) => scene_file.with_file_name(format!("{stem}-reference")),
+        }
+    }
+
+    /// Returns true if a code has a line in the list of runs or a final state next to a scene, on a disk or in the program.
+    pub fn is_left(scene_file: &Path, code: &str) -> bool {
+        let folder = Reference::folder(&scenes::origin(scene_file));
+        let runs = scenes::read(&folder.join("runs.csv")).unwrap_or_default();
+        let is_of_code = |line: &str| line.split(',').next() == Some(code);
+        String::from_utf8_lossy(&runs).lines().any(is_of_code)
+            || scenes::read(&folder.join(final_state_file(code))).is_ok()
+    }
+
+    /// Codes that have runs.
+    pub fn codes(&self) -> Vec<String> {
+        let mut codes: Vec<String> = Vec::new();
+        for run in &self.runs {
+            if !codes.contains(&run.code) {
+                codes.push(run.code.clone());
+            }
+        }
+        codes
+    }
+
+    /// Number of seeds of the code that has most of them.
+    pub fn seeds(&self) -> u64 {
+        let of = |code: &String| self.of(code).count() as u64;
+        self.codes().iter().map(of).max().unwrap_or(0)
+    }
+
+    /// Returns the recorded runs of a code on the present scene, if there are any. Runs of the scene before a change are discarded, and
+    /// missing seeds below the last one have failed.
+    pub fn code_on(&self, code: &str, scene: &Scene) -> Option<CodeRuns> {
+        let recorded = self.code(code)?;
+        if self.is_current(code, scene) == Some(false) {
+            let discarded =
+                format!("{code} was recorded on another scene than this one, so record it anew with --record");
+            let (discarded, runs, series) = (Some(discarded), Vec::new(), Vec::new());
+            return Some(CodeRuns { discarded, runs, series, forces: None, final_state: None, ..recorded });
+        }
+        let last = recorded.runs.iter().map(|run| run.seed).max().unwrap_or(0);
+        let failed = (1..=last).filter(|seed| recorded.runs.iter().all(|run| run.seed != *seed)).collect();
+        Some(CodeRuns { failed, ..recorded })
+    }
+
+    /// Returns the recorded runs of a code, if there are any.
+    pub fn code(&self, code: &str) -> Option<CodeRuns> {
+        let runs: Vec<MeasuredRun> = self.of(code).cloned().collect();
+        let first = runs.first()?;
+        let listed: Vec<&MeasuredRun> = runs.iter().collect();
+        let fraction =
+            first.rayleigh_fraction.map_or(String::new(), |f| format!(" at {:.0}% of the Rayleigh step", 100.0 * f));
+        let provenance = format!(
+            "recorded {} on {} with {} {} ({}): {} seeds{fraction}",
+            days(&listed),
+            processors(&listed),
+            first.code,
+            first.version,
+            first.contact_law,
+            runs.len()
+        );
+        Some(CodeRuns {
+            code: code.into(),
+            source: Source::Recorded,
+            timing: Timing::Recorded,
+            provenance,
+            forces: self.forces.iter().find(|forces| forces.code == code).cloned(),
+            series: self.series.iter().filter(|series| series.code == code).cloned().collect(),
+            final_state: self.final_states.iter().find(|state| state.code == code).cloned(),
+            failed: Vec::new(),
+            discarded: None,
+            runs,
+        })
+    }
+
+    /// Returns true if the runs of a code were made on the present scene; `None` without runs.
+    pub fn is_current(&self, code: &str, scene: &Scene) -> Option<bool> {
+        let now = physics_hash(scene);
+        let mut runs = self.of(code).peekable();
+        runs.peek()?;
+        Some(runs.all(|run| run.scene_hash == now))
+    }
+
+    /// Lists the reasons for which the recorded runs of a code are out of date, given its present law of contacts.
+    pub fn out_of_date(&self, code: &str, contact_law: &str, scene: &Scene) -> Vec<String> {
+        let mut reasons = Vec::new();
+        if self.is_current(code, scene) == Some(false) {
+            reasons.push(format!("the scene has changed since {code} was recorded: record anew with --record"));
+        }
+        let runs: Vec<&MeasuredRun> = self.of(code).collect();
+        let others: Vec<&&MeasuredRun> = runs.iter().filter(|run| run.contact_law != contact_law).collect();
+        if let Some(other) = others.first() {
+            reasons.push(format!(
+                "{} of {} recorded runs of {code} were made under the contact law '{}', and a run of today has '{contact_law}': \
+                 record anew with --record",
+                others.len(),
+                runs.len(),
+                other.contact_law
+            ));
+        }
+        reasons
+    }
+
+    /// Runs of a code, in the order of their seeds.
+    pub fn of(&self, code: &str) -> impl Iterator<Item = &MeasuredRun> {
+        self.runs.iter().filter(move |run| run.code == code)
+    }
+}
+
+/// The day on which runs ended, or the first and the last of several.
+fn days(runs: &[&MeasuredRun]) -> String {
+    let days = || runs.iter().map(|run| run.date.split('T').next().unwrap_or_default());
+    match (days().min().unwrap_or_default(), days().max().unwrap_or_default()) {
+        (first, last) if first == last => first.to_string(),
+        (first, last) => format!("{first} to {last}"),
+    }
+}
+
+/// The processors on which runs were made, each named once.
+fn processors(runs: &[&MeasuredRun]) -> String {
+    let mut names: Vec<&str> = Vec::new();
+    for run in runs {
+        if !names.contains(&run.processor.as_str()) {
+            names.push(&run.processor);
+        }
+    }
+    names.join(", ")
+}
+
+/// A line of `measurements.csv`.
+#[derive(Deserialize)]
+struct MeasurementLine {
+    code: String,
+    seed: u64,
+    // What stands in `runs.csv` too has to be the same here.
+    version: String,
+    time_step: f64,
+    rayleigh_fraction: Option<f64>,
+    observable: String,
+    unit: String,
+    value: f64,
+    standard_error: Option<f64>,
+    frames: usize,
+}
+
+/// A line of `forces.csv`.
+#[derive(Deserialize)]
+struct ForceLine {
+    code: String,
+    force_over_mean: f64,
+    density: f64,
+    samples: usize,
+}
+
+/// A line of `series.csv`.
+#[derive(Deserialize)]
+struct SeriesLine {
+    code: String,
+    seed: u64,
+    observable: String,
+    time: f64,
+    value: f64,
+}
+
+/// A line of `final-state-CODE.csv`; metres, m/s and rad/s.
+#[derive(Deserialize)]
+struct GrainLine {
+    id: u32,
+    radius: f64,
+    x: f64,
+    y: f64,
+    z: f64,
+    vx: f64,
+    vy: f64,
+    vz: f64,
+    wx: f64,
+    wy: f64,
+    wz: f64,
+}
+
+/// Names of the columns of `final-state-CODE.csv`.
+const GRAIN_COLUMNS: [&str; 11] = ["id", "radius", "x", "y", "z", "vx", "vy", "vz", "wx", "wy", "wz"];
+
+/// Name of the file with a code's final state.
+fn final_state_file(code: &str) -> String {
+    format!("final-state-{}.csv", code.to_lowercase())
+}
+
+#[cfg(test)]
+#[path = "../../../tests/unit/compare_reference.rs"]
+mod tests;

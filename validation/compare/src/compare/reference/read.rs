@@ -1,0 +1,253 @@
+//! Reading recorded references; an error names the file and the line.
+
+use super::{
+    FinalState, ForceDistribution, ForceLine, GrainLine, MeasuredRun, MeasurementLine, Reference, Series, SeriesLine,
+    final_state_file,
+};
+use crate::scenes;
+use makadam::snapshot::Particle;
+use makadam_frames::output::cells::as_meant;
+use makadam_frames::recording::LARGEST;
+use makadam_measure::observables::Measurement;
+use makadam_measure::observables::catalogue::{Definition, definition};
+use serde::de::DeserializeOwned;
+use std::path::{Path, PathBuf};
+
+/// Error of reading recorded references.
+#[derive(Debug, thiserror::Error)]
+pub enum ReferenceError {
+    /// A file cannot be read.
+    #[error("{}: cannot be read: {source}; restore it from the repository, or record anew with 'makadam compare SCENE --record --restart'", file.display())]
+    Io {
+        /// The file.
+        file: PathBuf,
+        /// Reason.
+        source: std::io::Error,
+    },
+    /// A line is not what it should be.
+    #[error("{}:{line}: {problem}; restore the file from the repository, or record anew with 'makadam compare SCENE --record --restart'", file.display())]
+    Line {
+        /// The file.
+        file: PathBuf,
+        /// Line, from 1.
+        line: u64,
+        /// Fault.
+        problem: String,
+    },
+}
+
+impl Reference {
+    /// Reads the references of the scene of a file, on a disk or in the program, if there are any. [`Reference::code_on`] selects those
+    /// of a changed scene.
+    ///
+    /// # Errors
+    /// As [`Reference::load`].
+    pub fn of_scene(scene_file: &Path) -> Result<Option<Reference>, ReferenceError> {
+        let scene_file = &scenes::origin(scene_file);
+        let folder = Reference::folder(scene_file);
+        match scenes::is_built_in(scene_file) {
+            true => Reference::read(&folder, &scenes::read),
+            false => Reference::load(&folder),
+        }
+    }
+
+    /// Reads the references in a folder; `None` if there is no `runs.csv`.
+    ///
+    /// # Errors
+    /// [`ReferenceError`] if a file is missing or a line is wrong.
+    pub fn load(folder: &Path) -> Result<Option<Reference>, ReferenceError> {
+        Reference::read(folder, &|file| std::fs::read(file))
+    }
+
+    /// Reads the references in a folder from what `bytes` gives for its files; `None` if it finds no `runs.csv`. Any bytes are
+    /// either references or an error.
+    ///
+    /// # Errors
+    /// As [`Reference::load`].
+    pub fn read(folder: &Path, bytes: Bytes<'_>) -> Result<Option<Reference>, ReferenceError> {
+        let Some(runs) = lines_if_there::<MeasuredRun>(&folder.join("runs.csv"), bytes)? else {
+            return Ok(None);
+        };
+        let file = folder.join("runs.csv");
+        if runs.is_empty() {
+            return Err(ReferenceError::Line { file, line: 1, problem: "no run is recorded".into() });
+        }
+        all_alike(&runs).map_err(|(line, problem)| ReferenceError::Line { file, line, problem })?;
+        let runs = runs.into_iter().map(|(_, run)| run).collect();
+        let mut reference = Reference { runs, ..Reference::default() };
+        reference.read_measurements(&folder.join("measurements.csv"), bytes)?;
+        reference.read_forces(&folder.join("forces.csv"), bytes)?;
+        reference.read_series(&folder.join("series.csv"), bytes)?;
+        reference.read_final_states(folder, bytes)?;
+        Ok(Some(reference))
+    }
+
+    fn read_measurements(&mut self, file: &Path, bytes: Bytes<'_>) -> Result<(), ReferenceError> {
+        for (at, line) in lines::<MeasurementLine>(file, bytes)? {
+            let run = self.runs.iter_mut().find(|run| run.code == line.code && run.seed == line.seed);
+            let Some(run) = run else {
+                let problem = format!("{} seed {} has no line in runs.csv", line.code, line.seed);
+                return Err(ReferenceError::Line { file: file.to_path_buf(), line: at, problem });
+            };
+            let refused = |problem: String| Err(ReferenceError::Line { file: file.to_path_buf(), line: at, problem });
+            let of_run = format!("{} seed {}", line.code, line.seed);
+            if run.value(&line.observable).is_some() {
+                return refused(format!("{of_run} has a second value of {}", line.observable));
+            }
+            if line.value.is_nan() || line.value.abs() >= LARGEST {
+                return refused(format!("{} of {of_run} is {}, which nothing measures", line.observable, line.value));
+            }
+            let in_runs = (&run.version, run.time_step, run.rayleigh_fraction);
+            if (&line.version, line.time_step, line.rayleigh_fraction) != in_runs {
+                return refused(format!(
+                    "{of_run} has another version, time step or share of the Rayleigh step than in runs.csv"
+                ));
+            }
+            let is_other = |known: &&Definition| known.unit.split(" or ").all(|unit| unit != line.unit);
+            if let Some(Definition { unit, .. }) = definition(&line.observable).filter(is_other) {
+                let words = |unit: &str| if unit.is_empty() { "no unit".into() } else { format!("the unit {unit}") };
+                let (own, right) = (words(&line.unit), words(unit));
+                return refused(format!("{} of {of_run} has {own}, and is told with {right}", line.observable));
+            }
+            run.measurements.push(Measurement {
+                observable: line.observable,
+                unit: line.unit,
+                value: line.value,
+                standard_error: line.standard_error,
+                frames: line.frames,
+            });
+        }
+        Ok(())
+    }
+
+    fn read_forces(&mut self, file: &Path, bytes: Bytes<'_>) -> Result<(), ReferenceError> {
+        for (_, line) in lines::<ForceLine>(file, bytes)? {
+            if self.forces.last().is_none_or(|last| last.code != line.code) {
+                let (force, density) = (Vec::new(), Vec::new());
+                self.forces.push(ForceDistribution { code: line.code, force, density, samples: line.samples });
+            }
+            let forces = self.forces.last_mut().expect("one was pushed if there was none");
+            forces.force.push(line.force_over_mean);
+            forces.density.push(line.density);
+        }
+        Ok(())
+    }
+
+    fn read_series(&mut self, file: &Path, bytes: Bytes<'_>) -> Result<(), ReferenceError> {
+        for (_, line) in lines::<SeriesLine>(file, bytes)? {
+            let same =
+                |last: &Series| last.code == line.code && last.seed == line.seed && last.observable == line.observable;
+            if !self.series.last().is_some_and(same) {
+                let (time, value) = (Vec::new(), Vec::new());
+                self.series.push(Series { code: line.code, seed: line.seed, observable: line.observable, time, value });
+            }
+            let series = self.series.last_mut().expect("one was pushed if there was none");
+            series.time.push(line.time);
+            series.value.push(line.value);
+        }
+        Ok(())
+    }
+
+    /// Pictures are welcome, not needed: a code without a file has none.
+    fn read_final_states(&mut self, folder: &Path, bytes: Bytes<'_>) -> Result<(), ReferenceError> {
+        for code in self.codes() {
+            let file = folder.join(final_state_file(&code));
+            let Some((seed, time)) = self.of(&code).next().map(|first| (first.seed, first.simulated_seconds)) else {
+                continue;
+            };
+            let Some(grains) = lines_if_there::<GrainLine>(&file, bytes)? else {
+                continue;
+            };
+            let particles = grains.into_iter().map(|(_, grain)| particle(&grain)).collect();
+            self.final_states.push(FinalState { code, seed, time, particles });
+        }
+        Ok(())
+    }
+}
+
+/// Checks that the runs of a code differ by their seeds alone; the error is a line and its fault.
+fn all_alike(runs: &[(u64, MeasuredRun)]) -> Result<(), (u64, String)> {
+    for (place, (line, run)) in runs.iter().enumerate() {
+        let above_zero = run.time_step > 0.0 && run.rayleigh_fraction.is_none_or(|fraction| fraction > 0.0);
+        if !above_zero || run.wall_seconds < 0.0 || run.simulated_seconds < 0.0 {
+            let (code, seed) = (&run.code, run.seed);
+            return Err((*line, format!("seed {seed} of {code} has a step or a time below zero")));
+        }
+        let before = runs[..place].iter().map(|(_, before)| before);
+        for before in before.filter(|before| before.code == run.code) {
+            let differs = [
+                ("version", before.version != run.version),
+                ("contact law", before.contact_law != run.contact_law),
+                ("share of the Rayleigh step", before.rayleigh_fraction != run.rayleigh_fraction),
+                ("scene", before.scene_hash != run.scene_hash),
+            ];
+            let (code, seed) = (&run.code, run.seed);
+            if before.seed == seed {
+                return Err((*line, format!("{code} has a second run of seed {seed}")));
+            }
+            if let Some((what, _)) = differs.iter().find(|(_, differs)| *differs) {
+                return Err((*line, format!("seed {seed} of {code} has another {what} than seed {}", before.seed)));
+            }
+        }
+    }
+    Ok(())
+}
+
+fn particle(grain: &GrainLine) -> Particle {
+    Particle {
+        id: grain.id,
+        position: [grain.x, grain.y, grain.z],
+        radius: grain.radius,
+        velocity: [grain.vx, grain.vy, grain.vz],
+        spin: [grain.wx, grain.wy, grain.wz],
+    }
+}
+
+/// Gives the bytes of a file.
+type Bytes<'a> = &'a dyn Fn(&Path) -> std::io::Result<Vec<u8>>;
+
+/// All lines of a CSV file with their numbers.
+fn lines<T: DeserializeOwned>(file: &Path, bytes: Bytes<'_>) -> Result<Vec<(u64, T)>, ReferenceError> {
+    let bytes = bytes(file).map_err(|source| ReferenceError::Io { file: file.to_path_buf(), source })?;
+    parse(&bytes).map_err(|(line, problem)| ReferenceError::Line { file: file.to_path_buf(), line, problem })
+}
+
+/// Reads the lines of a file; `None` where there is none.
+fn lines_if_there<T: DeserializeOwned>(file: &Path, bytes: Bytes<'_>) -> Result<Option<Vec<(u64, T)>>, ReferenceError> {
+    match lines(file, bytes) {
+        Err(ReferenceError::Io { source, .. }) if source.kind() == std::io::ErrorKind::NotFound => Ok(None),
+        other => other.map(Some),
+    }
+}
+
+/// All lines of a CSV document with their numbers, or the number of a line and what is wrong with it.
+fn parse<T: DeserializeOwned>(bytes: &[u8]) -> Result<Vec<(u64, T)>, (u64, String)> {
+    let failed = |error: csv::Error| {
+        let line = error.position().map_or(1, csv::Position::line);
+        match error.into_kind() {
+            csv::ErrorKind::Deserialize { err, .. } => (line, err.to_string()),
+            csv::ErrorKind::Utf8 { err, .. } => (line, err.to_string()),
+            csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
+                (line, format!("{len} fields where the head has {expected_len}"))
+            }
+            other => (line, format!("{other:?}")),
+        }
+    };
+    let mut reader = csv::Reader::from_reader(bytes);
+    let headers = reader.headers().map_err(failed)?.clone();
+    let mut lines = Vec::new();
+    let mut record = csv::StringRecord::new();
+    while reader.read_record(&mut record).map_err(failed)? {
+        let line = record.position().map_or(1, csv::Position::line);
+        // No name or unit reads as "inf" or "NaN", so these words stand where a number belongs.
+        for (name, field) in headers.iter().zip(&record) {
+            if field.parse::<f64>().is_ok_and(|number| !number.is_finite()) {
+                return Err((line, format!("'{field}' in column {name} is not a finite number")));
+            }
+        }
+        let mut meant: csv::StringRecord = record.iter().map(as_meant).collect();
+        meant.set_position(record.position().cloned());
+        lines.push((line, meant.deserialize(Some(&headers)).map_err(failed)?));
+    }
+    Ok(lines)
+}

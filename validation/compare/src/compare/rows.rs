@@ -1,0 +1,191 @@
+//! From runs to rows: means, differences, verdicts, live runs against the recorded spread.
+
+use super::comparison::{MAKADAM, at_odds};
+use super::registered::{Settled, unregistered};
+use super::{CodeRuns, Comparison, MeasuredRun, Row};
+use makadam_frames::plan::{Expectation, Scene};
+use makadam_measure::statistics::{Ensemble, Outcome, equivalence, prediction_interval};
+
+/// Puts together what was measured of several codes, the code under test first. Its agreement counts for the seeds alone that the scene
+/// has registered.
+pub fn comparison(scene: &Scene, codes: &[CodeRuns], mut notes: Vec<String>) -> Comparison {
+    let moving = |code: &CodeRuns| Settled::of(scene, &code.runs).note(&code.code);
+    notes.extend(codes.iter().filter(|code| code.discarded.is_none()).filter_map(moving));
+    Comparison {
+        scene: scene.clone(),
+        judged: MAKADAM.into(),
+        rows: scene.compare.iter().flat_map(|expectation| rows(scene, expectation, codes)).collect(),
+        codes: codes.iter().filter_map(CodeRuns::summary).collect(),
+        series: codes.iter().flat_map(|code| code.series.iter().cloned()).collect(),
+        forces: codes.iter().filter_map(|code| code.forces.clone()).collect(),
+        final_states: codes.iter().filter_map(|code| code.final_state.clone()).collect(),
+        notes,
+    }
+}
+
+/// Rows of one observable: each code against each one after it, then the last code by itself. A code that lacks a value of a
+/// seed that it was run with has no test: its rows say what is missing.
+fn rows(scene: &Scene, expectation: &Expectation, codes: &[CodeRuns]) -> Vec<Row> {
+    let name = &expectation.observable;
+    let asked: Vec<Asked<'_>> = codes.iter().map(|code| Asked::of(scene, code, name)).collect();
+    let whole = asked.iter().filter(|asked| asked.missing.is_none()).count();
+    let mut rows = Vec::new();
+    for (place, one) in asked.iter().enumerate() {
+        let alone = Row { margin: expectation.margin, ..one.row(scene, name) };
+        for other in &asked[place + 1..] {
+            rows.push(one.against(other, &alone, expectation, whole));
+        }
+        if place + 1 == asked.len() {
+            rows.push(one.judged(alone));
+        }
+    }
+    let is_registered = codes.first().is_some_and(|judged| is_registered(scene, judged));
+    keep_to_registered(&mut rows, is_registered);
+    leave_open(&mut rows);
+    rows
+}
+
+/// Reports whether a code was run with the seeds that the scene has registered.
+fn is_registered(scene: &Scene, judged: &CodeRuns) -> bool {
+    let seeds = judged.runs.iter().map(|run| run.seed).chain(judged.failed.iter().copied());
+    unregistered(scene, seeds).is_none()
+}
+
+/// Makes agreement of the judged code exploratory where its seeds are not registered. Where they are, no number of further seeds is named:
+/// runs are not added to until they agree. `rows`: those of one observable, the judged code's first.
+fn keep_to_registered(rows: &mut [Row], is_registered: bool) {
+    let Some(judged) = rows.first().map(|row| row.code.clone()) else { return };
+    for row in rows.iter_mut().filter(|row| row.code == judged) {
+        match row.outcome {
+            Some(Outcome::Agree) if !is_registered => row.outcome = Some(Outcome::Exploratory),
+            _ if is_registered => row.seeds_needed = None,
+            _ => {}
+        }
+    }
+}
+
+/// Makes agreement undecided where the references differ from each other by more than the margin: it proves nothing, and more seeds
+/// decide nothing. `rows`: those of one observable, those of the code under test first.
+fn leave_open(rows: &mut [Row]) {
+    let Some(judged) = rows.first().map(|row| row.code.clone()) else { return };
+    for place in 0..rows.len() {
+        let row = &rows[place];
+        let is_open = matches!(row.outcome, Some(Outcome::Agree | Outcome::Exploratory | Outcome::Undecided))
+            && row.code == judged;
+        if is_open && at_odds(rows, &judged, row) {
+            (rows[place].outcome, rows[place].seeds_needed) = (Some(Outcome::Undecided), None);
+        }
+    }
+}
+
+/// Values of a requested observable in the runs of a code.
+struct Asked<'a> {
+    code: &'a str,
+    unit: &'a str,
+    ensemble: Option<Ensemble>,
+    /// Missing values; absent where every run has one.
+    missing: Option<String>,
+}
+
+impl<'a> Asked<'a> {
+    /// Values of the runs of a code that are at rest, where the scene asks for that.
+    fn of(scene: &Scene, code_runs: &'a CodeRuns, observable: &str) -> Asked<'a> {
+        let CodeRuns { code, runs, failed, discarded, .. } = code_runs;
+        let settled = Settled::of(scene, runs);
+        let found = || runs.iter().flat_map(|run| &run.measurements).filter(|found| found.observable == observable);
+        let values: Vec<f64> = settled.at_rest.iter().filter_map(|run| run.value(observable)).collect();
+        let missing = match (values.len(), settled.at_rest.len() + failed.len()) {
+            _ if discarded.is_some() => discarded.clone(),
+            _ if runs.is_empty() && failed.is_empty() => Some(format!("{code} has no runs")),
+            _ if settled.refusal(code).is_some() => settled.refusal(code),
+            (found, all) if found == all => None,
+            (0, _) => Some(format!("{code} has no value")),
+            (found, all) => Some(format!("{code} has a value in {found} of {all} seeds")),
+        };
+        Asked { code, unit: found().next().map_or("", |found| &found.unit), ensemble: Ensemble::of(&values), missing }
+    }
+
+    /// A row that stands alone.
+    fn row(&self, scene: &Scene, observable: &str) -> Row {
+        Row {
+            scene: scene.name.clone(),
+            observable: observable.into(),
+            unit: self.unit.into(),
+            code: self.code.into(),
+            mean: self.ensemble.map(|ensemble| ensemble.mean),
+            standard_deviation: self.ensemble.map(|ensemble| ensemble.standard_deviation),
+            seeds: self.ensemble.map_or(0, |ensemble| ensemble.seeds),
+            reference_code: None,
+            difference: None,
+            interval90: None,
+            interval_of_verdict: None,
+            margin: None,
+            outcome: None,
+            missing: None,
+            seeds_needed: None,
+        }
+    }
+
+    /// The row that stands alone, with what it lacks.
+    fn judged(&self, alone: Row) -> Row {
+        let outcome = self.missing.as_ref().map(|_| Outcome::NotMeasured);
+        Row { outcome, missing: self.missing.clone(), ..alone }
+    }
+
+    /// The row of the difference from another code, `codes` codes being compared in all.
+    fn against(&self, other: &Asked<'_>, alone: &Row, expectation: &Expectation, codes: usize) -> Row {
+        let pair = Row { reference_code: Some(other.code.into()), ..alone.clone() };
+        let missing: Vec<&str> = [self, other].iter().filter_map(|asked| asked.missing.as_deref()).collect();
+        match (&self.ensemble, &other.ensemble) {
+            (Some(own), Some(others)) if missing.is_empty() => {
+                let test = equivalence(own, others, expectation.margin, codes);
+                Row {
+                    difference: Some(test.difference),
+                    interval90: test.interval90,
+                    interval_of_verdict: test.interval_of_verdict,
+                    outcome: test.outcome,
+                    seeds_needed: test.seeds_needed,
+                    ..pair
+                }
+            }
+            _ => Row { outcome: Some(Outcome::NotMeasured), missing: Some(missing.join("; ")), ..pair },
+        }
+    }
+}
+
+/// A live value of an observable, and the interval that the recorded runs predict.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LiveCheck {
+    pub observable: String,
+    /// Value of the live run, if it has one.
+    pub value: Option<f64>,
+    /// Predicted interval, if there are enough recorded runs.
+    pub interval: Option<[f64; 2]>,
+}
+
+impl LiveCheck {
+    /// Returns true if the value lies inside the interval; `None` without either.
+    pub fn inside(&self) -> Option<bool> {
+        self.value.zip(self.interval).map(|(value, [low, high])| (low..=high).contains(&value))
+    }
+}
+
+/// Checks every observable that has a margin, each with `confidence`. The seed of the live run is none of the recorded ones: a value
+/// always lies among values that include it.
+pub fn live_checks(scene: &Scene, live: &MeasuredRun, recorded: &CodeRuns, confidence: f64) -> Vec<LiveCheck> {
+    let check = |expectation: &Expectation| {
+        let values = recorded.values(&expectation.observable);
+        // The spread of some of the runs is not that of all.
+        let is_whole = values.len() == recorded.runs.len() && recorded.discarded.is_none();
+        LiveCheck {
+            observable: expectation.observable.clone(),
+            value: live.value(&expectation.observable),
+            interval: prediction_interval(&values, 1, confidence).filter(|_| is_whole),
+        }
+    };
+    scene.compare.iter().filter(|expectation| expectation.margin.is_some()).map(check).collect()
+}
+
+#[cfg(test)]
+#[path = "../../tests/unit/compare_rows.rs"]
+pub(super) mod tests;

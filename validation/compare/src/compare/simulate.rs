@@ -1,0 +1,255 @@
+//! Runs of one code over several seeds, side by side, measured when they end.
+
+use super::{CodeRuns, CodeSummary, Harvest, Timing};
+use crate::codes::{Code, CodeError, Job, Purpose};
+use crate::study::{Key, RunCache, RunError};
+use makadam::checkpoint::checksum;
+use makadam_frames::output::{file_stem, run_folder};
+use makadam_frames::plan::{Scene, physics_hash};
+use makadam_frames::provenance::{machine, utc};
+use makadam_frames::recording::{Recording, RecordingError};
+use rayon::prelude::*;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, SystemTime};
+
+/// Told the share of a run that is done, 0 to 1.
+pub type Share = Box<dyn Fn(f64) + Send + Sync>;
+
+/// Opens a progress display for a run of this name.
+pub type Announce<'a> = &'a (dyn Fn(&str) -> Share + Sync);
+
+/// Seed of the run that pictures and curves over time are made from; of the others the numbers alone are stored.
+const PICTURED_SEED: u64 = 1;
+
+/// Runs of a code on a scene.
+#[derive(Clone)]
+pub struct Runs<'a> {
+    /// The scene as its file says it.
+    pub scene: &'a Scene,
+    /// Its file.
+    pub scene_file: &'a Path,
+    /// Purpose of the runs.
+    pub purpose: Purpose,
+    /// Seeds of the initial positions.
+    pub seeds: Vec<u64>,
+    /// Time step of explicit codes over the Rayleigh step.
+    pub rayleigh_fraction: f64,
+    /// Factor on every Young's modulus.
+    pub stiffness_factor: f64,
+    /// Wall time after which a run is stopped.
+    pub time_limit: Duration,
+    /// Folder of raw recordings: what is there of this scene and the installed version is not run again, what is run is kept.
+    /// Without a folder nothing is kept.
+    pub recordings: Option<PathBuf>,
+    /// Opens progress displays.
+    pub announce: Announce<'a>,
+}
+
+/// Time step of the live runs of a qualification over the Rayleigh step: the longest with which LIGGGHTS keeps the bounds of
+/// the trade-off in every scene.
+pub const LIVE_FRACTION: f64 = 0.2;
+
+impl<'a> Runs<'a> {
+    /// One seed for measuring. Scenes, effects and settings of a qualification all ask for a run in this way, so that none is made twice.
+    pub fn of_one_seed(
+        scene: &'a Scene,
+        scene_file: &'a Path,
+        seed: u64,
+        time_limit: Duration,
+        announce: Announce<'a>,
+    ) -> Runs<'a> {
+        Runs {
+            scene,
+            scene_file,
+            purpose: Purpose::Measuring,
+            seeds: vec![seed],
+            rayleigh_fraction: LIVE_FRACTION,
+            stiffness_factor: 1.0,
+            time_limit,
+            recordings: None,
+            announce,
+        }
+    }
+}
+
+/// Ended runs.
+pub struct Simulated {
+    /// The runs that ended well, measured.
+    pub harvests: Vec<Harvest>,
+    /// The others: seed and reason.
+    pub failures: Vec<(u64, CodeError)>,
+}
+
+impl Runs<'_> {
+    /// Runs the code over the seeds, as many at a time as the thread pool has threads.
+    pub fn simulate(&self, code: &dyn Code) -> Simulated {
+        let scene = self.scene.with_stiffness_factor(self.stiffness_factor);
+        let ended: Vec<_> = self.seeds.par_iter().map(|&seed| (seed, self.one(code, &scene, seed))).collect();
+        let mut simulated = Simulated { harvests: Vec::new(), failures: Vec::new() };
+        for (seed, result) in ended {
+            match result {
+                Ok(harvest) => simulated.harvests.push(harvest),
+                Err(error) => simulated.failures.push((seed, error)),
+            }
+        }
+        simulated
+    }
+
+    /// Runs the code on one seed of `scene`, whose stiffness is already scaled.
+    ///
+    /// # Errors
+    /// [`CodeError`]; what the code wrote is kept then, unless the user asked to stop.
+    pub fn one(&self, code: &dyn Code, scene: &Scene, seed: u64) -> Result<Harvest, CodeError> {
+        let name = self.file_stem(code, seed);
+        let work_folder =
+            run_folder(&name).map_err(|error| CodeError::Io { path: error.path, source: error.source })?;
+        let job = |progress| Job {
+            scene,
+            scene_file: self.scene_file,
+            purpose: self.purpose,
+            seed,
+            stiffness_factor: self.stiffness_factor,
+            rayleigh_fraction: self.rayleigh_fraction,
+            work_folder: &work_folder,
+            time_limit: self.time_limit,
+            progress,
+        };
+        let kept = match &self.recordings {
+            Some(folder) => Some(folder.join(format!("{name}{}.rec", inputs(code, &job(&|_| {}))?))),
+            None => None,
+        };
+        let mut again = String::new();
+        if let Some(file) = kept.as_ref().filter(|file| file.is_file()) {
+            let installed = code.version();
+            match self.kept(code, seed, file) {
+                // Versions do not mix: what another one left behind is run again, unless no code is there to run.
+                Ok(recording) if installed.as_ref().is_none_or(|installed| *installed == recording.version) => {
+                    let ended = file.metadata().and_then(|data| data.modified()).unwrap_or_else(|_| SystemTime::now());
+                    let _ = std::fs::remove_dir_all(&work_folder);
+                    return Ok(Harvest::of(scene, &recording, code.contact_law(), utc(ended)));
+                }
+                Ok(recording) => again = format!(" (again: recorded with {})", recording.version),
+                Err(error) if installed.is_none() => return Err(error.into()),
+                // It can be made again.
+                Err(error) => again = format!(" (again: {error})"),
+            }
+        }
+        if makadam_frames::interrupt::requested() {
+            let _ = std::fs::remove_dir_all(&work_folder);
+            return Err(CodeError::Interrupted { code: code.name() });
+        }
+        let progress = (self.announce)(&format!("{} {} seed {seed}{again}", scene.name, code.name()));
+        let ended = code.simulate(&job(&*progress));
+        // What was cut short tells nothing; what failed by itself does.
+        if ended.as_ref().is_err_and(CodeError::is_interruption) {
+            let _ = std::fs::remove_dir_all(&work_folder);
+        }
+        let recording = ended?;
+        if let Some(file) = &kept {
+            recording.save(file)?;
+        }
+        // The raw output of a run that ended well is in the recording; a folder that stays does no harm.
+        let _ = std::fs::remove_dir_all(&work_folder);
+        Ok(Harvest::of(scene, &recording, code.contact_law(), utc(SystemTime::now())))
+    }
+
+    /// Returns the run of a seed, stored or made now. It may have been made next to others or alone on the machine.
+    ///
+    /// # Errors
+    /// [`RunError`] if it has to be made and cannot.
+    pub fn take(&self, cache: &RunCache, code: &dyn Code, seed: u64) -> Result<Harvest, RunError> {
+        match cache.find(&self.key(code, seed, true))? {
+            Some(harvest) => Ok(harvest),
+            None => self.take_as(cache, code, seed, false),
+        }
+    }
+
+    fn take_as(&self, cache: &RunCache, code: &dyn Code, seed: u64, alone: bool) -> Result<Harvest, RunError> {
+        cache.take(&self.key(code, seed, alone), || {
+            let harvest = self.one(code, &self.scene.with_stiffness_factor(self.stiffness_factor), seed)?;
+            Ok(match seed {
+                PICTURED_SEED => harvest,
+                _ => Harvest { series: Vec::new(), final_state: None, ..harvest },
+            })
+        })
+    }
+
+    /// Key of a run: scene, settings, the code with its version and contact law; of a run alone on the machine its processor too.
+    pub fn key(&self, code: &dyn Code, seed: u64, alone: bool) -> Key {
+        let scene = self.scene.with_stiffness_factor(self.stiffness_factor);
+        let (mark, machine) = if alone { ("-alone", machine()) } else { ("", String::new()) };
+        let name = format!("{}-{}-s{seed}{mark}", file_stem(&scene.name), code.name().to_lowercase());
+        // Where a code is timed by the input that it is measured by, one run is both.
+        let timing = self.purpose == Purpose::Timing && code.timing_input().is_some();
+        let settings = [
+            format!("{} {}", self.rayleigh_fraction, self.stiffness_factor),
+            format!("{} {}, {}", code.name(), code.version().unwrap_or_default(), code.contact_law()),
+            machine,
+            String::from(if timing { "timing" } else { "" }),
+        ];
+        Key::of_run(name, &scene, seed, &settings.each_ref().map(String::as_str)).apart()
+    }
+
+    /// Times the code on one seed by a run for timing, alone on the machine, unless that is stored. Where its frames lack content, they are
+    /// measured in a run for measuring.
+    ///
+    /// # Errors
+    /// That of either run.
+    pub fn time(&self, cache: &RunCache, code: &dyn Code, seed: u64) -> Result<(CodeSummary, Harvest), RunError> {
+        let timed = Runs { purpose: Purpose::Timing, ..self.clone() }.take_as(cache, code, seed, true)?;
+        let input = code.timing_input().map(|words| format!("; its input for timing: {words}")).unwrap_or_default();
+        // Without processor time there is no time that other codes' can be divided by.
+        let timing = if timed.run.core_seconds.is_some() { Timing::Alone } else { Timing::Measuring };
+        let provenance = format!("processor time of the stepping of one run by this command{input}");
+        let runs = CodeRuns { timing, provenance, ..CodeRuns::live(code.name(), 1, vec![timed.clone()]) };
+        let summary = runs.summary().expect("it has a run");
+        let harvest = if timed.lacks.is_empty() { timed } else { self.take(cache, code, seed)? };
+        Ok((summary, harvest))
+    }
+
+    /// A recording that is kept, if it is the one that its name says.
+    fn kept(&self, code: &dyn Code, seed: u64, file: &Path) -> Result<Recording, RecordingError> {
+        let recording = Recording::load(file)?;
+        let found = (recording.code.as_str(), recording.seed, recording.stiffness_factor);
+        if found == (code.name(), seed, self.stiffness_factor) {
+            return Ok(recording);
+        }
+        let problem = format!("is of {} with seed {} at {} times the stiffness", found.0, found.1, found.2);
+        Err(RecordingError::Format(file.display().to_string(), problem))
+    }
+
+    /// Name of a run; the hash tells the scene from what it was before a change.
+    fn file_stem(&self, code: &dyn Code, seed: u64) -> String {
+        let purpose = if self.purpose == Purpose::Timing { "-timing" } else { "" };
+        format!(
+            "{}-{}-s{seed}-f{}-e{}-{}{purpose}",
+            file_stem(&self.scene.name),
+            file_stem(&code.name().to_lowercase()),
+            self.rayleigh_fraction,
+            self.stiffness_factor,
+            physics_hash(self.scene)
+        )
+    }
+}
+
+/// The end of a recording's name: a hash of the files that the code is given, so that what came of another deck is not taken up; nothing
+/// where it is given none.
+fn inputs(code: &dyn Code, job: &Job<'_>) -> Result<String, CodeError> {
+    let refused = |path: &Path, source| CodeError::Io { path: path.display().to_string(), source };
+    // Nothing that an earlier process of the same number left behind counts.
+    let _ = std::fs::remove_dir_all(job.work_folder);
+    match code.write_input(job) {
+        Ok(_) => {}
+        Err(CodeError::Unsupported { .. }) => return Ok(String::new()),
+        Err(error) => return Err(error),
+    }
+    let listed = std::fs::read_dir(job.work_folder).map_err(|source| refused(job.work_folder, source))?;
+    let mut files: Vec<PathBuf> = listed.flatten().map(|entry| entry.path()).collect();
+    files.sort();
+    let mut all = Vec::new();
+    for file in files {
+        all.extend(file.file_name().unwrap_or_default().as_encoded_bytes());
+        all.extend(std::fs::read(&file).map_err(|source| refused(&file, source))?);
+    }
+    Ok(format!("-{:016x}", checksum(&all)))
+}

@@ -1,0 +1,277 @@
+//! Weight of grains in a tube: how much of it the floor bears.
+//!
+//! Grains fill a tube on a floor. Where friction at the wall is mobilised, here by a wall that rises slowly as a piston that
+//! sinks does in the experiments, the floor bears the apparent mass `M_a = M_s (1 - exp(-M/M_s))` of the filled mass `M`. It
+//! saturates at `M_s = rho_b pi R^3 / (2 K mu_w)`, with the bulk density, the tube's radius, the ratio `K` of horizontal to
+//! vertical stress and the friction at the wall.
+
+use super::campaign::values;
+use super::fit::least;
+use super::{Case, Law, Mean, Run, RunError, Values};
+use crate::sketch::{GRAVITY, Sketch};
+use crate::study::Finding;
+use makadam::scene::{Motion, Region, Shape};
+use makadam::snapshot::{Partner, Snapshot};
+use makadam_view::draw::figure::Figure;
+pub use makadam_view::draw::names::{CodeStyle, Marker};
+pub use makadam_view::draw::plot::{Axis, Key, Plot};
+use std::f64::consts::PI;
+
+/// Mean diameter of the grains, m.
+const DIAMETER: f64 = 0.01;
+/// Half width of the radii's distribution over their mean, so that the grains form no crystal.
+const SPREAD: f64 = 0.1;
+/// Density of the grains, kg/m3.
+const DENSITY: f64 = 2500.0;
+/// Friction of the grains with each other and with the floor.
+const FRICTION: f64 = 0.5;
+/// Friction of the tube: below that of the grains, so that they slip at the wall and not beside it.
+const WALL_FRICTION: f64 = 0.3;
+/// Friction of a bed of grains of that friction: `tan` of 20.9 degrees, of glass beads (Jop, Forterre & Pouliquen 2006).
+const INTERNAL_FRICTION: f64 = 0.38;
+/// Speed of the wall, m/s: one diameter a second.
+const SPEED: f64 = 0.01;
+/// Rise of the wall before forces are measured, in diameters: a part, and a part for each tube's diameter of filling. A poured bed
+/// is pressed together by its weight, and stretches by so much before friction at the wall is mobilised down to the floor.
+const MOBILISING: [f64; 2] = [0.3, 0.3];
+/// Rise of the wall while forces are measured, in diameters.
+const MEASURED: f64 = 0.5;
+/// Times between two frames that are measured, s.
+const INTERVAL: f64 = 0.01;
+/// Time step, s, and sweeps a step: with 10 a filling of four diameters lay a twentieth of the saturated mass below the curve.
+const SOLVE: (f64, u32) = (5e-4, 40);
+/// Solid fraction by which grains are counted out.
+const SOLID: f64 = 0.58;
+/// Places of the tube and of the floor in the scene.
+const TUBE: u32 = 0;
+const FLOOR: u32 = 1;
+/// Tolerated deviation of an apparent mass, over the saturated one.
+const TOLERANCE: f64 = 0.05;
+
+/// The law of the silo's wall.
+pub(super) const LAW: Law = Law {
+    name: "janssen",
+    statement: "the floor of a tube bears M_a = M_s (1 - exp(-M/M_s)) of a mass M, with M_s = rho_b pi R^3 / (2 K mu_w)",
+    source: "Janssen, Z. Ver. Dtsch. Ing. 39, 1045 (1895); measured as by Vanel & Clement, Eur. Phys. J. B 11, 525 (1999), with a \
+                 moving wall as Landry & Grest, Phys. Rev. E 69, 031303 (2004)",
+    cases,
+    measure,
+    judge,
+    figures,
+};
+
+/// Apparent mass at a mass, both over the saturated one.
+fn law(mass: f64) -> f64 {
+    1.0 - (-mass).exp()
+}
+
+fn cases(quick: bool) -> Vec<Case> {
+    match quick {
+        true => [0.5, 1.0, 2.0, 4.0].map(|filling| case(10.0, filling, 1.0)).into(),
+        false => {
+            let mut cases: Vec<Case> = [0.5, 1.0, 2.0, 3.0, 4.0, 6.0].map(|filling| case(12.0, filling, 1.0)).into();
+            cases.push(case(12.0, 2.0, 0.5));
+            cases
+        }
+    }
+}
+
+fn measure(case: &Case, run: &mut Run<'_>) -> Result<Values, RunError> {
+    let [radius, start, from, speed] = ["radius", "start", "measured_from", "speed_share"].map(|name| case.of(name));
+    run.to(start)?;
+    let poured = run.frame();
+    let solid: f64 = poured.particles.iter().map(|grain| 4.0 / 3.0 * PI * grain.radius.powi(3)).sum();
+    let mass = solid * DENSITY;
+    let height = poured.particles.iter().map(|grain| 2.0 * grain.radius.powi(3) * grain.position[2]).sum::<f64>()
+        / poured.particles.iter().map(|grain| grain.radius.powi(3)).sum::<f64>();
+    let before = Loads::of(&poured);
+    run.to(from)?;
+    let mut loads = Vec::new();
+    run.sample(case.scene.duration, INTERVAL / speed, |frame| loads.push(Loads::of(frame)))?;
+    let mean = |of: fn(&Loads) -> f64| loads.iter().map(of).sum::<f64>() / loads.len() as f64;
+    let floor = mean(|loads| loads.floor);
+    let square = loads.iter().map(|loads| (loads.floor - floor).powi(2)).sum::<f64>() / loads.len() as f64;
+    let middle = loads.len() / 2;
+    let half = |loads: &[Loads]| loads.iter().map(|loads| loads.floor).sum::<f64>() / loads.len() as f64;
+    Ok(values([
+        ("mass", mass),
+        ("height", height),
+        ("bulk_density", mass / (PI * radius * radius * height)),
+        ("apparent_mass", floor / GRAVITY),
+        ("apparent_mass_fluctuation", square.sqrt() / GRAVITY),
+        ("apparent_mass_drift", (half(&loads[middle..]) - half(&loads[..middle])) / GRAVITY),
+        ("apparent_mass_before", before.floor / GRAVITY),
+        ("balance", (floor + mean(|loads| loads.tube)) / (mass * GRAVITY)),
+        ("mobilisation", mean(|loads| loads.tube) / (WALL_FRICTION * mean(|loads| loads.pressed))),
+    ]))
+}
+
+fn judge(means: &[Mean]) -> Vec<Finding> {
+    let saturated = saturated(means);
+    let deviation = |mean: &&Mean| {
+        let [mass, apparent] = ["mass", "apparent_mass"].map(|name| mean.of_value(name) / saturated);
+        apparent - law(mass)
+    };
+    let deviations: Vec<f64> = fitted(means).map(|mean| deviation(&mean)).collect();
+    // What is not a number counts as the largest; `max` would pass it over.
+    let larger = |a: f64, b: f64| if a >= b.abs() || a.is_nan() { a } else { b.abs() };
+    let largest = deviations.iter().fold(0.0, |largest, &one| larger(largest, one));
+    let rms = (deviations.iter().map(|one| one * one).sum::<f64>() / deviations.len() as f64).sqrt();
+    let densest = fitted(means).last();
+    let density = densest.map_or(f64::NAN, |mean| mean.of_value("bulk_density"));
+    let radius = densest.map_or(f64::NAN, |mean| mean.of_value("radius"));
+    let mobilised = densest.map_or(f64::NAN, |mean| mean.of_value("mobilisation"));
+    let ratio = density * PI * radius.powi(3) / (2.0 * WALL_FRICTION * saturated);
+    let [active, passive] = rankine(INTERNAL_FRICTION);
+    let mut findings = vec![
+        Finding::at_most("largest deviation from Janssen's curve over M_s", largest, TOLERANCE),
+        Finding::between("K, between Rankine's limits", ratio, active, passive),
+        Finding::reported("K, by the friction that is mobilised in the fullest tube", ratio / mobilised),
+        Finding::reported("root mean square deviation over M_s", rms),
+        Finding::reported("saturated mass M_s", saturated).in_unit("kg"),
+    ];
+    for mean in means.iter().filter(|mean| mean.of_value("speed_share") == 1.0) {
+        let at = format!("H = {} D", mean.of_value("filling"));
+        let drift = mean.of_value("apparent_mass_drift") / saturated;
+        findings.extend([
+            Finding::reported(format!("deviation over M_s, {at}"), deviation(&mean)),
+            Finding::reported(format!("  drift over M_s within the measurement, {at}"), drift),
+            Finding::reported(format!("  mobilised share of the wall's friction, {at}"), mean.of_value("mobilisation")),
+            Finding::reported(format!("  forces on floor and wall over weight, {at}"), mean.of_value("balance")),
+        ]);
+    }
+    for slow in means.iter().filter(|mean| mean.of_value("speed_share") != 1.0) {
+        let same = fitted(means).find(|mean| mean.of_value("filling") == slow.of_value("filling"));
+        if let Some(same) = same {
+            let change = (slow.of_value("apparent_mass") - same.of_value("apparent_mass")) / saturated;
+            let words = format!("change over M_s at half the speed, H = {} D", slow.of_value("filling"));
+            findings.push(Finding::reported(words, change));
+        }
+    }
+    findings
+}
+
+fn figures(means: &[Mean]) -> Vec<Figure> {
+    let saturated = saturated(means);
+    let scaled = |mean: &Mean, name: &str| mean.of_value(name) / saturated;
+    let most = means.iter().map(|mean| scaled(mean, "mass")).fold(1.0, f64::max) * 1.05;
+    let own = CodeStyle { class: "code-makadam", marker: Marker::Circle };
+    let before = CodeStyle { class: "code-other", marker: Marker::Diamond };
+    let keys = [Key::Line("curve neutral", "law"), Key::Points(own, "wall rising"), Key::Points(before, "as poured")];
+    let x = Axis::linear("filled mass M/Ms", 0.0, most);
+    let mut plot = Plot::with_legend(x, Axis::linear("apparent mass Ma/Ms", 0.0, 1.6), &keys);
+    let marks = 80;
+    let along = (0..=marks).map(|mark| most * f64::from(mark) / f64::from(marks));
+    plot.curve("curve neutral", along.map(|mass| [mass, law(mass)]));
+    plot.curve("ideal", [[0.0, 0.0], [1.6, 1.6]].into_iter());
+    for mean in means {
+        let mass = scaled(mean, "mass");
+        plot.open_marker(before, mass, scaled(mean, "apparent_mass_before"), 3.0);
+        plot.marker(own, mass, scaled(mean, "apparent_mass"), 4.2);
+    }
+    let title = "Mass that the floor of a tube bears";
+    let caption =
+        format!("{title}: measured, and Janssen's law with the one fitted mass; straight: all of the weight.");
+    vec![Figure { name: "apparent-mass".into(), svg: plot.finish(title), caption }]
+}
+
+/// Cases that the curve is fitted to: those at full speed.
+fn fitted(means: &[Mean]) -> impl Iterator<Item = &Mean> {
+    means.iter().filter(|mean| mean.of_value("speed_share") == 1.0)
+}
+
+/// The saturated mass (kg) that brings Janssen's curve nearest to the apparent masses by least squares.
+fn saturated(means: &[Mean]) -> f64 {
+    let points: Vec<[f64; 2]> =
+        fitted(means).map(|mean| ["mass", "apparent_mass"].map(|name| mean.of_value(name))).collect();
+    let most = points.iter().map(|point| point[1]).fold(0.0, f64::max);
+    let squares =
+        |saturated: f64| points.iter().map(|[mass, own]| (own - saturated * law(mass / saturated)).powi(2)).sum();
+    least(squares, 0.2 * most, 10.0 * most)
+}
+
+/// Smallest and largest ratio of horizontal to vertical stress that a bed of this internal friction bears: Rankine's active
+/// and passive limits, `(1 - sin phi)/(1 + sin phi)` and its inverse.
+fn rankine(friction: f64) -> [f64; 2] {
+    let sine = friction / (1.0 + friction * friction).sqrt();
+    let active = (1.0 - sine) / (1.0 + sine);
+    [active, 1.0 / active]
+}
+
+/// Loads of the walls in a frame, N.
+struct Loads {
+    /// Downwards on the floor.
+    floor: f64,
+    /// Downwards on the tube.
+    tube: f64,
+    /// Sum of the normal forces on the tube.
+    pressed: f64,
+}
+
+impl Loads {
+    fn of(frame: &Snapshot) -> Loads {
+        let mut loads = Loads { floor: 0.0, tube: 0.0, pressed: 0.0 };
+        for contact in &frame.contacts {
+            let force = contact.force_on_partner();
+            match contact.second {
+                Partner::Wall(FLOOR) => loads.floor -= force.z,
+                Partner::Wall(TUBE) => {
+                    loads.tube -= force.z;
+                    loads.pressed += contact.normal_force;
+                }
+                _ => {}
+            }
+        }
+        loads
+    }
+}
+
+/// A tube of so many grain diameters, filled to a height over its own diameter; its wall rises at a share of the speed.
+fn case(diameters: f64, filling: f64, speed_share: f64) -> Case {
+    let radius = 0.5 * diameters * DIAMETER;
+    let height = filling * 2.0 * radius;
+    let grain = 0.5 * DIAMETER;
+    let volume = 4.0 / 3.0 * PI * grain.powi(3) * (1.0 + SPREAD * SPREAD);
+    let count = (SOLID * PI * radius * radius * height / volume).round() as usize;
+    // The lattice that grains start on is less than half as dense as the bed.
+    let room = 3.0 * height + 10.0 * DIAMETER;
+    let start = 0.4 + 2.5 * (2.0 * height / GRAVITY).sqrt();
+    let speed = speed_share * SPEED;
+    let from = start + (MOBILISING[0] + MOBILISING[1] * filling) * DIAMETER / speed;
+    let up = [0.0, 0.0, 1.0];
+    let rising = Motion::Translating { velocity: [0.0, 0.0, speed], start, stop: None };
+    let slow = if speed_share == 1.0 { "" } else { "-slow" };
+    let beside = radius + DIAMETER;
+    let scene = Sketch::new(format!("janssen-{filling}{slow}"), from + MEASURED * DIAMETER / speed)
+        .domain([-beside, -beside, -DIAMETER], [beside, beside, room])
+        .step(SOLVE.0)
+        .sweeps(SOLVE.1)
+        .interval(0.05)
+        .material("floor", |floor| floor.friction = FRICTION)
+        .moving_wall(
+            Shape::Cylinder { base: [0.0, 0.0, -2.0 * DIAMETER], axis: up, radius, length: room + 4.0 * DIAMETER },
+            rising,
+        )
+        .description(format!("Grains to {filling} diameters of a tube whose wall rises slowly."))
+        .change_material("wall", |wall| wall.friction = WALL_FRICTION)
+        .change_material("grain", |grain| (grain.friction, grain.density) = (FRICTION, DENSITY))
+        .named_wall("floor", "floor", Shape::Plane { point: [0.0; 3], normal: up }, Motion::Fixed)
+        .polydisperse(
+            count,
+            [grain, SPREAD],
+            Region::Cylinder { base: [0.0; 3], axis: up, radius, length: room },
+            0.05,
+        );
+    let given = [
+        ("radius", radius),
+        ("filling", filling),
+        ("start", start),
+        ("measured_from", from),
+        ("speed_share", speed_share),
+    ];
+    Case::new(scene.scene(), given)
+}
+
+#[cfg(test)]
+#[path = "../../tests/unit/laws_janssen.rs"]
+mod tests;

@@ -1,0 +1,47 @@
+//! Published laws of granular matter, measured in Makadam and compared with the published value.
+//!
+//! ```text
+//! Law ─> cases ─> Run (a case, a seed) ─> measure ─> Row ─> means over seeds ─> judge ─> Finding
+//!                                         stored at once                     ─> figures, report
+//! ```
+//!
+//! A law is one file with a constant `LAW`, and one entry of [`LAWS`]. Its inputs (sizes, friction, definitions) are constants of that
+//! file, chosen before the first measurement (`validation/docs/laws.md` lists the exceptions). Only the open constants of a law are fitted.
+
+mod beverloo;
+mod campaign;
+mod chute;
+mod collapse;
+mod fit;
+mod janssen;
+mod results;
+#[cfg(test)]
+#[path = "../../tests/unit/laws.rs"]
+mod tests;
+
+pub use campaign::{Case, Run, Values, row_of, run_cases, work};
+pub use results::{LawResult, Mean, Row, Study, figure_and_bounds, runs};
+
+use crate::study::{Finding, RunError};
+use makadam_view::draw::figure::Figure;
+
+/// A published law.
+pub struct Law {
+    /// Name on the command line.
+    pub name: &'static str,
+    /// Statement, with its formula.
+    pub statement: &'static str,
+    /// Publication.
+    pub source: &'static str,
+    /// Cases in the order of tables; fewer and smaller ones for a quick study.
+    pub cases: fn(quick: bool) -> Vec<Case>,
+    /// Simulates a case and measures it.
+    measure: fn(&Case, &mut Run<'_>) -> Result<Values, RunError>,
+    /// Figures with the bounds that the law sets; those without bounds are reported only.
+    judge: fn(&[Mean]) -> Vec<Finding>,
+    /// Measured values next to the law.
+    figures: fn(&[Mean]) -> Vec<Figure>,
+}
+
+/// All laws, in the order of listings.
+pub static LAWS: [Law; 4] = [janssen::LAW, beverloo::LAW, collapse::LAW, chute::LAW];

@@ -1,0 +1,196 @@
+//! Results of laws: rows, means over seeds, findings; their report and files.
+
+use super::{Law, Values};
+use crate::study::{Answer, Cell, Document, DocumentError, File, Finding, Report, Section, Table, cells};
+use makadam_frames::provenance::facts;
+use makadam_measure::statistics::{mean, standard_deviation};
+use makadam_view::draw::figure::Figure;
+use makadam_view::draw::numbers::{bounds, four_digits, plural};
+use serde::{Deserialize, Serialize};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Measured values of one run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Row {
+    pub(crate) case: String,
+    pub(crate) seed: u64,
+    /// Chosen and measured values, by name.
+    pub(crate) values: Values,
+    /// Hash of the scene, 16 hexadecimal digits.
+    pub(crate) scene_hash: String,
+    /// Version of Makadam.
+    pub(crate) makadam: String,
+    pub(crate) grains: usize,
+    pub(crate) steps: u64,
+    pub(crate) wall_seconds: f64,
+}
+
+/// A case over its seeds.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Mean {
+    pub(crate) case: String,
+    pub(crate) seeds: usize,
+    /// Means, by name.
+    pub(crate) values: Values,
+    /// Standard deviations over seeds, by name; empty for a single seed.
+    pub(crate) deviations: Values,
+}
+
+impl Mean {
+    /// Averages each case over its seeds.
+    pub(crate) fn of(rows: &[Row]) -> Vec<Mean> {
+        let mut names: Vec<&str> = rows.iter().map(|row| row.case.as_str()).collect();
+        names.dedup();
+        names.into_iter().map(|name| Mean::of_case(name, rows)).collect()
+    }
+
+    fn of_case(name: &str, rows: &[Row]) -> Mean {
+        let own: Vec<&Row> = rows.iter().filter(|row| row.case == name).collect();
+        let (mut values, mut deviations) = (Values::new(), Values::new());
+        for key in own.iter().flat_map(|row| row.values.keys()).collect::<BTreeSet<_>>() {
+            let each: Vec<f64> = own.iter().map(|row| row.values.get(key).copied().unwrap_or(f64::NAN)).collect();
+            values.insert(key.clone(), mean(&each));
+            deviations.extend(standard_deviation(&each).map(|deviation| (key.clone(), deviation)));
+        }
+        Mean { case: name.into(), seeds: own.len(), values, deviations }
+    }
+
+    /// Returns a mean; not a number where it was not measured.
+    pub(crate) fn of_value(&self, name: &str) -> f64 {
+        self.values.get(name).copied().unwrap_or(f64::NAN)
+    }
+}
+
+/// A law and the rows that it is tested by.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LawResult {
+    /// Name of the law.
+    pub name: &'static str,
+    /// The law in a sentence.
+    pub statement: &'static str,
+    /// Its publication.
+    pub source: &'static str,
+    /// True if every figure is within its bounds.
+    pub holds: bool,
+    /// Comparisons with the published values.
+    pub findings: Vec<Finding>,
+    pub(crate) means: Vec<Mean>,
+    /// Rows, one for each case and seed.
+    pub rows: Vec<Row>,
+    /// Figures of the report.
+    #[serde(skip)]
+    pub figures: Vec<Figure>,
+}
+
+impl LawResult {
+    /// Tests a law by rows.
+    pub fn new(law: &Law, rows: Vec<Row>) -> LawResult {
+        let means = Mean::of(&rows);
+        let findings = (law.judge)(&means);
+        LawResult {
+            name: law.name,
+            statement: law.statement,
+            source: law.source,
+            holds: findings.iter().all(Finding::holds),
+            figures: (law.figures)(&means),
+            findings,
+            means,
+            rows,
+        }
+    }
+
+    /// Returns the wall time of all runs, s.
+    pub fn wall_seconds(&self) -> f64 {
+        self.rows.iter().map(|row| row.wall_seconds).sum()
+    }
+
+    fn section(&self) -> Section {
+        let verdict = if self.holds { "within tolerance" } else { "outside tolerance" };
+        let table = Table::new(&["figure", "value", "bounds", "verdict"], &[]).of(&self.findings, |finding| {
+            let [value, bounds] = figure_and_bounds(finding);
+            let verdict = match ([finding.low, finding.high], finding.holds()) {
+                ([None, None], _) => "",
+                (_, true) => "within",
+                (_, false) => "OUTSIDE",
+            };
+            cells![&finding.what, value, bounds, verdict]
+        });
+        Section::new(format!("{}: {verdict}", self.name), format!("{} ({}).", self.statement, self.source), table)
+    }
+}
+
+/// Content of `laws.json`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Study {
+    /// Version of the document.
+    pub version: u32,
+    /// Command that wrote it.
+    pub command: &'static str,
+    /// True if all laws hold.
+    pub hold: bool,
+    /// True if fewer and smaller cases were run.
+    pub quick: bool,
+    /// Seeds of the cases.
+    pub seeds: Vec<u64>,
+    /// Results of each law.
+    pub laws: Vec<LawResult>,
+    /// Provenance by name.
+    pub provenance: BTreeMap<String, String>,
+}
+
+impl Document for Study {
+    const NAME: &'static str = "laws";
+
+    fn tables(&self) -> Result<Vec<File>, DocumentError> {
+        Ok(vec![runs(self.laws.iter().flat_map(|law| &law.rows)).csv("rows")?])
+    }
+
+    fn figures(&self) -> Vec<Figure> {
+        self.laws.iter().flat_map(|law| law.figures.iter().cloned()).collect()
+    }
+
+    fn report(&self) -> Report {
+        let holding = self.laws.iter().filter(|law| law.holds).count();
+        let runs = |law: &LawResult| {
+            format!("{}: {}, {:.0} s of wall time", law.name, plural(law.rows.len(), "run"), law.wall_seconds())
+        };
+        Report {
+            kind: "Makadam, published laws",
+            title: "Published laws".into(),
+            facts: facts(&self.provenance),
+            answer: Answer::of(
+                self.hold,
+                format!("{holding} of {} within tolerance.", plural(self.laws.len(), "law")),
+                if self.quick { "The cases are small (--quick).".into() } else { String::new() },
+            ),
+            findings: self.laws.iter().map(runs).collect(),
+            sections: self.laws.iter().map(LawResult::section).collect(),
+            notes: Vec::new(),
+            limits: vec![
+                "Bounds were chosen before the first measurement; figures without bounds are reported only.".into(),
+            ],
+            provenance: self.provenance.clone().into_iter().collect(),
+            files: "laws.json and rows.csv",
+        }
+    }
+}
+
+/// Columns before the values.
+pub(super) const LEADING: [&str; 7] = ["case", "seed", "grains", "steps", "wall_seconds", "scene_hash", "makadam"];
+
+/// Returns a table with one row per run; the values of all cases by name.
+pub fn runs<'a>(rows: impl IntoIterator<Item = &'a Row, IntoIter: Clone>) -> Table {
+    let rows = rows.into_iter();
+    let names: BTreeSet<&str> = rows.clone().flat_map(|row| row.values.keys().map(String::as_str)).collect();
+    Table::new(&[], &LEADING).with_numbers(&names).of(rows, |row| {
+        let Row { case, seed, grains, steps, wall_seconds, scene_hash, makadam, .. } = row;
+        let leading = cells![case, *seed, *grains, *steps, *wall_seconds, scene_hash, makadam];
+        leading.into_iter().chain(names.iter().map(|name| Cell::from(row.values.get(*name).copied()))).collect()
+    })
+}
+
+/// Returns a figure with its unit, and its bounds.
+pub fn figure_and_bounds(finding: &Finding) -> [String; 2] {
+    let value = format!("{} {}", four_digits(finding.value), finding.unit);
+    [value.trim().into(), bounds([finding.low, finding.high], four_digits)]
+}

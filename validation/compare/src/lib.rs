@@ -1,0 +1,14 @@
+//! The same scene in Makadam, YADE, LIGGGHTS and LAMMPS, one measurement code, and a verdict; published laws and stress tests
+//! besides.
+
+pub mod codes;
+pub mod compare;
+pub mod laws;
+pub mod prepared;
+pub mod scenes;
+pub mod sketch;
+pub mod stability;
+pub mod study;
+
+/// Key of the sources that measure and compare: results of builds with another key may have been measured in another way.
+pub const BUILD: &str = env!("MAKADAM_COMPARE_KEY");

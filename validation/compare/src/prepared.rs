@@ -1,0 +1,169 @@
+//! Start of a run: the jittered lattice, or a flowing state that is prepared once and stored on the machine.
+
+use crate::scenes::{SceneError, in_file};
+use makadam::checkpoint::{CheckpointError, open, seal, write_atomically};
+use makadam::watch::{Alarm, Watchdog};
+use makadam::{BUILD, Simulation};
+use makadam_frames::execution::Execution;
+use makadam_frames::output::{WriteError, cache_folder, create_folder, file_stem};
+use makadam_frames::plan::Scene;
+use makadam_frames::provenance::scene_hash;
+use makadam_frames::stepping::{Halt, Stepping, steps_in};
+use serde::{Deserialize, Serialize};
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+/// Error of a run that cannot start.
+#[derive(Debug, thiserror::Error)]
+pub enum StartError {
+    /// The scene cannot be populated.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// The cache cannot be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// The state cannot be kept or read back.
+    #[error(transparent)]
+    Checkpoint(#[from] CheckpointError),
+    /// The machine cannot run it as asked.
+    #[error(transparent)]
+    Execution(#[from] makadam::SettingError),
+    /// The state that was prepared is worth nothing.
+    #[error("while the flowing state was prepared: {0}")]
+    InvalidState(Alarm),
+    /// The user asked to stop while the state was prepared.
+    #[error("interrupted while the flowing state was prepared")]
+    Interrupted,
+}
+
+/// Source of the start.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Start {
+    /// From the jittered lattice.
+    Fresh,
+    /// From a flowing state in this file.
+    Prepared(PathBuf),
+    /// From a flowing state in this file, made anew in place of one that was refused for this reason.
+    Remade(PathBuf, String),
+}
+
+/// First bytes of a flowing state; the last one is the version of the format.
+const MARK: [u8; 8] = *b"mkd-flw\x01";
+
+/// Identity of a stored state. It comes first in a file and its layout stays, so that every build can read it.
+#[derive(Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Label {
+    /// [`BUILD`] of the program that stored the state.
+    pub build: String,
+    /// Name of the scene.
+    pub scene: String,
+    /// Hash of the scene.
+    pub scene_hash: u64,
+    /// Seed of the initial positions.
+    pub seed: u64,
+}
+
+impl Label {
+    /// The label of this build for a scene and a seed.
+    pub fn of(scene: &Scene, seed: u64) -> Label {
+        Label { build: BUILD.into(), scene: scene.name.clone(), scene_hash: scene_hash(scene), seed }
+    }
+}
+
+/// The simulation at the start of its run. A scene with `[prepare]` is simulated for that time first, unless a state of
+/// the same scene, seed and build is in the cache; `progress` is told the share that is done.
+pub fn start(
+    scene: &Scene,
+    seed: u64,
+    scene_file: &Path,
+    execution: &Execution,
+    progress: &dyn Fn(f64),
+) -> Result<(Simulation, Start), StartError> {
+    let Some(prepare) = &scene.prepare else {
+        let mut simulation = Simulation::new(scene, seed).map_err(in_file(scene_file))?;
+        execution.apply(&mut simulation)?;
+        return Ok((simulation, Start::Fresh));
+    };
+    let file = state_file(scene, seed)?;
+    // A state that cannot be taken is made anew.
+    let refused = match start_from(scene, seed, &file) {
+        Some(Ok(mut simulation)) => {
+            execution.apply(&mut simulation)?;
+            return Ok((simulation, Start::Prepared(file)));
+        }
+        Some(Err(reason)) => Some(reason),
+        None => None,
+    };
+    let mut beforehand = scene.clone();
+    beforehand.solver.step = prepare.step;
+    let mut simulation = Simulation::new(&beforehand, seed).map_err(in_file(scene_file))?;
+    execution.apply(&mut simulation)?;
+    let steps = steps_in(prepare.duration, prepare.step);
+    let mut watchdog = Watchdog::new(&scene.watch, &simulation);
+    let stepping = Stepping::new(steps, progress).watched(&mut watchdog);
+    stepping.carry_out(&mut simulation, |_, _| {}).map_err(|halt| match halt {
+        Halt::InvalidState(alarm) => StartError::InvalidState(alarm),
+        Halt::Interrupted | Halt::OutOfTime(_) => StartError::Interrupted,
+    })?;
+    if let Some(folder) = file.parent() {
+        create_folder(folder)?;
+    }
+    let state = simulation.checkpoint();
+    let labelled = postcard::to_stdvec(&(Label::of(scene, seed), &state)).expect("numbers, text and bytes");
+    write_atomically(&file, &seal(MARK, &labelled)).map_err(|error| WriteError::new(&file, error))?;
+    let mut simulation = Simulation::start_from(scene, &state)?;
+    execution.apply(&mut simulation)?;
+    Ok((
+        simulation,
+        refused.map_or_else(|| Start::Prepared(file.clone()), |reason| Start::Remade(file.clone(), reason)),
+    ))
+}
+
+/// Starts from a state that is kept: `None` if there is none, and the reason if it is refused.
+fn start_from(scene: &Scene, seed: u64, file: &Path) -> Option<Result<Simulation, String>> {
+    let bytes = match std::fs::read(file) {
+        Ok(bytes) => bytes,
+        Err(error) if error.kind() == ErrorKind::NotFound => return None,
+        Err(error) => return Some(Err(format!("cannot be read: {error}"))),
+    };
+    let state = labelled_state(scene, seed, &bytes);
+    let started = |state: Vec<u8>| {
+        Simulation::start_from(scene, &state).map_err(|error| match error {
+            CheckpointError::Format { problem } => problem,
+            other => other.to_string(),
+        })
+    };
+    Some(state.and_then(started))
+}
+
+/// The state in the bytes of a file, if it is one of this scene, seed and build.
+fn labelled_state(scene: &Scene, seed: u64, bytes: &[u8]) -> Result<Vec<u8>, String> {
+    let unfit = |error| format!("does not hold what it should ({error})");
+    let (label, rest) = postcard::take_from_bytes::<Label>(open(MARK, bytes)?).map_err(unfit)?;
+    let wanted = Label::of(scene, seed);
+    if label.build != wanted.build {
+        return Err(format!("was prepared by build {}, and this is build {}", label.build, wanted.build));
+    }
+    if label != wanted {
+        return Err(format!(
+            "is a state of {} with seed {} (scene {:016x}), not of {} with seed {seed} (scene {:016x})",
+            label.scene, label.seed, label.scene_hash, wanted.scene, wanted.scene_hash
+        ));
+    }
+    postcard::from_bytes(rest).map_err(unfit)
+}
+
+/// Returns true if a run can start at once: the scene prepares no flowing state, or it is in the cache.
+pub fn is_ready(scene: &Scene, seed: u64) -> bool {
+    let takes = |file: PathBuf| std::fs::read(file).is_ok_and(|bytes| labelled_state(scene, seed, &bytes).is_ok());
+    scene.prepare.is_none() || state_file(scene, seed).is_ok_and(takes)
+}
+
+fn state_file(scene: &Scene, seed: u64) -> Result<PathBuf, WriteError> {
+    let name = format!("{}-s{seed}-{:016x}.state", file_stem(&scene.name), scene_hash(scene));
+    Ok(cache_folder()?.join("prepared").join(name))
+}
+
+#[cfg(test)]
+#[path = "../tests/unit/prepared.rs"]
+mod tests;

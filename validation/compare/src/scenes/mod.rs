@@ -1,0 +1,167 @@
+//! Sources of scenes: files, or the reference scenes that the program itself holds.
+//!
+//! A folder `reference-scenes` here or above goes before what the program holds. What it holds are the scenes and the references
+//! recorded on them, as they were when it was built; no path of the machine that built it is looked at.
+
+mod change;
+mod held;
+mod schema;
+
+pub use change::{Change, ChangeError, changed, key_of};
+use held::bytes_of;
+pub use held::{BUILT_IN, is_built_in, is_given, names, origin, read};
+use makadam::scene::SceneFileError;
+use makadam::scene::suggestion;
+use makadam_frames::plan::Scene;
+use makadam_measure::observables::catalogue;
+pub use schema::{page, schema};
+use std::io::{Error, ErrorKind, Read};
+use std::path::{Path, PathBuf};
+
+/// Name of the scene on standard input.
+pub const STANDARD_INPUT: &str = "-";
+
+/// Error of a missing or invalid scene.
+#[derive(Debug, thiserror::Error)]
+pub enum SceneError {
+    /// The name is neither a file nor a known scene.
+    #[error(
+        "no scene '{name}'; {}",
+        suggestion(
+            name,
+            known.iter().map(String::as_str),
+            "give a path to a TOML file, - for standard input, or a name that `makadam print scenes` lists"
+        )
+    )]
+    Unknown {
+        /// The requested name.
+        name: String,
+        /// Scenes that exist.
+        known: Vec<String>,
+    },
+    /// The file cannot be read, or what it says is refused.
+    #[error(transparent)]
+    File(#[from] SceneFileError),
+    /// A value cannot be put in place of what the scene says.
+    #[error("--set {0}")]
+    Change(#[from] ChangeError),
+}
+
+/// Turns what is wrong with the scene of a file into an error that names the file and, where it can be read, the line.
+pub fn in_file(file: &Path) -> impl Fn(makadam::scene::SceneError) -> SceneError + '_ {
+    move |error| error.in_file(file, text(file).ok().as_deref()).into()
+}
+
+/// Turns an error of a scene that was made in code into one that names it.
+pub fn named(name: &str) -> impl Fn(makadam::scene::SceneError) -> SceneError + '_ {
+    move |error| error.in_file(Path::new(name), None).into()
+}
+
+/// Folders in which `reference-scenes` is looked for: the current one and those above it.
+pub fn roots() -> Vec<PathBuf> {
+    let here = std::env::current_dir().unwrap_or_default();
+    here.ancestors().map(PathBuf::from).collect()
+}
+
+/// Finds the file of a scene named by a path, by its folder under `reference-scenes/` in `roots`, or by its name among those that
+/// the program holds.
+///
+/// # Errors
+/// [`SceneFileError::Missing`] if a path names no file, [`SceneError::Unknown`] if there is no scene of a name.
+pub fn find(name: &str, roots: &[PathBuf]) -> Result<PathBuf, SceneError> {
+    let as_path = PathBuf::from(name);
+    if as_path.is_file() {
+        return Ok(as_path);
+    }
+    let folders = roots.iter().map(|root| root.join("reference-scenes").join(name));
+    let files = std::iter::once(as_path).chain(folders).map(|folder| folder.join("scene.toml"));
+    if let Some(file) = files.into_iter().find(|file| file.is_file()) {
+        return Ok(file);
+    }
+    let held = Path::new(BUILT_IN).join(name).join("scene.toml");
+    if bytes_of(&held).is_some() {
+        return Ok(held);
+    }
+    if name.contains('/') || name.ends_with(".toml") {
+        let source = match std::fs::metadata(name) {
+            Err(source) => source,
+            Ok(there) if there.is_dir() => Error::other("it is a folder without a scene.toml"),
+            Ok(_) => Error::other(
+                "it is no regular file, such as a pipe or a device; write the scene to a file and name that",
+            ),
+        };
+        return Err(SceneFileError::Missing { file: name.into(), source }.into());
+    }
+    Err(SceneError::Unknown { name: name.into(), known: known(roots) })
+}
+
+/// Names of the scenes in folders `reference-scenes` of `roots`, and of those that the program holds, sorted.
+pub fn known(roots: &[PathBuf]) -> Vec<String> {
+    let entries =
+        roots.iter().filter_map(|root| std::fs::read_dir(root.join("reference-scenes")).ok()).flatten().flatten();
+    let mut known: Vec<String> = entries
+        .filter(|entry| entry.path().join("scene.toml").is_file())
+        .filter_map(|entry| entry.file_name().into_string().ok())
+        .chain(names().map(String::from))
+        .collect();
+    known.sort();
+    known.dedup();
+    known
+}
+
+/// Reads a scene's file as text.
+///
+/// # Errors
+/// [`SceneFileError::Missing`] if it cannot be read, or is no text.
+pub fn text(file: &Path) -> Result<String, SceneError> {
+    let missing = |source| SceneFileError::Missing { file: file.to_path_buf(), source };
+    let bytes = read(file).map_err(missing)?;
+    String::from_utf8(bytes).map_err(|error| missing(Error::new(ErrorKind::InvalidData, error)).into())
+}
+
+/// Finds the text of a scene by its name, by a path, or on standard input, makes changes, and gives the path under which it is read
+/// from then on.
+///
+/// # Errors
+/// [`SceneError`] if there is none, or a change cannot be made.
+pub fn take(name: &str, roots: &[PathBuf], changes: &[Change]) -> Result<PathBuf, SceneError> {
+    let (mut path, mut given) = match name {
+        STANDARD_INPUT => (PathBuf::from("<standard input>"), Some(standard_input()?)),
+        name => (find(name, roots)?, None),
+    };
+    let origin = given.is_none().then(|| path.clone());
+    if !changes.is_empty() {
+        let text = given.map_or_else(|| text(&path), Ok)?;
+        given = Some(changed(&text, changes)?);
+        let written: Vec<String> = changes.iter().map(|change| format!("--set {change}")).collect();
+        path = format!("{} with {}", path.display(), written.join(" ")).into();
+    }
+    if let Some(text) = given {
+        held::give(path.clone(), text, origin);
+    }
+    Ok(path)
+}
+
+fn standard_input() -> Result<String, SceneError> {
+    let mut text = String::new();
+    let read = std::io::stdin().lock().read_to_string(&mut text);
+    let missing = |source| SceneFileError::Missing { file: "<standard input>".into(), source };
+    read.map_err(missing)?;
+    Ok(text)
+}
+
+/// Reads and checks a scene: also that what it compares is what it measures.
+pub fn load(file: &Path) -> Result<Scene, SceneError> {
+    parse(&text(file)?, file)
+}
+
+/// Reads and checks the text of a scene that is said to be in a file.
+pub fn parse(text: &str, file: &Path) -> Result<Scene, SceneError> {
+    let scene = Scene::parse(text).map_err(|error| error.in_file(file, Some(text)))?;
+    catalogue::check(&scene, text, file)?;
+    Ok(scene)
+}
+
+#[cfg(test)]
+#[path = "../../tests/unit/scenes.rs"]
+mod tests;

@@ -1,0 +1,256 @@
+//! Builder of the scenes of stress tests and laws.
+
+use makadam::scene::{
+    Domain, GrainEntry, Material, Motion, NormalLaw, Population, RadiusDistribution, Reaction, Region, Shape,
+    SolverMethod, Stop, Wall,
+};
+use makadam_frames::plan::{Measure, Scene};
+
+/// Radius of a grain where a case says nothing else, m.
+pub const RADIUS: f64 = 0.005;
+
+/// Acceleration of gravity, m/s2.
+pub const GRAVITY: f64 = 9.81;
+
+/// Density of a grain where a case says nothing else, kg/m3.
+pub(crate) const DENSITY: f64 = 2500.0;
+
+/// Pitch of the lattice of polydisperse grains, over the largest grain's diameter.
+pub(crate) const SPACING: f64 = 1.04;
+
+/// Poisson's ratio of all materials.
+const POISSON_RATIO: f64 = 0.3;
+
+/// A scene under construction. Grains are of "grain" and walls of "wall", unless stated otherwise.
+pub struct Sketch(Scene);
+
+impl Sketch {
+    /// A scene without grains and walls, in which every step is solved well; frames are taken at 50 times.
+    pub fn new(name: impl Into<String>, duration: f64) -> Sketch {
+        let material = Material {
+            density: DENSITY,
+            youngs_modulus: 1e7,
+            poisson_ratio: POISSON_RATIO,
+            friction: 0.5,
+            restitution: 0.5,
+            ..Material::default()
+        };
+        let materials = [("grain", material.clone()), ("wall", material)];
+        let measure = Measure { interval: duration / 50.0, from: Some(0.0), ..Measure::default() };
+        let simulated = makadam::scene::Scene::default();
+        let mut scene = Scene { simulated, prepare: None, measure, output: None, compare: Vec::new() };
+        scene.name = name.into();
+        scene.description = "A hard case of makadam stability.".into();
+        scene.duration = duration;
+        scene.domain = Domain { min: [-0.5, -0.5, -0.1], max: [0.5, 0.5, 0.9], periodic: Vec::new() };
+        scene.material = materials.into_iter().map(|(name, material)| (name.to_string(), material)).collect();
+        scene.solver.stop = Stop::Residual { tolerance: 1e-6, max_sweeps: 1000 };
+        Sketch(scene)
+    }
+
+    /// Lets the scene be changed at will.
+    pub fn with(mut self, change: impl FnOnce(&mut Scene)) -> Sketch {
+        change(&mut self.0);
+        self
+    }
+
+    /// Returns the sketch with every material changed.
+    pub fn materials(self, change: impl Fn(&mut Material)) -> Sketch {
+        self.with(|scene| scene.material.values_mut().for_each(change))
+    }
+
+    /// Adds a material, a copy of "grain" that is then changed.
+    pub fn material(self, name: &str, change: impl FnOnce(&mut Material)) -> Sketch {
+        self.with(|scene| {
+            let mut material = scene.material["grain"].clone();
+            change(&mut material);
+            scene.material.insert(name.into(), material);
+        })
+    }
+
+    /// Young's modulus of all materials, Pa.
+    pub fn modulus(self, modulus: f64) -> Sketch {
+        self.materials(|material| material.youngs_modulus = modulus)
+    }
+
+    /// Friction of all materials.
+    pub fn friction(self, friction: f64) -> Sketch {
+        self.materials(|material| material.friction = friction)
+    }
+
+    /// Rolling friction of grains, and three quarters of it on walls: YADE knows no other.
+    pub fn rolling_friction(self, coefficient: f64) -> Sketch {
+        self.with(|scene| {
+            for (name, material) in &mut scene.material {
+                material.rolling_friction = if name == "wall" { 0.75 * coefficient } else { coefficient };
+            }
+        })
+    }
+
+    /// Restitution of all materials.
+    pub fn restitution(self, restitution: f64) -> Sketch {
+        self.materials(|material| material.restitution = restitution)
+    }
+
+    /// Acceleration of gravity, m/s2.
+    pub fn gravity(self, gravity: [f64; 3]) -> Sketch {
+        self.with(|scene| scene.gravity = gravity)
+    }
+
+    /// Corners of the domain, m.
+    pub fn domain(self, min: [f64; 3], max: [f64; 3]) -> Sketch {
+        self.with(|scene| (scene.domain.min, scene.domain.max) = (min, max))
+    }
+
+    /// Time step, s.
+    pub fn step(self, step: f64) -> Sketch {
+        self.with(|scene| scene.solver.step = step)
+    }
+
+    /// Rigid contacts.
+    pub fn rigid(self) -> Sketch {
+        self.with(|scene| scene.solver.normal_law = NormalLaw::Rigid)
+    }
+
+    /// Anderson's acceleration, for loads that Gauss-Seidel alone takes too many sweeps to carry.
+    pub fn accelerated(self) -> Sketch {
+        self.with(|scene| scene.solver.method = SolverMethod::Anderson { memory: 3 })
+    }
+
+    /// A fixed number of sweeps a step.
+    pub fn sweeps(self, sweeps: u32) -> Sketch {
+        self.with(|scene| scene.solver.stop = Stop::Sweeps { sweeps })
+    }
+
+    /// Time between frames, s.
+    pub fn interval(self, interval: f64) -> Sketch {
+        self.with(|scene| scene.measure.interval = interval)
+    }
+
+    /// Adds a wall that stands still.
+    pub fn wall(self, shape: Shape) -> Sketch {
+        self.moving_wall(shape, Motion::Fixed)
+    }
+
+    /// Returns the sketch with one more wall, which moves.
+    pub fn moving_wall(self, shape: Shape, motion: Motion) -> Sketch {
+        self.with(|scene| {
+            let name = format!("wall{}", scene.wall.len());
+            scene.wall.push(Wall { name, material: "wall".into(), shape, motion });
+        })
+    }
+
+    /// Returns the sketch with one more plane, through a point (m).
+    pub fn plane(self, point: [f64; 3], normal: [f64; 3]) -> Sketch {
+        self.wall(Shape::Plane { point, normal })
+    }
+
+    /// Adds the plane z = 0.
+    pub fn floor(self) -> Sketch {
+        self.plane([0.0; 3], [0.0, 0.0, 1.0])
+    }
+
+    /// Adds a box whose top is open.
+    pub fn open_box(self, min: [f64; 3], max: [f64; 3]) -> Sketch {
+        self.wall(Shape::Box { min, max, open: vec!["+z".into()] })
+    }
+
+    /// Adds a drum with end caps about the y axis, its length centred, turning by the right-hand rule.
+    pub fn drum(self, radius: f64, length: f64, motion: Motion) -> Sketch {
+        let (y, axis) = (0.5 * length, [0.0, 1.0, 0.0]);
+        self.moving_wall(Shape::Cylinder { base: [0.0, -y, 0.0], axis, radius, length }, motion.clone())
+            .moving_wall(Shape::Disc { centre: [0.0, -y, 0.0], normal: axis, radius, hole: 0.0 }, motion.clone())
+            .moving_wall(Shape::Disc { centre: [0.0, y, 0.0], normal: [0.0, -1.0, 0.0], radius, hole: 0.0 }, motion)
+    }
+
+    /// Adds a grain at rest.
+    pub fn grain(self, radius: f64, position: [f64; 3]) -> Sketch {
+        self.moving_grain(radius, position, [0.0; 3], [0.0; 3])
+    }
+
+    /// Returns the sketch with one more grain: radius and position (m), velocity (m/s), spin (rad/s).
+    pub fn moving_grain(self, radius: f64, position: [f64; 3], velocity: [f64; 3], spin: [f64; 3]) -> Sketch {
+        self.with(|scene| {
+            scene.grain.push(GrainEntry { material: "grain".into(), radius, position, velocity, spin });
+        })
+    }
+
+    /// Gives the last grain another material.
+    pub fn made_of(self, material: &str) -> Sketch {
+        self.with(|scene| {
+            if let Some(grain) = scene.grain.last_mut() {
+                grain.material = material.into();
+            }
+        })
+    }
+
+    /// Adds equal grains on the lowest sites of a region.
+    pub fn population(self, count: usize, radius: f64, region: Region) -> Sketch {
+        self.with(|scene| {
+            let radius = RadiusDistribution::Fixed { value: radius };
+            let material = "grain".into();
+            scene.population.push(Population { count, material, radius, region, spacing: 1.1, agitation: 0.0 });
+        })
+    }
+
+    /// Adds grains with radii between (1 - spread) and (1 + spread) times the mean, a little off the lowest sites of a region.
+    pub fn polydisperse(self, count: usize, [mean, spread]: [f64; 2], region: Region, agitation: f64) -> Sketch {
+        self.with(|scene| {
+            let radius = RadiusDistribution::Uniform { mean, spread };
+            let material = "grain".into();
+            scene.population.push(Population { count, material, radius, region, spacing: SPACING, agitation });
+        })
+    }
+
+    /// Adds a wall with a name, of a material.
+    pub fn named_wall(self, name: &str, material: &str, shape: Shape, motion: Motion) -> Sketch {
+        self.with(|scene| scene.wall.push(Wall { name: name.into(), material: material.into(), shape, motion }))
+    }
+
+    /// Changes a material.
+    pub fn change_material(self, name: &str, change: impl FnOnce(&mut Material)) -> Sketch {
+        self.with(|scene| change(scene.material.get_mut(name).expect("a declared material")))
+    }
+
+    /// Description of the scene.
+    pub fn description(self, text: String) -> Sketch {
+        self.with(|scene| scene.description = text)
+    }
+
+    /// Lets grains leave the domain.
+    pub fn open_domain(self) -> Sketch {
+        self.with(|scene| scene.watch.on_escape = Reaction::Ignore)
+    }
+
+    /// The scene, checked as one from a file.
+    ///
+    /// # Panics
+    /// The scene breaks a rule that scenes from files have to keep: the catalogue is wrong then.
+    pub fn scene(self) -> Scene {
+        self.0.check().unwrap_or_else(|error| panic!("{}: {error}", self.0.name));
+        self.0
+    }
+}
+
+/// A motion about the y axis, rad/s.
+pub fn turning(rate: f64) -> Motion {
+    Motion::Rotating { point: [0.0; 3], axis: [0.0, 1.0, 0.0], rate, start: 0.0, stop: None, reverse: None }
+}
+
+/// Mass of a grain of the usual density, kg.
+pub fn mass(radius: f64) -> f64 {
+    4.0 / 3.0 * std::f64::consts::PI * radius.powi(3) * DENSITY
+}
+
+/// Overlap at which Hertz's law gives a force, m: `F = 4/3 E* sqrt(R*) d^(3/2)` with `1/E*` the sum of `(1 - nu^2)/E` of
+/// both (Johnson, Contact Mechanics, 1985, 4.2).
+pub fn hertz_overlap(force: f64, moduli: [f64; 2], effective_radius: f64) -> f64 {
+    let softness = (1.0 - POISSON_RATIO * POISSON_RATIO) * (1.0 / moduli[0] + 1.0 / moduli[1]);
+    (0.75 * force * softness / effective_radius.sqrt()).powf(2.0 / 3.0)
+}
+
+/// Force of Hertz's law at an overlap, N: the inverse of [`hertz_overlap`].
+pub fn hertz_force(overlap: f64, moduli: [f64; 2], effective_radius: f64) -> f64 {
+    let softness = (1.0 - POISSON_RATIO * POISSON_RATIO) * (1.0 / moduli[0] + 1.0 / moduli[1]);
+    4.0 / 3.0 / softness * effective_radius.sqrt() * overlap.powf(1.5)
+}

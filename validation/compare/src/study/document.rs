@@ -1,0 +1,159 @@
+//! The files of a study: tables as CSV, all of it as JSON, figures as SVG, one page to read, the same in Markdown.
+
+use super::report::Report;
+use makadam_frames::output::cells::csv;
+use makadam_frames::output::{WriteError, create_folder, write_whole};
+use makadam_frames::plan::Scene;
+use makadam_view::draw::figure::Figure;
+use makadam_view::draw::svg::standalone;
+use serde::Serialize;
+use std::io::{ErrorKind, Write as _};
+use std::path::{Path, PathBuf};
+
+/// Name and content of a file.
+pub type File = (String, Vec<u8>);
+
+/// A study that can be written to files.
+pub trait Document: Serialize {
+    /// Name of its files, without extensions.
+    const NAME: &'static str;
+
+    /// Tables as CSV, and the provenance.
+    fn tables(&self) -> Result<Vec<File>, DocumentError> {
+        Ok(Vec::new())
+    }
+
+    /// Figures.
+    fn figures(&self) -> Vec<Figure> {
+        Vec::new()
+    }
+
+    /// Content for the terminal, the page and Markdown.
+    fn report(&self) -> Report;
+
+    /// Writes all files into a folder, which is made if it is missing, and returns the path of the page. A failure changes no file.
+    fn write(&self, folder: &Path) -> Result<PathBuf, DocumentError> {
+        let figures = self.figures();
+        let mut files = self.tables()?;
+        files.push(json(Self::NAME, self)?);
+        files.extend(figures.iter().map(drawn));
+        let (report, page) = (self.report(), format!("{}.html", Self::NAME));
+        files.push((page.clone(), report.page(&figures)?.into_bytes()));
+        files.push((format!("{}.md", Self::NAME), report.markdown().into_bytes()));
+        write_together(folder, &files)?;
+        Ok(folder.join(page))
+    }
+
+    /// Writes the tables alone into a folder, which is made if it is not there.
+    fn write_tables(&self, folder: &Path) -> Result<(), DocumentError> {
+        write_together(folder, &self.tables()?)
+    }
+}
+
+/// Error of writing a document. No file is left half-written.
+#[derive(Debug, thiserror::Error)]
+pub enum DocumentError {
+    /// The system refused.
+    #[error("cannot write {}: {source}; {}", path.display(), remedy(source))]
+    Io {
+        /// File or folder.
+        path: PathBuf,
+        /// Reason.
+        source: std::io::Error,
+    },
+    /// The page's template does not fit its data.
+    #[error("cannot render the page: {0:#}; this is a fault of the program")]
+    Template(#[from] minijinja::Error),
+    /// The data cannot be written as JSON.
+    #[error("cannot write the data as JSON: {0}; this is a fault of the program")]
+    Json(#[from] serde_json::Error),
+    /// The tests cannot be written as XML.
+    #[error("cannot write the tests as XML: {0}; this is a fault of the program")]
+    Xml(#[from] quick_junit::SerializeError),
+    /// The rows cannot be written as CSV.
+    #[error("cannot write the rows as CSV: {0}; this is a fault of the program")]
+    Csv(#[from] csv::Error),
+}
+
+fn remedy(source: &std::io::Error) -> &'static str {
+    match source.kind() {
+        ErrorKind::StorageFull | ErrorKind::QuotaExceeded => {
+            "the disk is full: free some room, or choose another folder"
+        }
+        ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => "choose a folder that you may write to",
+        ErrorKind::NotADirectory | ErrorKind::AlreadyExists => {
+            "a file stands where a folder is needed: choose another folder"
+        }
+        _ => "check that the folder exists and the disk has room",
+    }
+}
+
+/// Returns a CSV file of rows.
+///
+/// # Errors
+/// [`DocumentError`] where a row cannot be written.
+pub fn table(name: &str, rows: &[impl Serialize]) -> Result<File, DocumentError> {
+    Ok((format!("{name}.csv"), csv(rows)?))
+}
+
+/// Returns a JSON file of a value.
+///
+/// # Errors
+/// [`DocumentError`] where the value cannot be written.
+pub fn json(name: &str, value: &(impl Serialize + ?Sized)) -> Result<File, DocumentError> {
+    Ok((format!("{name}.json"), serde_json::to_vec_pretty(value)?))
+}
+
+/// A figure as a file NAME.svg.
+fn drawn(figure: &Figure) -> File {
+    (format!("{}.svg", figure.name), standalone(&figure.svg).into_bytes())
+}
+
+/// Writes scenes to `scenes/NAME.toml` in a folder, to be run by hand.
+pub fn write_scenes<'a>(scenes: impl IntoIterator<Item = &'a Scene>, folder: &Path) -> Result<(), WriteError> {
+    let folder = folder.join("scenes");
+    create_folder(&folder)?;
+    scenes.into_iter().try_for_each(|scene| {
+        let text = toml::to_string(scene).expect("a scene is made of plain tables");
+        write_whole(&folder.join(format!("{}.toml", scene.name)), text.as_bytes())
+    })
+}
+
+/// Writes files into a folder, which is made if it is not there. All of them are complete on disk under temporary names before
+/// the first is renamed, so that what an earlier command has written stays whole if this one fails.
+pub fn write_together(folder: &Path, files: &[File]) -> Result<(), DocumentError> {
+    let refused = |path: &Path| {
+        let path = path.to_path_buf();
+        move |source| DocumentError::Io { path, source }
+    };
+    std::fs::create_dir_all(folder).map_err(refused(folder))?;
+    // A temporary name beside a file, so that the rename stays within one file system.
+    let draft = |name: &str| folder.join(format!("{name}.{}.part", std::process::id()));
+    let written = files
+        .iter()
+        .try_for_each(|(name, bytes)| write_and_sync(&draft(name), bytes).map_err(refused(&folder.join(name))));
+    let renamed = written.and_then(|()| {
+        files.iter().try_for_each(|(name, _)| {
+            let path = folder.join(name);
+            std::fs::rename(draft(name), &path).map_err(refused(&path))
+        })
+    });
+    if renamed.is_err() {
+        for (name, _) in files {
+            // The first error is the one to report; a draft that cannot be removed was never a document.
+            let _ = std::fs::remove_file(draft(name));
+        }
+    }
+    renamed
+}
+
+fn write_and_sync(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    let mut file = std::fs::File::create(path)?;
+    file.write_all(bytes)?;
+    // Without this a full disk may show only after the rename.
+    file.sync_all()
+}
+
+#[cfg(test)]
+#[path = "../../tests/unit/study_document.rs"]
+mod tests;

@@ -1,0 +1,287 @@
+//! Frames of any code, read by what their files and a manifest state.
+//!
+//! ```text
+//! file ─> dump, text, VTK ─> FrameTable: columns with a meaning ─> assemble, with scene and manifest ─> Recording, as of a run
+//! ```
+//!
+//! A column is taken by its name, as the file or the manifest gives it, never by its index. Nothing is guessed: what neither states is
+//! refused with the line of the manifest to add, or the [`Recording`] says that its frames lack it, and what would need it is not measured.
+
+mod columns;
+mod contacts;
+mod dump;
+mod format;
+mod frames;
+mod identity;
+mod legacy_vtk;
+mod manifest;
+mod table;
+mod text;
+mod vtkhdf;
+mod xml;
+
+pub use columns::{Column, StatedColumns, column_of};
+pub use contacts::merge_wall_contacts;
+pub use contacts::{contact_from_force, measurable};
+pub use format::parse;
+pub use manifest::{FilePattern, Manifest};
+pub use table::{FrameTable, ImportError, Periods};
+
+use crate::plan::Scene;
+use crate::recording::{Content, Recording, outside_domain};
+use columns::Places;
+use contacts::{Columns, ContactList, vector};
+use frames::{Frame, frames};
+use identity::{Identity, Numbers};
+use makadam::scene::{Domain, Reaction};
+use makadam::snapshot::{Particle, Snapshot};
+use manifest::Missing;
+use nalgebra::Vector3;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+/// Grains and contacts as tables, as files hold them.
+#[derive(Clone, Debug, Default)]
+pub struct Tables {
+    /// Frames of grains.
+    pub grains: Vec<FrameTable>,
+    /// Frames of contacts.
+    pub contacts: Vec<FrameTable>,
+    /// Files of grains and of contacts, by their canonical names.
+    pub files: [BTreeSet<PathBuf>; 2],
+}
+
+impl Tables {
+    /// Reads all files of a manifest.
+    ///
+    /// # Errors
+    /// [`ImportError`] with file and line.
+    pub fn read(manifest: &Manifest) -> Result<Tables, ImportError> {
+        let mut tables = Tables::default();
+        for pattern in &manifest.grains {
+            manifest.files(pattern)?.iter().try_for_each(|file| tables.add_grains(file, pattern, manifest))?;
+        }
+        for pattern in &manifest.contacts {
+            manifest.files(pattern)?.iter().try_for_each(|file| tables.add_contacts(file, pattern, manifest))?;
+        }
+        Ok(tables)
+    }
+
+    /// Adds the frames of a file of grains.
+    ///
+    /// # Errors
+    /// [`ImportError`] with file and line.
+    pub fn add_grains(&mut self, file: &Path, pattern: &FilePattern, manifest: &Manifest) -> Result<(), ImportError> {
+        once(&mut self.files[0], file)?;
+        self.grains.extend(read(file, pattern, &manifest.columns)?);
+        Ok(())
+    }
+
+    /// Adds the frames of a file of contacts.
+    ///
+    /// # Errors
+    /// [`ImportError`] with file and line.
+    pub fn add_contacts(&mut self, file: &Path, pattern: &FilePattern, manifest: &Manifest) -> Result<(), ImportError> {
+        once(&mut self.files[1], file)?;
+        self.contacts.extend(read(file, pattern, &manifest.contact_columns)?);
+        Ok(())
+    }
+}
+
+/// Refuses a file that has been read, by this name or another one: its frames would count twice.
+fn once(known: &mut BTreeSet<PathBuf>, file: &Path) -> Result<(), ImportError> {
+    match known.insert(file.canonicalize().unwrap_or_else(|_| file.to_path_buf())) {
+        true => Ok(()),
+        false => {
+            Err(ImportError::new(file, 1, "the file is given twice, by this name or another one; name each file once"))
+        }
+    }
+}
+
+/// Reads the frames of a file; a single one without time and step has those that its name states.
+fn read(file: &Path, pattern: &FilePattern, columns: &StatedColumns) -> Result<Vec<FrameTable>, ImportError> {
+    let bytes = std::fs::read(file).map_err(|error| ImportError::new(file, 1, error.to_string()))?;
+    let mut frames = parse(file, bytes, columns)?;
+    if let ([frame], Some(stamp)) = (&mut frames[..], pattern.stamp(file))
+        && frame.time.is_none()
+        && frame.step.is_none()
+    {
+        (frame.time, frame.step) = (stamp.time, stamp.step);
+    }
+    Ok(frames)
+}
+
+/// Frames as a recording, and notes for the reader.
+#[derive(Debug)]
+pub struct Imported {
+    /// The frames.
+    pub recording: Recording,
+    /// Notes, in sentences.
+    pub notes: Vec<String>,
+}
+
+/// Puts the frames of files together.
+///
+/// # Errors
+/// [`ImportError`] with file and line: statements that are missing, or contradict the scene or one another.
+pub fn assemble(scene: &Scene, manifest: &Manifest, tables: &Tables) -> Result<Imported, ImportError> {
+    if tables.grains.is_empty() {
+        return Err(ImportError::new(Path::new("-"), 1, "no file has a frame; give files of grains"));
+    }
+    let mut notes = Vec::new();
+    tables.grains.iter().try_for_each(|table| position(table).map(|_| ()))?;
+    tables.grains.iter().chain(&tables.contacts).try_for_each(|table| same_box(table, &scene.domain))?;
+
+    // All statements that are missing are reported at once.
+    let mut missing = Missing::default();
+    tables.contacts.iter().for_each(|table| _ = Columns::of(table, &mut missing));
+    let foreign = tables.contacts.iter().find(|table| table.first_id.is_none());
+    if let Some(table) = foreign.filter(|_| !manifest.contacts_complete) {
+        let meaning = "the files list all contacts of each of their frames; else leave the files of contacts out";
+        missing.add(table, 0, "contacts-complete = true", meaning);
+    }
+    let frames = frames(scene, manifest, tables, &mut missing, &mut notes)?;
+    let identity = Identity::new(scene, manifest, &frames);
+    let numbers = identity.numbers(&frames, &mut missing)?;
+    let radii = match tables.grains.iter().find(|table| Places::of(table).radius().is_none()) {
+        Some(table) => identity.radii(table, &mut missing, &mut notes)?,
+        None => Vec::new(),
+    };
+    missing.refuse()?;
+
+    let mut snapshots = Vec::with_capacity(frames.len());
+    let step = longest_step(manifest, &frames);
+    for frame in &frames {
+        let particles = particles(frame.grains, &identity, &numbers, &radii, &scene.domain)?;
+        let mut list = ContactList::new(scene, manifest, &numbers, &particles);
+        for table in &frame.contacts {
+            let columns = Columns::of(table, &mut missing);
+            columns.map_or(Ok(()), |columns| list.add(table, &columns))?;
+        }
+        if let Some(step) = step.filter(|_| frame.is_measured) {
+            list.check_complete(&frame.contacts, step)?;
+        }
+        let contacts = merge_wall_contacts(list.contacts);
+        let driven_walls = frame.grains.driven_walls.clone();
+        let snapshot = Snapshot { time: frame.time, particles, contacts, driven_walls, ..Snapshot::default() };
+        snapshots.push(measurable(snapshot).map_err(|problem| frame.grains.fault(0, problem))?);
+    }
+    let code = manifest.name.as_deref().unwrap_or("frames");
+    let version = manifest.version.as_deref().unwrap_or("unknown");
+    // Frames state no step of the code; the one by which they are numbered need not be it.
+    let recording = Recording::new(scene, code, version, manifest.seed.unwrap_or(scene.seed), snapshots);
+    let recording = Recording { lacks: lacks(scene, tables), ..recording };
+    Ok(Imported { recording, notes })
+}
+
+/// Contents that some frames lack.
+fn lacks(scene: &Scene, tables: &Tables) -> Vec<Content> {
+    let driven: Vec<u32> =
+        (0..).zip(&scene.wall).filter(|(_, wall)| wall.motion.is_driven()).map(|(wall, _)| wall).collect();
+    let states_poses =
+        |table: &FrameTable| driven.iter().all(|wall| table.driven_walls.iter().any(|stated| stated.wall == *wall));
+    let all_have = |of: fn(usize) -> Column| tables.grains.iter().all(|table| Places::of(table).vector(of).is_some());
+    let some_has = |column: Column| tables.contacts.iter().any(|table| Places::of(table).find(column).is_some());
+    let has = [
+        (Content::DrivenWalls, !driven.is_empty() && tables.grains.iter().all(states_poses)),
+        (Content::Velocities, all_have(Column::Velocity)),
+        (Content::Spins, all_have(Column::Spin)),
+        (Content::Contacts, some_has(Column::Second)),
+        (Content::WallContacts, some_has(Column::Wall)),
+    ];
+    has.into_iter().filter(|(_, has)| !has).map(|(content, _)| content).collect()
+}
+
+/// Longest time step that the code can have had, s: none where velocities or times do not state it.
+fn longest_step(manifest: &Manifest, frames: &[Frame<'_>]) -> Option<f64> {
+    let has_velocities = frames.iter().all(|frame| Places::of(frame.grains).vector(Column::Velocity).is_some());
+    let between = frames.array_windows().map(|[one, other]| other.time - one.time);
+    let step = between.chain(manifest.time_step).fold(f64::INFINITY, f64::min);
+    (has_velocities && step.is_finite()).then_some(step)
+}
+
+/// Refuses a file whose periodic box is another one than the scene's: contacts and overlaps across it would be others.
+fn same_box(table: &FrameTable, domain: &Domain) -> Result<(), ImportError> {
+    let Some(Periods { lengths, rounding }) = table.periods else { return Ok(()) };
+    let period = domain.period();
+    let name = |axis: usize| ["x", "y", "z"][axis];
+    for (axis, length) in lengths.into_iter().enumerate() {
+        let own = if period.is_periodic(axis) { domain.max[axis] - domain.min[axis] } else { 0.0 };
+        if (length - own).abs() <= rounding && (length > 0.0) == (own > 0.0) {
+            continue;
+        }
+        let words = |length: f64| match length > 0.0 {
+            true => format!("periodic along {}, with a length of {length} m", name(axis)),
+            false => format!("not periodic along {}", name(axis)),
+        };
+        let problem =
+            format!("its box is {}, and the scene is {}; give the scene that was run", words(length), words(own));
+        return Err(table.fault(0, problem));
+    }
+    Ok(())
+}
+
+/// Columns of the coordinates.
+fn position(table: &FrameTable) -> Result<[usize; 3], ImportError> {
+    let places = Places::of(table);
+    let is_scaled = table.unread.iter().any(|name| ["xs", "xsu"].contains(&name.as_str()));
+    places.vector(Column::Position).ok_or_else(|| {
+        let remedy = match is_scaled {
+            true => "coordinates are scaled to the box: dump x y z instead",
+            false => {
+                "name the columns of the file in their order: columns = [\"id\", \"x\", \"y\", \"z\", \"radius\", ...]"
+            }
+        };
+        table.fault(0, format!("no columns x, y, z among {}; {remedy}", places.names()))
+    })
+}
+
+/// Grains of a frame in the order of their numbers, at their images in the domain along periodic axes.
+fn particles(
+    table: &FrameTable,
+    identity: &Identity<'_>,
+    numbers: &Numbers,
+    radii: &[f64],
+    domain: &Domain,
+) -> Result<Vec<Particle>, ImportError> {
+    let places = Places::of(table);
+    let position = position(table)?;
+    let (id, size) = (places.find(Column::Id), places.radius());
+    let (velocity, spin) = (places.vector(Column::Velocity), places.vector(Column::Spin));
+    let particle = |(row, cells): (usize, &[f64])| {
+        let id = numbers.get(&(identity.own_number(id, row, cells) as i64)).copied().unwrap_or_default();
+        let radius = match size {
+            Some((column, factor)) => factor * cells[column],
+            None => radii.get(id as usize).copied().unwrap_or_default(),
+        };
+        let of = |columns: Option<[usize; 3]>| columns.map_or([0.0; 3], |columns| columns.map(|column| cells[column]));
+        let position = image(domain, vector(cells, position)).into();
+        Particle { id, position, radius, velocity: of(velocity), spin: of(spin) }
+    };
+    let mut particles: Vec<Particle> = table.rows().enumerate().map(particle).collect();
+    particles.sort_by_key(|particle| particle.id);
+    match particles.array_windows().any(|[one, other]| one.id == other.id) {
+        false => Ok(particles),
+        true => Err(table.fault(0, "two grains of a frame have one number")),
+    }
+}
+
+/// Image of a point that lies in the domain, as far as it is periodic; a point inside keeps its bits.
+fn image(domain: &Domain, point: Vector3<f64>) -> Vector3<f64> {
+    let wrapped = domain.period().wrapped(&point, &domain.min.into());
+    let is_inside = |axis: usize| (domain.min[axis]..domain.max[axis]).contains(&point[axis]);
+    Vector3::from_fn(|axis, _| if is_inside(axis) { point[axis] } else { wrapped[axis] })
+}
+
+/// Notes on measured frames: grains outside the domain, and forces none of which pushes.
+pub fn unlike<'f>(scene: &Scene, frames: impl Iterator<Item = &'f Snapshot> + Clone) -> Vec<String> {
+    let may_leave = scene.watch.on_escape == Reaction::Ignore;
+    let outside = frames.clone().find_map(|frame| outside_domain(frame, scene)).filter(|_| !may_leave);
+    let mut contacts = frames.flat_map(|frame| &frame.contacts).peekable();
+    let pulls = contacts.peek().is_some() && !contacts.any(|contact| contact.normal_force > 0.0);
+    let pulls = pulls.then(|| {
+        "no contact pushes its grains apart: forces are those on the first grain, and normals lead away from it"
+            .to_string()
+    });
+    outside.into_iter().chain(pulls).collect()
+}

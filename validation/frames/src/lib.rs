@@ -1,0 +1,14 @@
+//! Frames on disk: the scene with what is measured of it, runs and their provenance, the native frame store, exports, and readers of
+//! the files of other programs.
+
+pub mod execution;
+pub mod export;
+pub mod import;
+pub mod interrupt;
+pub mod neighbours;
+pub mod output;
+pub mod plan;
+pub mod provenance;
+pub mod recording;
+pub mod run_frames;
+pub mod stepping;

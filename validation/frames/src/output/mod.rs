@@ -1,0 +1,122 @@
+//! Files of a run: tables as CSV, the summary as JSON, and what frames are made of for exports and pictures.
+
+mod cache;
+pub mod cells;
+mod grain_fields;
+mod lock;
+pub mod mesh;
+mod names;
+mod record;
+mod run_files;
+mod shown;
+mod table;
+pub(crate) mod vtk;
+mod wall_mesh;
+
+pub use cache::{cache_folder, run_folder};
+pub(crate) use grain_fields::{DRIVEN_WALLS, GrainTable, driven_walls};
+pub use lock::{FolderLock, LockError};
+pub use names::file_stem;
+pub use record::record_folder;
+pub use run_files::RunFiles;
+pub use shown::shown;
+pub(crate) use table::open_to_grow;
+pub use table::{TableWritten, TimeTable};
+pub(crate) use wall_mesh::WallMesh;
+pub use wall_mesh::Walls;
+
+/// Version of the JSON documents, raised when a field changes its meaning or goes away.
+pub const JSON_VERSION: u32 = 1;
+
+/// Section of the arrays of a whole file in VTK's formats.
+pub(crate) const FIELD_DATA: &str = "FieldData";
+
+/// First bytes of every HDF5 file.
+pub const HDF5: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
+
+use makadam::checkpoint::{replace_with, write_atomically};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// Error of a file that cannot be written.
+#[derive(Debug, thiserror::Error)]
+#[error("{path}: {source}{}", remedy(source))]
+pub struct WriteError {
+    /// The file or folder.
+    pub path: String,
+    /// Error of the system.
+    pub source: std::io::Error,
+}
+
+/// Returns the remedy; messages about invalid data hold their own.
+fn remedy(source: &std::io::Error) -> &'static str {
+    match source.kind() {
+        std::io::ErrorKind::InvalidData => "",
+        _ => "; check that the path is writable and the disk has room",
+    }
+}
+
+impl WriteError {
+    /// An error about a path.
+    pub fn new(path: &Path, source: std::io::Error) -> WriteError {
+        WriteError { path: path.display().to_string(), source }
+    }
+}
+
+/// Makes a folder and those above it.
+pub fn create_folder(path: &Path) -> Result<(), WriteError> {
+    std::fs::create_dir_all(path).map_err(|source| WriteError::new(path, source))
+}
+
+/// Creates the folder of a file and those above, if it names one.
+pub fn create_folder_of(file: &Path) -> Result<(), WriteError> {
+    match file.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+        Some(folder) => create_folder(folder),
+        None => Ok(()),
+    }
+}
+
+/// A file under a temporary name, which is removed unless it is finished.
+pub struct Draft {
+    path: PathBuf,
+    draft: PathBuf,
+}
+
+impl Draft {
+    /// Returns the draft of the file at a path.
+    pub fn of(path: &Path) -> Draft {
+        let mut draft = path.as_os_str().to_owned();
+        draft.push(format!(".part{}", std::process::id()));
+        Draft { path: path.to_path_buf(), draft: draft.into() }
+    }
+
+    /// Returns the temporary name.
+    pub fn name(&self) -> &Path {
+        &self.draft
+    }
+
+    /// Gives the file its name.
+    ///
+    /// # Errors
+    /// [`WriteError`] if the system refuses.
+    pub fn finish(self) -> Result<(), WriteError> {
+        std::fs::rename(&self.draft, &self.path).map_err(|source| WriteError::new(&self.path, source))
+    }
+}
+
+impl Drop for Draft {
+    fn drop(&mut self) {
+        // A draft that cannot be removed is recognised by its name.
+        let _ = std::fs::remove_file(&self.draft);
+    }
+}
+
+/// Writes a file through a draft, so that what stood there before stays whole until the new one is.
+pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+    replace_with(path, |draft| draft.write_all(bytes)).map_err(|source| WriteError::new(path, source))
+}
+
+/// Writes a file as [`write_whole`] does, and to the disk: it outlasts a cut of power.
+pub fn write_durably(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+    write_atomically(path, bytes).map_err(|source| WriteError::new(path, source))
+}

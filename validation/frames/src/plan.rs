@@ -1,0 +1,412 @@
+//! A scene as the judge has it: what is simulated, and what is measured and compared of it.
+//!
+//! Both stand in one TOML document with two readers. The solver reads what is simulated and passes over the tables `prepare`, `measure`,
+//! `output` and `compare`; here these are read, and written again with the rest, in the order that hashes of recorded results are taken in.
+
+mod output;
+mod physics;
+mod roster;
+
+pub use output::{FrameFormat, GrainField, Output};
+pub use physics::{physics_hash, setup_hash};
+pub use roster::{Kind, Roster, lasting_number};
+
+use makadam::scene::{
+    Accuracy, Beforehand, Checked, Document, DocumentPath, Domain, Finding, GrainEntry, GravityChange, Material,
+    Motion, PairRule, Population, SceneError, SceneFileError, SolverSettings, Wall, Watch,
+};
+use makadam::wall::jumps_back;
+use schemars::{JsonSchema, Schema, SchemaGenerator};
+use serde::{Deserialize, Serialize, Serializer};
+use std::borrow::Cow;
+use std::collections::{BTreeMap, HashMap};
+use std::ops::{Deref, DerefMut};
+use std::path::Path;
+
+/// Most seeds of a comparison.
+pub const MOST_SEEDS: u64 = 1000;
+
+const MOST_FRAMES: f64 = 1e6;
+
+/// A scene that is measured. Whatever takes what is simulated takes it as it is.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(from = "Written")]
+pub struct Scene {
+    /// The simulated scene.
+    pub simulated: makadam::scene::Scene,
+    /// Simulation before the run, for a start from a flowing state.
+    pub prepare: Option<Prepare>,
+    /// Observables and times of measurement.
+    pub measure: Measure,
+    /// Content and interval of the frames on disk; all content at the interval of `measure`, if absent.
+    pub output: Option<Output>,
+    /// Observables for the comparison of codes, with margins of equivalence.
+    pub compare: Vec<Expectation>,
+}
+
+impl Deref for Scene {
+    type Target = makadam::scene::Scene;
+
+    fn deref(&self) -> &makadam::scene::Scene {
+        &self.simulated
+    }
+}
+
+impl DerefMut for Scene {
+    fn deref_mut(&mut self) -> &mut makadam::scene::Scene {
+        &mut self.simulated
+    }
+}
+
+/// The judge's tables of a document.
+#[derive(Deserialize, JsonSchema)]
+pub struct Tables {
+    /// Simulation before the run, for a start from a flowing state.
+    #[serde(default)]
+    prepare: Option<Prepare>,
+    /// Observables and times of measurement.
+    #[serde(default)]
+    measure: Measure,
+    /// Content and interval of the frames on disk.
+    #[serde(default)]
+    output: Option<Output>,
+    /// Observables for the comparison of codes, with margins of equivalence.
+    #[serde(default)]
+    compare: Vec<Expectation>,
+}
+
+impl Scene {
+    /// Reads and checks the text of a scene.
+    pub fn parse(text: &str) -> Result<Scene, SceneError> {
+        let document = Document::parse(text)?;
+        let simulated = makadam::scene::Scene::read(&document)?;
+        let Tables { prepare, measure, output, compare } = document.read()?;
+        let scene = Scene { simulated, prepare, measure, output, compare };
+        scene.check()?;
+        Ok(scene)
+    }
+
+    /// Reads and checks a scene file.
+    pub fn load(file: &Path) -> Result<Scene, SceneFileError> {
+        let missing = |source| SceneFileError::Missing { file: file.to_path_buf(), source };
+        let text = std::fs::read_to_string(file).map_err(missing)?;
+        Scene::parse(&text).map_err(|error| error.in_file(file, Some(&text)))
+    }
+
+    /// Checks all that the scene says.
+    ///
+    /// # Errors
+    /// [`SceneError::Invalid`] with the first fault.
+    pub fn check(&self) -> Result<(), SceneError> {
+        self.check_tables()?;
+        match self.beforehand() {
+            Some(beforehand) => self.simulated.check_after(beforehand)?,
+            None => self.simulated.check()?,
+        }
+        Ok(self.check_walls_at_start()?)
+    }
+
+    /// Preflight warnings; `text` is that of the scene's file, for lines.
+    pub fn findings(&self, text: Option<&str>) -> Vec<Finding> {
+        self.simulated.findings_after(self.beforehand(), text)
+    }
+
+    /// Returns the scene with every Young's modulus multiplied by `factor`.
+    pub fn with_stiffness_factor(&self, factor: f64) -> Scene {
+        Scene { simulated: self.simulated.with_stiffness_factor(factor), ..self.clone() }
+    }
+
+    /// Time between frames on disk, s.
+    pub fn output_interval(&self) -> f64 {
+        self.output.as_ref().and_then(|output| output.interval).unwrap_or(self.measure.interval)
+    }
+
+    fn beforehand(&self) -> Option<Beforehand> {
+        self.prepare.as_ref().map(|prepare| Beforehand { duration: prepare.duration, step: prepare.step })
+    }
+
+    /// Refuses walls that would jump as the run begins: its clock starts at zero again.
+    fn check_walls_at_start(&self) -> Checked {
+        let Some(Prepare { duration, step }) = self.prepare else { return Ok(()) };
+        let until = (duration / step).round() * step;
+        match self.wall.iter().position(|wall| jumps_back(wall, &self.domain, until)) {
+            None => Ok(()),
+            Some(index) => {
+                let problem = format!(
+                    "wall '{}' moves in the {duration} s of [prepare], and would jump back as the run begins at time 0",
+                    self.wall[index].name
+                );
+                let whole = match self.wall[index].motion {
+                    Motion::Vibrating { .. } => "let prepare.duration be a whole number of periods from start = 0, ",
+                    Motion::Rotating { .. } => "let prepare.duration be a whole number of turns, ",
+                    _ => "",
+                };
+                let remedy =
+                    format!("{whole}give start = {duration} or later (of the run's clock too), or leave out [prepare]");
+                Err(DocumentPath::default().key("wall").index(index).key("motion").fault(problem, &remedy))
+            }
+        }
+    }
+
+    fn check_tables(&self) -> Checked {
+        let root = DocumentPath::default();
+        if let Some(prepare) = &self.prepare {
+            root.key("prepare").key("duration").range(prepare.duration, 0.0, 1e5, "s")?;
+            let at = root.key("prepare").key("step");
+            at.usual(prepare.step, [1e-9, 0.1], [1e-15, 0.1], self.unusual_values, "s")?;
+        }
+        let (at, duration) = (root.key("measure"), self.duration);
+        let Measure { interval, from, .. } = self.measure;
+        at.key("from").range(from.unwrap_or(0.0), 0.0, duration, "s")?;
+        for (table, interval) in [("measure", interval), ("output", self.output_interval())] {
+            let at = root.key(table).key("interval");
+            at.usual(interval, [1e-6, 1e5], [1e-15, 1e5], self.unusual_values, "s")?;
+            if duration / interval > MOST_FRAMES {
+                let problem = format!("{interval} s within {duration} s are too many frames");
+                return Err(at.fault(problem, &format!("give one that leaves at most {MOST_FRAMES:e}")));
+            }
+        }
+        at.key("seeds").range(self.measure.seeds.unwrap_or(2) as f64, 2.0, MOST_SEEDS as f64, "seeds")?;
+        at.key("rest_energy").range(self.measure.rest_energy.unwrap_or(1.0), 1e-30, 1e6, "J per grain")?;
+        if self.measure.lacks_energy() {
+            let problem = "runs at rest are known by their kinetic energy, and balances are not measured".into();
+            return Err(at.key("rest_energy").fault(problem, "add balances to measure.observables"));
+        }
+        let mut compared = HashMap::new();
+        for (index, expectation) in self.compare.iter().enumerate() {
+            let at = root.key("compare").index(index);
+            if let Some(before) = compared.insert(&expectation.observable, index) {
+                let problem = format!("'{}' is compared by compare[{before}] already", expectation.observable);
+                return Err(at.key("observable").fault(problem, "give each observable one margin"));
+            }
+            at.key("margin").range(expectation.margin.unwrap_or(1.0), 1e-12, 1e6, "in the observable's unit")?;
+        }
+        Ok(())
+    }
+}
+
+/// A scene as it is written: the keys in the order that recorded hashes are taken in. What is left out where it has its default keeps
+/// the hashes of scenes from before there was such a key.
+#[derive(Serialize, JsonSchema)]
+struct Form<'s> {
+    name: &'s str,
+    description: &'s str,
+    duration: f64,
+    gravity: [f64; 3],
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    gravity_changes: &'s [GravityChange],
+    seed: u64,
+    domain: &'s Domain,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    largest_start_overlap: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    unusual_values: Option<bool>,
+    material: &'s BTreeMap<String, Material>,
+    pair: &'s [PairRule],
+    wall: &'s [Wall],
+    population: &'s [Population],
+    grain: &'s [GrainEntry],
+    prepare: &'s Option<Prepare>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    accuracy: &'s Option<Accuracy>,
+    solver: &'s SolverSettings,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    watch: Option<&'s Watch>,
+    measure: &'s Measure,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    output: &'s Option<Output>,
+    compare: &'s [Expectation],
+}
+
+/// A scene that was written, to be read back from results.
+#[derive(Deserialize)]
+struct Written {
+    // First: what is simulated passes over these tables, and a table is read once.
+    #[serde(flatten)]
+    tables: Tables,
+    #[serde(flatten)]
+    simulated: makadam::scene::Scene,
+}
+
+impl From<Written> for Scene {
+    fn from(Written { simulated, tables: Tables { prepare, measure, output, compare } }: Written) -> Scene {
+        Scene { simulated, prepare, measure, output, compare }
+    }
+}
+
+/// Overlap at the start that is accepted where a scene says nothing else, over the smaller radius.
+const SLIGHT_OVERLAP: f64 = 0.01;
+
+impl Serialize for Scene {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let Scene { simulated, prepare, measure, output, compare } = self;
+        let makadam::scene::Scene {
+            name,
+            description,
+            duration,
+            gravity,
+            gravity_changes,
+            seed,
+            domain,
+            largest_start_overlap,
+            unusual_values,
+            material,
+            pair,
+            wall,
+            population,
+            grain,
+            accuracy,
+            solver,
+            watch,
+            ..
+        } = simulated;
+        let document = Form {
+            name,
+            description,
+            duration: *duration,
+            gravity: *gravity,
+            gravity_changes,
+            seed: *seed,
+            domain,
+            largest_start_overlap: Some(*largest_start_overlap).filter(|overlap| *overlap != SLIGHT_OVERLAP),
+            unusual_values: Some(true).filter(|_| *unusual_values),
+            material,
+            pair,
+            wall,
+            population,
+            grain,
+            prepare,
+            accuracy,
+            solver,
+            watch: Some(watch).filter(|watch| **watch != Watch::default()),
+            measure,
+            output,
+            compare,
+        };
+        document.serialize(serializer)
+    }
+}
+
+/// That of the scene as it is written.
+impl JsonSchema for Scene {
+    fn schema_name() -> Cow<'static, str> {
+        "Scene".into()
+    }
+
+    fn schema_id() -> Cow<'static, str> {
+        concat!(module_path!(), "::Scene").into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        Form::json_schema(generator)
+    }
+}
+
+/// Times of frames, and observables averaged over them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Measure {
+    /// Time between frames, s.
+    pub interval: f64,
+    /// Frames from this time on are measured, s. If absent, only the last frame is.
+    pub from: Option<f64>,
+    /// Groups of observables.
+    pub observables: Vec<Observable>,
+    /// Registered number of seeds: only seeds 1 to this number can agree. Without it none can.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub seeds: Option<u64>,
+    /// Largest kinetic energy per grain of a run at rest, J: a comparison excludes runs above it. Default: all runs count.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rest_energy: Option<f64>,
+}
+
+/// Part of the interval by which a frame may be away from the time at which it is due: times are sums of steps, and steps of other codes
+/// are longer.
+const OFF_DUE: f64 = 0.01;
+
+impl Measure {
+    /// Time by which a frame may be away from that at which it is due, s.
+    pub fn slack(&self) -> f64 {
+        OFF_DUE * self.interval
+    }
+
+    /// Reports whether runs at rest are told from others by an energy that is not measured.
+    fn lacks_energy(&self) -> bool {
+        self.rest_energy.is_some() && !self.observables.contains(&Observable::Balances)
+    }
+
+    /// Returns true for a frame at or after `from`, by its time (s).
+    pub fn covers(&self, time: f64) -> bool {
+        self.from.is_some_and(|from| time >= from - self.slack())
+    }
+}
+
+impl Default for Measure {
+    fn default() -> Self {
+        Self { interval: 0.05, from: None, observables: Vec::new(), seeds: None, rest_energy: None }
+    }
+}
+
+/// Group of observables; underscores are read as hyphens.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Observable {
+    /// Angle of the flowing surface in a rotating drum.
+    #[serde(alias = "dynamic_angle_of_repose")]
+    DynamicAngleOfRepose,
+    /// Angle of a heap at rest.
+    #[serde(alias = "static_angle_of_repose")]
+    StaticAngleOfRepose,
+    /// Solid volume over volume in the bulk.
+    #[serde(alias = "packing_fraction")]
+    PackingFraction,
+    /// Contacts per grain in the bulk.
+    #[serde(alias = "coordination_number")]
+    CoordinationNumber,
+    /// Shape of the distribution of normal forces.
+    #[serde(alias = "contact_forces")]
+    ContactForces,
+    /// Wall forces over weight, energy, overlap, Coulomb excess.
+    Balances,
+    /// Velocity profile, layer thickness, shell slip, wall torque.
+    #[serde(alias = "drum_flow")]
+    DrumFlow,
+    /// Mixing and segregation by size.
+    #[serde(alias = "size_mixing")]
+    SizeMixing,
+    /// Displacement of the first dynamic wall.
+    #[serde(alias = "driven_wall")]
+    DrivenWall,
+    /// Mass that passes through the hole of a disc, such as the floor of a silo.
+    Discharge,
+    /// Height and speed of the first listed grain, such as a projectile.
+    Intruder,
+}
+
+/// Observable for the comparison of codes, with its margin.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Expectation {
+    /// Name of the measured quantity, for example `packing_fraction`; hyphens are read as underscores.
+    #[serde(deserialize_with = "underscored")]
+    pub observable: String,
+    /// Margin of equivalence in the observable's unit; without one it is reported without a verdict.
+    pub margin: Option<f64>,
+}
+
+/// Reads a name with underscores, however it is spelt.
+fn underscored<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<String, D::Error> {
+    Ok(String::deserialize(deserializer)?.replace('-', "_"))
+}
+
+/// Simulation before the run, as the start instead of the jittered lattice. The clock of the run then starts at zero. Prescribed walls
+/// stand at their position at time zero, dynamic walls stay. A wall that would jump is refused: its motion must start after `duration`, or
+/// lead back to the same surface (a drum about its own axis, whole turns, whole periods).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Prepare {
+    /// Time simulated beforehand, s.
+    pub duration: f64,
+    /// Time step used for it, s.
+    pub step: f64,
+}

@@ -1,0 +1,264 @@
+//! The frame store: one file with the frames of a run, to the last bit, appended while the run goes on.
+//!
+//! ```text
+//! record of the scene (TOML), then one record per frame; a record: magic bytes (8), length (8), checksum (8), body (postcard)
+//! ```
+//!
+//! A process that is killed leaves at most its last record incomplete: readers end before it, and a resumed run overwrites it.
+
+use crate::output::{WriteError, open_to_grow};
+use crate::plan::Scene;
+use makadam::checkpoint::{open, seal};
+use makadam::snapshot::Snapshot;
+use serde::{Deserialize, Serialize};
+use std::fs::{File, OpenOptions};
+use std::io::{BufReader, Error, ErrorKind, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+
+/// Magic bytes of the record of the scene; the last one is the version of the format.
+const SCENE: [u8; 8] = *b"mkd-scn\x01";
+/// Magic bytes of the record of a frame; the last one is the version of the format.
+const FRAME: [u8; 8] = *b"mkd-frm\x04";
+
+/// Bytes before the body of a record.
+const HEAD: u64 = 24;
+
+/// Position of a frame in a store.
+#[derive(Clone, Copy, Debug)]
+pub struct Entry {
+    /// First byte of the record.
+    start: u64,
+    /// Bytes of the record.
+    length: u64,
+    /// Simulated time, s.
+    pub time: f64,
+    /// Number of grains.
+    pub grains: u32,
+}
+
+impl Entry {
+    fn end(&self) -> u64 {
+        self.start + self.length
+    }
+}
+
+/// Extent of a store at a checkpoint.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct StoreMark {
+    /// Number of frames.
+    pub frames: usize,
+    /// Bytes of the file.
+    pub bytes: u64,
+}
+
+/// Appends frames to a store.
+pub struct StoreWriter {
+    store: Store,
+    file: File,
+}
+
+impl StoreWriter {
+    /// Creates a store of a scene, in place of an existing one.
+    ///
+    /// # Errors
+    /// [`WriteError`] if the system refuses.
+    pub fn create(path: &Path, scene: &Scene) -> Result<StoreWriter, WriteError> {
+        let refused = |error| WriteError::new(path, error);
+        // A link would lead to a file of another owner.
+        let _ = std::fs::remove_file(path);
+        let mut file = OpenOptions::new().write(true).create_new(true).open(path).map_err(refused)?;
+        let text = toml::to_string(scene).expect("a scene is made of plain tables");
+        let head = seal(SCENE, text.as_bytes());
+        file.write_all(&head).map_err(refused)?;
+        let store = Store { path: path.into(), scene: scene.clone(), head: head.len() as u64, entries: Vec::new() };
+        Ok(StoreWriter { store, file })
+    }
+
+    /// Opens a store to append after the frames that a checkpoint knows; later ones are cut off.
+    ///
+    /// # Errors
+    /// [`WriteError`] if the system refuses, or the file does not hold these frames.
+    pub fn resume(path: &Path, mark: StoreMark) -> Result<StoreWriter, WriteError> {
+        let refused = |error| WriteError::new(path, error);
+        let unfit = |problem: String| {
+            let text = format!("{problem}, so it does not fit the checkpoint next to it; --restart begins again");
+            refused(Error::new(ErrorKind::InvalidData, text))
+        };
+        let mut store = Store::open(path).map_err(unfit)?;
+        store.entries.truncate(mark.frames);
+        if (store.count(), store.bytes()) != (mark.frames, mark.bytes) {
+            return Err(unfit(format!(
+                "holds {} frames in {} bytes, not {} in {}",
+                store.count(),
+                store.bytes(),
+                mark.frames,
+                mark.bytes
+            )));
+        }
+        store.visit(0..store.count(), &mut |_| ()).map_err(unfit)?;
+        let mut file = open_to_grow(path)?;
+        file.set_len(mark.bytes).and_then(|()| file.seek(SeekFrom::End(0))).map_err(refused)?;
+        Ok(StoreWriter { store, file })
+    }
+
+    /// Appends a frame.
+    ///
+    /// # Errors
+    /// [`WriteError`] if the system refuses; the frames before it stay readable.
+    pub fn append(&mut self, frame: &Snapshot) -> Result<(), WriteError> {
+        let body = postcard::to_stdvec(frame).expect("a frame holds only numbers and lists");
+        let record = seal(FRAME, &body);
+        let start = self.store.bytes();
+        // A failed write may have left a part of a record.
+        let written = self.file.seek(SeekFrom::Start(start)).and_then(|_| self.file.write_all(&record));
+        written.map_err(|error| WriteError::new(&self.store.path, error))?;
+        let (length, grains) = (record.len() as u64, frame.particles.len() as u32);
+        self.store.entries.push(Entry { start, length, time: frame.time, grains });
+        Ok(())
+    }
+
+    /// Flushes the frames to the disk.
+    ///
+    /// # Errors
+    /// [`WriteError`] if the system refuses.
+    pub fn sync(&self) -> Result<(), WriteError> {
+        self.file.sync_all().map_err(|error| WriteError::new(&self.store.path, error))
+    }
+
+    /// Returns the extent of the store.
+    pub fn mark(&self) -> StoreMark {
+        StoreMark { frames: self.store.count(), bytes: self.store.bytes() }
+    }
+
+    /// Returns the frames for reading.
+    pub fn store(&self) -> &Store {
+        &self.store
+    }
+}
+
+/// Frames of a store, for reading.
+#[derive(Clone, Debug)]
+pub struct Store {
+    path: PathBuf,
+    scene: Scene,
+    /// Bytes of the record of the scene.
+    head: u64,
+    entries: Vec<Entry>,
+}
+
+impl Store {
+    /// Reads the scene and the positions of all complete frames.
+    ///
+    /// # Errors
+    /// The problem, in words that follow the name of the file.
+    pub(crate) fn open(path: &Path) -> Result<Store, String> {
+        let unread = |error: Error| format!("cannot be read: {error}");
+        let mut file = File::open(path).map_err(unread)?;
+        let size = file.metadata().map_err(unread)?.len();
+        let record = read_record(&mut file, size)?.ok_or("holds no whole scene: the run was killed at its start")?;
+        let text = open(SCENE, &record)?;
+        let text = std::str::from_utf8(text).map_err(|error| format!("is damaged: {error}"))?;
+        let scene = toml::from_str(text).map_err(|error| format!("is of another version of the program: {error}"))?;
+        let mut store = Store { path: path.into(), scene, head: record.len() as u64, entries: Vec::new() };
+        while let Some(entry) = read_entry(&mut file, store.bytes(), size)? {
+            store.entries.push(entry);
+        }
+        Ok(store)
+    }
+
+    /// Returns the file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Returns the scene.
+    pub(crate) fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// Returns the frames' times and numbers of grains.
+    pub fn entries(&self) -> &[Entry] {
+        &self.entries
+    }
+
+    /// Returns the number of frames.
+    pub fn count(&self) -> usize {
+        self.entries.len()
+    }
+
+    /// Reads a frame.
+    ///
+    /// # Errors
+    /// The problem, in words that follow the name of the file.
+    pub(crate) fn read(&self, number: usize) -> Result<Snapshot, String> {
+        self.read_from(&mut self.reader()?, number)
+    }
+
+    /// Reads frames, by their numbers in ascending order.
+    ///
+    /// # Errors
+    /// The problem, in words that follow the name of the file.
+    pub fn visit(&self, numbers: impl Iterator<Item = usize>, look: &mut dyn FnMut(&Snapshot)) -> Result<(), String> {
+        let mut file = self.reader()?;
+        numbers.into_iter().try_for_each(|number| self.read_from(&mut file, number).map(|frame| look(&frame)))
+    }
+
+    fn reader(&self) -> Result<BufReader<File>, String> {
+        File::open(&self.path).map(BufReader::new).map_err(|error| format!("cannot be read: {error}"))
+    }
+
+    fn read_from(&self, file: &mut BufReader<File>, number: usize) -> Result<Snapshot, String> {
+        let unread = |error: Error| format!("cannot be read: {error}");
+        let entry = &self.entries[number];
+        let ahead = entry.start as i64 - file.stream_position().map_err(unread)? as i64;
+        file.seek_relative(ahead).map_err(unread)?;
+        let mut bytes = Vec::with_capacity(entry.length as usize);
+        file.take(entry.length).read_to_end(&mut bytes).map_err(unread)?;
+        let body = open(FRAME, &bytes)?;
+        postcard::from_bytes(body).map_err(|error| format!("does not hold what it should ({error})"))
+    }
+
+    fn bytes(&self) -> u64 {
+        self.entries.last().map_or(self.head, Entry::end)
+    }
+}
+
+/// Reads the record of the scene at the start of a file; none if the file ends before it does.
+fn read_record(file: &mut File, size: u64) -> Result<Option<Vec<u8>>, String> {
+    let Some(length) = record_length(file, 0, size, SCENE)? else { return Ok(None) };
+    let mut bytes = vec![0; length as usize];
+    file.seek(SeekFrom::Start(0))
+        .and_then(|_| file.read_exact(&mut bytes))
+        .map_err(|error| format!("cannot be read: {error}"))?;
+    Ok(Some(bytes))
+}
+
+/// Reads the position, time and number of grains of the frame at a byte; none if the file ends before the frame does.
+fn read_entry(file: &mut File, start: u64, size: u64) -> Result<Option<Entry>, String> {
+    let Some(length) = record_length(file, start, size, FRAME)? else { return Ok(None) };
+    // A snapshot begins with its time (8 bytes) and its number of grains (at most 5).
+    let mut bytes = vec![0; 13.min((length - HEAD) as usize)];
+    file.read_exact(&mut bytes).map_err(|error| format!("cannot be read: {error}"))?;
+    let begin: Result<((f64, u32), _), _> = postcard::take_from_bytes(&bytes);
+    let ((time, grains), _) = begin.map_err(|error| format!("does not hold what it should ({error})"))?;
+    Ok(Some(Entry { start, length, time, grains }))
+}
+
+/// Reads the length of the record at a byte from its head; none if the file ends before the record does.
+fn record_length(file: &mut File, start: u64, size: u64, magic: [u8; 8]) -> Result<Option<u64>, String> {
+    if start + HEAD > size {
+        return Ok(None);
+    }
+    let mut head = [0; HEAD as usize];
+    file.seek(SeekFrom::Start(start))
+        .and_then(|_| file.read_exact(&mut head))
+        .map_err(|error| format!("cannot be read: {error}"))?;
+    if head[..8] != magic {
+        return Err(match head[..7] == magic[..7] {
+            true => format!("has version {} of the format, not {}", head[7], magic[7]),
+            false => format!("is damaged at byte {start}, or is no frame store"),
+        });
+    }
+    let length = HEAD.saturating_add(u64::from_le_bytes(head[8..16].try_into().expect("eight bytes")));
+    Ok((start.saturating_add(length) <= size).then_some(length))
+}

@@ -1,0 +1,204 @@
+//! Catalogue of the observables: what each number is, and what it needs of scenes and frames. The file of a group registers it.
+
+use super::measurement::Readings;
+use super::view::View;
+use super::{
+    balances, contact_forces, coordination, discharge, driven_wall, drum_flow, dynamic_angle, intruder, mixing,
+    packing_fraction, static_angle,
+};
+use makadam::scene::{Motion, SceneFileError, Shape, Wall, line_of, suggestion};
+use makadam_frames::plan::{Observable, Scene};
+use makadam_frames::recording::Content;
+use serde::Serialize;
+use std::path::Path;
+
+/// All groups, in the order of the page.
+pub(super) const GROUPS: [Group; 11] = [
+    dynamic_angle::GROUP,
+    static_angle::GROUP,
+    packing_fraction::GROUP,
+    coordination::GROUP,
+    contact_forces::GROUP,
+    balances::GROUP,
+    drum_flow::GROUP,
+    mixing::GROUP,
+    driven_wall::GROUP,
+    discharge::GROUP,
+    intruder::GROUP,
+];
+
+/// A group of observables that are measured together.
+pub(super) struct Group {
+    pub observable: Observable,
+    /// Name in `measure.observables`.
+    pub name: &'static str,
+    /// Adds the readings of a single frame, or returns the reason that it has none.
+    pub read: fn(&View<'_>, &mut Readings) -> Result<(), String>,
+    pub definitions: &'static [Definition],
+}
+
+/// Readings of a group that all measured frames give together.
+pub(super) fn nothing_of_a_frame(_: &View<'_>, _: &mut Readings) -> Result<(), String> {
+    Ok(())
+}
+
+/// A number that can be measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Definition {
+    /// Name in `[[compare]]`, tables and documents.
+    pub name: &'static str,
+    /// Its symbol in formulas.
+    pub symbol: &'static str,
+    /// Its unit; empty where it has none.
+    pub unit: &'static str,
+    /// Formula.
+    pub formula: &'static str,
+    /// Publication; empty for definitions of this program.
+    pub source: &'static str,
+    /// Content that frames need in addition to positions and sizes of grains.
+    pub needs: &'static [Content],
+    /// True if all measured frames give it together. The value of any other number is the mean over the measured frames of what each gives
+    /// by itself, or the maximum.
+    #[serde(skip)]
+    pub span: bool,
+    /// True if the maximum over the frames counts, not the mean.
+    #[serde(skip)]
+    pub largest: bool,
+}
+
+impl Definition {
+    pub(super) const fn source(self, source: &'static str) -> Definition {
+        Definition { source, ..self }
+    }
+
+    pub(super) const fn needs(self, needs: &'static [Content]) -> Definition {
+        Definition { needs, ..self }
+    }
+
+    pub(super) const fn of_span(self) -> Definition {
+        Definition { span: true, ..self }
+    }
+
+    pub(super) const fn largest(self) -> Definition {
+        Definition { largest: true, ..self }
+    }
+}
+
+/// A number with its name, symbol and unit, and its formula.
+pub(super) const fn define([name, symbol, unit]: [&'static str; 3], formula: &'static str) -> Definition {
+    Definition { name, symbol, unit, formula, source: "", needs: &[], span: false, largest: false }
+}
+
+pub(super) const CONTACTS: &[Content] = &[Content::Contacts];
+pub(super) const WALL_CONTACTS: &[Content] = &[Content::WallContacts];
+pub(super) const ALL_CONTACTS: &[Content] = &[Content::Contacts, Content::WallContacts];
+pub(super) const VELOCITIES: &[Content] = &[Content::Velocities];
+pub(super) const MOTION: &[Content] = &[Content::Velocities, Content::Spins];
+
+/// Names of all quantities that can be measured.
+pub fn known() -> impl Iterator<Item = &'static str> {
+    definitions().map(|(_, definition)| definition.name)
+}
+
+/// All quantities, each with the name of its group in `measure.observables`.
+pub fn definitions() -> impl Iterator<Item = (&'static str, &'static Definition)> {
+    GROUPS.into_iter().flat_map(|group| group.definitions.iter().map(move |definition| (group.name, definition)))
+}
+
+/// A quantity by its name; `None` if nothing measures it.
+pub fn definition(quantity: &str) -> Option<&'static Definition> {
+    definitions().map(|(_, definition)| definition).find(|definition| definition.name == quantity)
+}
+
+/// Content that a quantity needs of frames of a scene and that these lack, if any. Quantities that rest on distances from walls need the
+/// poses of those that a force or a torque drives, those of drums the rates of walls that a torque drives.
+pub fn missing(scene: &Scene, quantity: &str, lacks: &[Content]) -> Option<Content> {
+    let definition = definition(quantity)?;
+    let is_driven = |wall: &&Wall| wall.motion.is_driven();
+    let needs_poses = match group_of(quantity)?.0 {
+        Observable::PackingFraction | Observable::CoordinationNumber | Observable::ContactForces => true,
+        Observable::Discharge => {
+            let outlet = scene.wall.iter().find(|wall| matches!(wall.shape, Shape::Disc { hole, .. } if hole > 0.0));
+            outlet.as_ref().is_some_and(is_driven)
+        }
+        Observable::DynamicAngleOfRepose | Observable::DrumFlow => {
+            scene.wall.iter().any(|wall| matches!(wall.motion, Motion::TorqueDriven { .. }))
+        }
+        _ => false,
+    };
+    let poses = (needs_poses && scene.wall.iter().any(|wall| is_driven(&wall))).then_some(&Content::DrivenWalls);
+    definition.needs.iter().chain(poses).find(|need| lacks.contains(need)).copied()
+}
+
+/// The page of all quantities, in Markdown.
+pub fn page() -> String {
+    let mut page = String::from(
+        "# Observables\n\nWhat each measured number is. `makadam print observables` prints the same; this page is made by \
+         `makadam print observables --markdown`. Name a group under `measure.observables`, a number under `[[compare]]`. Means ⟨⟩ are over \
+         contacts or grains; the *bulk* is what lies at least two mean diameters from walls and free surface (one, where fewer than 50 \
+         grains would be left). Every number follows from positions, velocities and contacts alone, by one code for every simulator.\n\n\
+         The value of a run is the mean over the measured frames, for `largest_overlap` and `coulomb_excess` the maximum. It equals that of \
+         the columns of `observables.csv`. Angles, the flowing layer, Lacey's index in drums and discharge use all measured frames \
+         together; the table has the values of single frames. Gravity and walls are those of the time of the frame.\n\n\
+         The free surface is the outline of the bed in a drum, a level where the bed is level between walls, otherwise the outline of a \
+         heap, averaged over azimuth. Without gravity there is none, and grains must fill the space between the walls. Packing fraction, \
+         coordination and contact forces are not measured if the bulk holds a hole: a point farther than a mean diameter from the surface \
+         of every grain.\n\n\
+         A drum is the first cylinder that turns about its own axis, at least 45 degrees from gravity. Speed ratio and torque use the frames \
+         in which it turns. Angles, flowing layer and surface speed need one sense of rotation in all measured frames. The axis of a heap is \
+         that of the upright cylinders, which must have one and must not have moved sideways. Without cylinders it is the median of the \
+         grains.\n",
+    );
+    let mut group = "";
+    for (own, Definition { name, symbol, unit, formula, source, .. }) in definitions() {
+        if own != group {
+            page += &format!("\n## {own}\n\n| name | symbol | unit | definition |\n| --- | --- | --- | --- |\n");
+            group = own;
+        }
+        let unit = if unit.is_empty() { "–" } else { unit };
+        let source = if source.is_empty() { String::new() } else { format!(" ({source})") };
+        let formula = formula.replace('|', "\\|");
+        page += &format!("| `{name}` | {symbol} | {unit} | {formula}{source} |\n");
+    }
+    page
+}
+
+/// The group that a quantity belongs to, and the group's name in `measure.observables`; `None` if nothing measures it.
+pub fn group_of(quantity: &str) -> Option<(Observable, &'static str)> {
+    let has = |group: &Group| group.definitions.iter().any(|known| known.name == quantity);
+    GROUPS.into_iter().find(has).map(|group| (group.observable, group.name))
+}
+
+/// Checks that what a scene compares is what it measures: a name that is misspelt, or whose group is not measured, would have no
+/// value in any run. `text` is the scene's file, which names the line.
+///
+/// # Errors
+/// [`SceneFileError::Invalid`] with the line, and the nearest names or what to add.
+pub fn check(scene: &Scene, text: &str, file: &Path) -> Result<(), SceneFileError> {
+    for (index, expectation) in scene.compare.iter().enumerate() {
+        let name = expectation.observable.as_str();
+        let invalid = |problem: String, remedy: String| {
+            let line = line_of(text, &["compare", &index.to_string(), "observable"]);
+            let problem = format!("compare[{index}].observable: {problem}");
+            Err(SceneFileError::Invalid { file: file.to_path_buf(), line, problem, remedy })
+        };
+        match group_of(name) {
+            None => {
+                let remedy = suggestion(name, known(), "`makadam print observables` lists all names");
+                return invalid(format!("nothing measures '{name}'"), remedy);
+            }
+            Some((group, words)) if !scene.measure.observables.contains(&group) => {
+                return invalid(
+                    format!("'{name}' is compared and not measured"),
+                    format!("add \"{words}\" to measure.observables, which it belongs to"),
+                );
+            }
+            Some(_) => {}
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+#[path = "../../tests/unit/observables_catalogue.rs"]
+mod tests;

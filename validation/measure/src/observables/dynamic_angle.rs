@@ -1,0 +1,89 @@
+//! Dynamic angle of repose: the inclination of the flowing surface in a rotating drum.
+//!
+//! The solid fraction is averaged over the measured frames on a grid in the cross-section (exact sphere volumes, whole
+//! length of the drum, smoothed over about one radius). Both lines go through the free part of the outline, which lies more than 1.5
+//! mean diameters inside the shell. The circle is centred on the point of the fitted line that is nearest to the drum's axis: in a drum
+//! filled to less than some 37% a circle about the axis would miss the surface altogether.
+//!
+//! Both are positive where the bed rises towards the side to which the shell carries it, whatever the sense of
+//! rotation. Standard errors are over blocks of time, the fields of which are measured one by one. The line through
+//! two points a fifth of the drum apart is about twice as noisy as the fitted line; it feels the S-shape of a fast
+//! surface less.
+
+use super::bed_surface::{BedFields, BedSurface, MeanField, surface};
+use super::catalogue::{Group, define, nothing_of_a_frame};
+use super::field::Field;
+use super::measurement::Measurement;
+use super::setting::{Properties, Setting};
+use crate::statistics::standard_error;
+use makadam::snapshot::Snapshot;
+use makadam_frames::plan::Observable;
+
+pub(super) const GROUP: Group = Group {
+    observable: Observable::DynamicAngleOfRepose,
+    name: "dynamic-angle-of-repose",
+    read: nothing_of_a_frame,
+    definitions: &[
+        define(
+            ["dynamic_angle_of_repose", "θ", "degree"],
+            "inclination of the line through the two points at which the outline of the bed (half of the largest \
+             time-averaged solid fraction) crosses a circle of a fifth of the drum's diameter about the middle of the \
+             surface; positive in the sense of rotation",
+        )
+        .of_span(),
+        define(
+            ["surface_line_angle", "θ_l", "degree"],
+            "inclination of the total-least-squares line through the middle half of the surface of the bed",
+        )
+        .of_span(),
+    ],
+};
+
+/// Frames averaged, centred, into one point of the angle over time.
+const WINDOW: usize = 5;
+
+/// Both angles over `frames` measured frames, degrees; nothing where there is no drum or no surface.
+pub fn measure(setting: &Setting<'_>, bed: &BedFields, frames: usize) -> Vec<Measurement> {
+    let of = |field: &Field| surface(setting, setting.drum.as_ref()?, field);
+    let Some(whole) = of(&bed.whole) else {
+        return Vec::new();
+    };
+    let parts: Vec<BedSurface> = bed.fields.iter().filter_map(of).collect();
+    let error = |angle: fn(&BedSurface) -> f64| standard_error(&parts.iter().map(angle).collect::<Vec<f64>>());
+    vec![
+        Measurement::of("dynamic_angle_of_repose", whole.circle_angle, error(|part| part.circle_angle), frames),
+        Measurement::of("surface_line_angle", whole.line_angle, error(|part| part.line_angle), frames),
+    ]
+}
+
+/// Time (s) and angle by the circle (degrees) of each frame, the field averaged over five frames about it, in all of which the drum
+/// turns in one sense.
+///
+/// Nothing where there is no drum, and where the direction of gravity changes: its fields are then of no one cross-section.
+pub fn over_time(properties: &Properties<'_>, frames: &[Snapshot]) -> Vec<(f64, f64)> {
+    let settings: Vec<Setting<'_>> = frames.iter().map(|frame| Setting::new(properties, frame)).collect();
+    let Some(setting) = settings.first() else { return Vec::new() };
+    if !settings.iter().all(|other| setting.has_up_of(other)) {
+        return Vec::new();
+    }
+    let field = |(frame, own): (&Snapshot, &Setting<'_>)| {
+        let mut mean = MeanField::new(setting, own.drum.as_ref()?, frame.particles.len());
+        mean.add(frame);
+        mean.finish()
+    };
+    let fields: Vec<Option<Field>> = frames.iter().zip(&settings).map(field).collect();
+    let at = |index: usize| {
+        let reach = (WINDOW / 2).min(index).min(frames.len() - 1 - index);
+        let about = index - reach..=index + reach;
+        if !settings[about.clone()].iter().all(|other| settings[index].turns_as(other)) {
+            return None;
+        }
+        let mut field = fields[index - reach].clone()?;
+        for more in &fields[about][1..] {
+            field.add(more.as_ref()?);
+        }
+        let surface = surface(setting, settings[index].drum.as_ref()?, &field)?;
+        Some((frames[index].time, surface.circle_angle))
+    };
+    (0..frames.len()).filter_map(at).collect()
+}

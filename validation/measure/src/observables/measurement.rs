@@ -1,0 +1,102 @@
+//! Measured numbers, and their averages over frames.
+
+use super::catalogue::definition;
+use crate::statistics::block_average;
+use makadam_frames::plan::Observable;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// One measured quantity of one run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Measurement {
+    /// Name of the quantity, for example `packing_fraction`.
+    pub observable: String,
+    /// Its unit; empty where it has none.
+    pub unit: String,
+    /// Its value: of a number of single frames the mean over the measured frames in which it has a value, or for the `largest_...` kind
+    /// the maximum; of a number of the whole span ([`Definition::span`](super::catalogue::Definition::span)) what all frames give together.
+    pub value: f64,
+    /// Standard error within the run, over blocks of time; absent where there are too few frames for blocks.
+    /// Of a heap's angle it is over azimuth instead.
+    pub standard_error: Option<f64>,
+    /// Number of frames measured.
+    pub frames: usize,
+}
+
+impl Measurement {
+    /// A measurement in the unit of its definition.
+    pub(super) fn of(name: &str, value: f64, standard_error: Option<f64>, frames: usize) -> Measurement {
+        let unit = definition(name).map_or("", |definition| definition.unit);
+        Measurement { observable: name.into(), unit: unit.into(), value, standard_error, frames }
+    }
+}
+
+/// An observable over time in one run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Series {
+    /// The code.
+    pub code: String,
+    /// Seed of the run.
+    pub seed: u64,
+    /// Name of the observable.
+    pub observable: String,
+    /// Times, s.
+    pub time: Vec<f64>,
+    /// Values at these times.
+    pub value: Vec<f64>,
+}
+
+/// Numbers measured of frames, and reasons why groups of numbers have none.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Measured {
+    /// The numbers.
+    pub measurements: Vec<Measurement>,
+    /// Groups that could not be measured in some frame or over all of them, and why; the first reason of each.
+    pub refusals: Vec<(Observable, String)>,
+}
+
+impl Measured {
+    /// Notes why a group could not be measured.
+    pub fn refuse(&mut self, group: Observable, why: &str) {
+        if self.refusals.iter().all(|(known, _)| *known != group) {
+            self.refusals.push((group, why.into()));
+        }
+    }
+}
+
+/// Readings of single frames by observable and unit, in the order in which they first came.
+#[derive(Default)]
+pub(super) struct Readings(Vec<(&'static str, &'static str, Vec<f64>)>);
+
+impl Readings {
+    /// Adds one frame's value; a value that is not finite is left out.
+    pub fn add(&mut self, name: &'static str, value: f64) {
+        self.add_in(name, definition(name).map_or("", |definition| definition.unit), value);
+    }
+
+    /// Adds one frame's value in one of the units of its observable.
+    pub fn add_in(&mut self, name: &'static str, unit: &'static str, value: f64) {
+        if !value.is_finite() {
+            return;
+        }
+        match self.0.iter_mut().find(|(known, its_unit, _)| *known == name && *its_unit == unit) {
+            Some((_, _, values)) => values.push(value),
+            None => self.0.push((name, unit, vec![value])),
+        }
+    }
+
+    /// One measurement per observable: the mean with its standard error over blocks of time, or the maximum.
+    pub fn averages(self) -> impl Iterator<Item = Measurement> {
+        self.0.into_iter().map(|(name, unit, values)| {
+            let frames = values.len();
+            let (value, standard_error) = match definition(name).is_some_and(|definition| definition.largest) {
+                true => (values.into_iter().fold(f64::NEG_INFINITY, f64::max), None),
+                false => {
+                    let average = block_average(&values);
+                    (average.mean, average.standard_error)
+                }
+            };
+            Measurement { observable: name.into(), unit: unit.into(), value, standard_error, frames }
+        })
+    }
+}

@@ -1,0 +1,231 @@
+//! One measurement code for every simulator: frames in, numbers out.
+//!
+//! ```text
+//! Recording ─> frames from `measure.from` on ─> View of a frame: down, walls, bulk ─> readings ─> averages over blocks of time
+//!                        └─> fields averaged over time ─> free surface ─> angles
+//! ```
+//!
+//! Frames are measured one after the other and added up; none is held. What grows with their number is a number
+//! a frame and quantity.
+//!
+//! Nothing is taken from a simulator's own estimators: every quantity follows from the two tables of a
+//! [`Snapshot`] and from the scene, at the frame's time: up is against gravity as it is then, weight is that of then, walls stand where
+//! their motion, or the frame, has them then. A drum is the cylinder that turns about its own level axis.
+//!
+//! **Bulk.** Grains whose centres, and contacts whose points, lie at least two mean diameters from every wall and
+//! from the free surface of their frame. Where fewer than 50 grains are left, one diameter is used. The ends of a periodic axis count as
+//! walls; a contact across an end lies there, between a grain and the nearest image of the other one. A bed that has none of the known free
+//! surfaces has no bulk, and is not measured.
+//!
+//! [`catalogue::definitions`] defines each number; `makadam print observables` prints it.
+//!
+//! ```
+//! use makadam_frames::plan::Scene;
+//! use makadam_measure::observables;
+//!
+//! # let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+//! let mut scene = Scene::load(&folder.join("reference-scenes/packing/scene.toml"))?;
+//! scene.population[0].count = 100;
+//! let mut simulation = makadam::Simulation::new(&scene, 1)?;
+//! for _ in 0..400 {
+//!     simulation.step();
+//! }
+//! let frame = simulation.snapshot();
+//! for measured in observables::measure_frames(&scene, &[&frame][..])?.unwrap_or_default().measurements {
+//!     println!("{} = {:.3} {}", measured.observable, measured.value, measured.unit);
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod balances;
+mod bed_surface;
+mod bulk;
+pub mod catalogue;
+mod contact_forces;
+pub mod contour;
+mod coordination;
+mod discharge;
+mod driven_wall;
+mod drum;
+mod drum_flow;
+mod dynamic_angle;
+mod effort;
+pub mod field;
+mod force_distribution;
+pub mod frames;
+mod holes;
+mod intruder;
+pub mod line;
+mod measurement;
+mod mixing;
+pub mod packing_fraction;
+mod possible;
+pub mod setting;
+pub mod sphere_volume;
+pub mod static_angle;
+mod view;
+pub mod walls;
+
+pub use force_distribution::{ForceDistribution, ForcePool, force_distribution};
+pub use measurement::{Measured, Measurement, Series};
+pub use possible::{Unmeasured, impossible, unmeasured};
+
+use bed_surface::BedFields;
+use catalogue::GROUPS;
+use frames::{Frames, Wrapped};
+use makadam::snapshot::Snapshot;
+use makadam_frames::plan::{Observable, Scene};
+use makadam_frames::recording::Recording;
+use measurement::Readings;
+use setting::{Properties, Setting};
+use static_angle::HeapFields;
+use view::View;
+
+/// Measures a recording: numbers of [`measured_in`].
+pub fn measure(scene: &Scene, recording: &Recording) -> Vec<Measurement> {
+    measured_in(scene, recording).measurements
+}
+
+/// Measures a recording: [`measure_frames`] of its [`measured_frames`]; nothing where it has none. A number that needs something that the
+/// frames do not state is left out.
+pub fn measured_in(scene: &Scene, recording: &Recording) -> Measured {
+    let Ok(measured) = measure_frames(scene, &measured_frames(scene, recording)[..]);
+    let mut measured = measured.unwrap_or_default();
+    measured.measurements.retain(|one| catalogue::missing(scene, &one.observable, &recording.lacks).is_none());
+    measured
+}
+
+/// Measures frames: the quantities of `scene.measure.observables`, over all of them. `None` if there is no frame, so that a state that
+/// was never measured is told from one that could not be.
+///
+/// A quantity that cannot be measured (no bulk, no drum, no contacts, grains too far apart or too unlike for a grid of
+/// `effort::most` cells) is left out of the list; none is NaN. A quantity of single frames depends on nothing but the frame and the
+/// scene: its value over several frames is the mean of what [`measure_frames`] gives of each.
+pub fn measure_frames<F: Frames + ?Sized>(scene: &Scene, frames: &F) -> Result<Option<Measured>, F::Error> {
+    let (frames, properties) = (Wrapped::new(frames, &scene.domain), Properties::new(scene));
+    let Some(span) = Span::new(&properties, &frames)? else {
+        return Ok(None);
+    };
+    let mut measured = Measured::default();
+    span.measure(&frames, &mut measured)?;
+
+    let mut readings = Readings::default();
+    frames.each(&mut |frame| {
+        let setting = Setting::new(&properties, frame);
+        let view = View::new(&setting, frame);
+        for &group in &scene.measure.observables {
+            let registered = GROUPS.iter().find(|registered| registered.observable == group);
+            if let Some(Err(reason)) = registered.map(|registered| (registered.read)(&view, &mut readings)) {
+                measured.refuse(group, &reason);
+            }
+        }
+    })?;
+    measured.measurements.extend(readings.averages());
+    Ok(Some(measured))
+}
+
+/// All measured frames together: quantities that rest on fields averaged over time, or on how grains got on.
+struct Span<'a> {
+    /// That of the first frame.
+    setting: Setting<'a>,
+    /// True if all frames have the direction of gravity of the first one.
+    steady: bool,
+    /// True if the drum turns in all frames, in the sense of the first one.
+    turning: bool,
+}
+
+impl<'a> Span<'a> {
+    /// Looks at gravity and the drum in all frames; absent if there is none.
+    fn new<F: Frames>(properties: &'a Properties<'a>, frames: &F) -> Result<Option<Self>, F::Error> {
+        let mut setting: Option<Setting<'a>> = None;
+        frames.visit(0..frames.count().min(1), &mut |first| setting = Some(Setting::new(properties, first)))?;
+        let Some(setting) = setting else { return Ok(None) };
+        let (mut steady, mut turning) = (true, true);
+        if properties.gravity_changes() || setting.drum.is_some() {
+            frames.each(&mut |frame| {
+                let other = Setting::new(properties, frame);
+                steady &= setting.has_up_of(&other);
+                turning &= setting.turns_as(&other);
+            })?;
+        }
+        Ok(Some(Self { setting, steady, turning }))
+    }
+
+    fn measure<F: Frames>(&self, frames: &F, measured: &mut Measured) -> Result<(), F::Error> {
+        const UNSTEADY: &str = "the direction of gravity changes over the measured frames";
+        const NOT_ONE_SENSE: &str = "the drum does not turn in one sense in all measured frames";
+        let setting = &self.setting;
+        let asks = |group: &Observable| setting.scene().measure.observables.contains(group);
+        let of_bed = [Observable::DynamicAngleOfRepose, Observable::DrumFlow];
+        for group in of_bed.iter().chain([&Observable::StaticAngleOfRepose]).filter(|group| asks(group) && !self.steady)
+        {
+            measured.refuse(*group, UNSTEADY);
+        }
+        if let Some(drum) = setting.drum.as_ref().filter(|_| self.steady && of_bed.iter().any(asks)) {
+            let fields = if self.turning { Some(BedFields::new(setting, drum, frames)?) } else { None };
+            match fields {
+                None => of_bed.iter().for_each(|group| measured.refuse(*group, NOT_ONE_SENSE)),
+                Some(None) => of_bed.iter().for_each(|group| {
+                    measured.refuse(*group, "grains are too small for the drum, or too unlike in size");
+                }),
+                Some(Some(bed)) => {
+                    if asks(&Observable::DynamicAngleOfRepose) {
+                        measured.measurements.extend(dynamic_angle::measure(setting, &bed, frames.count()));
+                    }
+                    if asks(&Observable::DrumFlow) {
+                        measured.measurements.extend(drum_flow::measure_flow(setting, &bed, frames)?);
+                    }
+                }
+            }
+            if asks(&Observable::DrumFlow) {
+                measured.measurements.extend(drum_flow::measure_mixing(setting, frames)?);
+            }
+        }
+        if asks(&Observable::Discharge) {
+            match discharge::measure(setting.properties, frames)? {
+                Ok(found) => measured.measurements.extend(found),
+                Err(why) => measured.refuse(Observable::Discharge, &why),
+            }
+        }
+        if asks(&Observable::StaticAngleOfRepose) && self.steady {
+            match HeapFields::new(setting, frames)? {
+                Ok(heap) => match static_angle::measure(setting, &heap) {
+                    Ok(found) => measured.measurements.extend(found),
+                    Err(why) => measured.refuse(Observable::StaticAngleOfRepose, why),
+                },
+                Err(why) => measured.refuse(Observable::StaticAngleOfRepose, &why),
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Quantities over time, one point a frame, over the whole run: the dynamic angle of repose (degrees) and the height of the intruder (m)
+/// where the scene asks for them. Frames in which the bed has no surface yet are left out.
+pub fn series(scene: &Scene, recording: &Recording) -> Vec<Series> {
+    let asks = |observable| scene.measure.observables.contains(&observable);
+    let properties = Properties::new(scene);
+    let one = |observable: &str, points: Vec<(f64, f64)>| {
+        let (time, value): (Vec<f64>, Vec<f64>) = points.into_iter().unzip();
+        let (code, seed) = (recording.code.clone(), recording.seed);
+        (!time.is_empty()).then(|| Series { code, seed, observable: observable.into(), time, value })
+    };
+    let angle = || one("dynamic_angle_of_repose", dynamic_angle::over_time(&properties, &recording.frames));
+    let height = || one("intruder_height", intruder::over_time(&properties, &recording.frames));
+    let asked = [
+        asks(Observable::DynamicAngleOfRepose).then(angle).flatten(),
+        asks(Observable::Intruder).then(height).flatten(),
+    ];
+    asked.into_iter().flatten().collect()
+}
+
+/// Frames that are measured: those from `scene.measure.from` on, which are none if the run ended before; the last one where the
+/// scene gives no such time.
+pub fn measured_frames<'a>(scene: &Scene, recording: &'a Recording) -> Vec<&'a Snapshot> {
+    let filled: Vec<&Snapshot> = recording.frames.iter().filter(|frame| !frame.particles.is_empty()).collect();
+    let first = match scene.measure.from {
+        Some(_) => filled.iter().position(|frame| scene.measure.covers(frame.time)).unwrap_or(filled.len()),
+        None => filled.len().saturating_sub(1),
+    };
+    filled[first..].to_vec()
+}

@@ -1,0 +1,81 @@
+//! Requested observables without a value: reported before a run, and after it with the reason.
+
+use super::catalogue::{definitions, group_of, missing};
+use super::drum::Drum;
+use super::measurement::Measured;
+use makadam::scene::{DocumentPath, Finding, Severity, Shape};
+use makadam_frames::plan::{Observable, Scene};
+use makadam_frames::recording::Content;
+use serde::Serialize;
+
+/// A number that was asked for and has no value.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Unmeasured {
+    /// Its name.
+    pub observable: &'static str,
+    /// The reason.
+    pub reason: String,
+}
+
+/// Groups that a scene measures and that have nothing to measure in it, as warnings. `text` is that of its file, for lines.
+pub fn impossible(scene: &Scene, text: Option<&str>) -> Vec<Finding> {
+    let root = DocumentPath::default();
+    let at = root.key("measure").key("observables");
+    let found = scene.measure.observables.iter().filter_map(|group| {
+        let (name, lacks) = lack(scene, *group)?;
+        Some(Finding {
+            severity: Severity::Warning,
+            problem: format!("measure.observables: {name} has nothing to measure: {lacks}"),
+            remedy: "leave it out, or add what it needs".into(),
+            line: text.and_then(|text| at.line(text)),
+        })
+    });
+    found.collect()
+}
+
+/// The name of a group, and what the scene lacks for it.
+fn lack(scene: &Scene, group: Observable) -> Option<(&'static str, &'static str)> {
+    let any = |wanted: fn(&Shape) -> bool| scene.wall.iter().any(|wall| wanted(&wall.shape));
+    let drum = "no cylinder turns about its own axis, across gravity";
+    let (is_there, lacks) = match group {
+        Observable::DynamicAngleOfRepose | Observable::DrumFlow => (has_drum(scene), drum),
+        Observable::Discharge => {
+            (any(|shape| matches!(shape, Shape::Disc { hole, .. } if *hole > 0.0)), "no wall is a disc with a hole")
+        }
+        Observable::DrivenWall => {
+            (scene.wall.iter().any(|wall| wall.motion.is_driven()), "no wall is driven by a force or a torque")
+        }
+        Observable::Intruder => (!scene.grain.is_empty(), "no grain is listed by itself under [[grain]]"),
+        Observable::StaticAngleOfRepose => {
+            (scene.gravity != [0.0; 3] || !scene.gravity_changes.is_empty(), "there is no gravity")
+        }
+        _ => (true, ""),
+    };
+    let name = definitions().find(|(_, definition)| group_of(definition.name).is_some_and(|(of, _)| of == group));
+    (!is_there).then(|| (name.map_or("", |(name, _)| name), lacks))
+}
+
+/// Reports whether a scene has a drum under gravity as it is at some time.
+fn has_drum(scene: &Scene) -> bool {
+    let later = scene.gravity_changes.iter().map(|change| change.gravity);
+    std::iter::once(scene.gravity).chain(later).any(|gravity| Drum::find(scene, gravity.into()).is_some())
+}
+
+/// Numbers that a scene measures and that have no value, with the reason; `lacks` is content that the frames do not have.
+pub fn unmeasured(scene: &Scene, lacks: &[Content], measured: &Measured) -> Vec<Unmeasured> {
+    let asked = |name: &str| group_of(name).filter(|(group, _)| scene.measure.observables.contains(group));
+    let has = |name: &str| measured.measurements.iter().any(|measured| measured.observable == name);
+    let refusal = |group: Observable| measured.refusals.iter().find(|(refused, _)| *refused == group);
+    let without = definitions().filter_map(|(_, definition)| Some((definition.name, asked(definition.name)?.0)));
+    let reason = |name: &str, group: Observable| match (missing(scene, name, lacks), lack(scene, group)) {
+        (Some(content), _) => format!("the frames have no {}", content.words()),
+        (None, Some((_, lacks))) => lacks.into(),
+        (None, None) => refusal(group).map_or_else(|| "it has no value in these frames".into(), |(_, why)| why.clone()),
+    };
+    let without = without.filter(|(name, _)| !has(name));
+    without.map(|(observable, group)| Unmeasured { observable, reason: reason(observable, group) }).collect()
+}
+
+#[cfg(test)]
+#[path = "../../tests/unit/observables_possible.rs"]
+mod tests;

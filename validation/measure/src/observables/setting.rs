@@ -1,0 +1,129 @@
+//! Facts that measures need beside a frame: those of the scene, and those of the scene at the frame's time.
+
+use super::drum::Drum;
+use makadam::scene::ContactCoefficients;
+use makadam::snapshot::{Contact, Particle, Partner, Snapshot};
+use makadam_frames::plan::{Roster, Scene};
+use nalgebra::Vector3;
+
+/// Density, friction and cohesion of a scene's grains and contacts.
+pub struct Properties<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// Materials and populations of grains by their numbers.
+    pub roster: Roster,
+    density: Vec<f64>,
+    grain_contacts: Vec<Vec<ContactCoefficients>>,
+    wall_contacts: Vec<Vec<ContactCoefficients>>,
+}
+
+impl<'a> Properties<'a> {
+    /// Reads a checked scene.
+    pub fn new(scene: &'a Scene) -> Self {
+        let names: Vec<&String> = scene.material.keys().collect();
+        let of_pairs = |a: &&String| names.iter().map(|b| scene.contact_coefficients(a, b, false)).collect();
+        let of_walls =
+            |a: &&String| scene.wall.iter().map(|wall| scene.contact_coefficients(a, &wall.material, true)).collect();
+        Self {
+            scene,
+            roster: Roster::new(scene),
+            density: names.iter().map(|name| scene.material[*name].density).collect(),
+            grain_contacts: names.iter().map(of_pairs).collect(),
+            wall_contacts: names.iter().map(of_walls).collect(),
+        }
+    }
+
+    /// Reports whether grains of the scene rub against each other at all.
+    pub fn frictional(&self) -> bool {
+        let rubs = |a: usize| self.roster.materials().any(|b| self.grain_contacts[a][b].friction > 0.0);
+        self.roster.materials().any(rubs)
+    }
+
+    /// Reports whether the direction of gravity, or its absence, may change over time.
+    pub fn gravity_changes(&self) -> bool {
+        !self.scene.gravity_changes.is_empty()
+    }
+}
+
+/// A scene at the time of a frame, as measures of that frame see it.
+pub struct Setting<'a> {
+    /// The scene, and what follows from it alone.
+    pub properties: &'a Properties<'a>,
+    /// Unit vector against gravity at the frame's time; absent where there is no gravity.
+    pub up: Option<Vector3<f64>>,
+    /// Magnitude of gravity at the frame's time, m/s2.
+    pub gravity: f64,
+    /// Mean grain diameter of the frame, m.
+    pub diameter: f64,
+    /// The drum, if the scene has one, as it turns at the frame's time.
+    pub drum: Option<Drum>,
+}
+
+impl<'a> Setting<'a> {
+    /// Takes gravity at the frame's time, and the mean diameter of its grains.
+    pub fn new(properties: &'a Properties<'a>, frame: &Snapshot) -> Self {
+        let gravity = properties.scene.gravity_field().at(frame.time);
+        let count = frame.particles.len().max(1) as f64;
+        Self {
+            properties,
+            up: gravity.try_normalize(WEIGHTLESS).map(|down| -down),
+            gravity: gravity.norm(),
+            diameter: 2.0 * frame.particles.iter().map(|grain| grain.radius).sum::<f64>() / count,
+            drum: Drum::find(properties.scene, gravity).map(|drum| drum.at(properties.scene, frame)),
+        }
+    }
+
+    /// The scene.
+    pub fn scene(&self) -> &'a Scene {
+        self.properties.scene
+    }
+
+    /// Middle of the domain, m: grids of cells begin there, so that a scene that is shifted has the same cells.
+    pub fn middle(&self) -> Vector3<f64> {
+        let domain = &self.properties.scene.domain;
+        0.5 * (Vector3::from(domain.min) + Vector3::from(domain.max))
+    }
+
+    /// Reports whether "up" is the same in another frame, to a millionth of a radian.
+    pub fn has_up_of(&self, other: &Setting<'_>) -> bool {
+        match (self.up, other.up) {
+            (Some(one), Some(other)) => (one - other).norm() < SAME_DIRECTION,
+            (one, other) => one.is_none() && other.is_none(),
+        }
+    }
+
+    /// Returns true if the drum turns, and in the same sense in another frame.
+    pub fn turns_as(&self, other: &Setting<'_>) -> bool {
+        let sense = |setting: &Setting<'_>| setting.drum.as_ref().map_or(0.0, Drum::sense);
+        sense(self) != 0.0 && sense(self) == sense(other)
+    }
+
+    /// Mass of a grain of the frame, kg.
+    pub fn mass(&self, frame: &Snapshot, grain: &Particle) -> f64 {
+        self.properties.density[self.material(frame, grain.id)] * super::sphere_volume::sphere(grain.radius)
+    }
+
+    fn material(&self, frame: &Snapshot, id: u32) -> usize {
+        let material = usize::from(self.properties.roster.kind(frame, id).material);
+        // Frames of a scene with more materials are refused where they are read.
+        material.min(self.properties.density.len().saturating_sub(1))
+    }
+
+    /// Largest tangential forces of a contact, N: while it sticks, and while it slides; absent where the scene has no coefficients of the
+    /// contact, and where cohesion adds a force that the two tables of a frame do not state.
+    pub fn coulomb_bounds(&self, frame: &Snapshot, contact: &Contact) -> Option<[f64; 2]> {
+        let first = self.material(frame, contact.first);
+        let coefficients = match contact.second {
+            Partner::Grain(id) => self.properties.grain_contacts[first].get(self.material(frame, id)),
+            Partner::Wall(wall) => self.properties.wall_contacts[first].get(wall as usize),
+        }?;
+        let bound = |friction: f64| friction * contact.normal_force;
+        coefficients.cohesion.is_none().then_some([coefficients.friction, coefficients.kinetic_friction].map(bound))
+    }
+}
+
+/// Gravity below this has no direction, m/s2.
+const WEIGHTLESS: f64 = 1e-12;
+
+/// Difference of unit vectors below which they are one direction.
+const SAME_DIRECTION: f64 = 1e-6;

@@ -1,0 +1,144 @@
+//! Do two codes agree? Two one-sided tests on the difference of their means.
+//!
+//! "Not significantly different" is no agreement: with few seeds everything is. The margin is fixed beforehand, and
+//! two codes agree if and only if an interval of the difference lies inside it. The interval is Welch's: the
+//! spreads need not be equal. At a significance alpha of each one-sided test the interval covers 1 - 2 alpha (Schuirmann,
+//! J. Pharmacokinet. Biopharm. 15, 657, 1987). With k codes alpha = 0.05/(k - 1) (Bonferroni), so that all
+//! comparisons of one code with its reference codes together err in no more than 5%.
+
+use super::ensemble::{Ensemble, student_quantile};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use statrs::distribution::{ContinuousCDF, Normal};
+
+/// Significance of the whole family of one-sided tests.
+const SIGNIFICANCE: f64 = 0.05;
+
+/// Power for which seeds are counted.
+const POWER: f64 = 0.9;
+
+/// Share of the margin from which on a difference lets no seeds be counted.
+const NEAR: f64 = 0.9;
+
+/// Verdict of the equivalence test.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Outcome {
+    /// The interval of the difference lies inside the margin.
+    Agree,
+    /// The interval of the difference lies outside the margin.
+    Disagree,
+    /// The interval straddles the margin: too few seeds to tell.
+    Undecided,
+    /// The interval of the difference lies inside the margin, of runs whose number was not registered beforehand: no agreement.
+    Exploratory,
+    /// One of the codes has no value of the observable, or one of fewer seeds than it was run with: there is no test.
+    NotMeasured,
+}
+
+impl Outcome {
+    /// Returns the outcome in words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Outcome::Agree => "agree",
+            Outcome::Disagree => "disagree",
+            Outcome::Undecided => "undecided",
+            Outcome::Exploratory => "exploratory",
+            Outcome::NotMeasured => "not measured",
+        }
+    }
+
+    /// Returns the style class of its mark.
+    pub fn class(self) -> &'static str {
+        match self {
+            Outcome::Agree | Outcome::Disagree => self.words(),
+            Outcome::Undecided | Outcome::Exploratory | Outcome::NotMeasured => "undecided",
+        }
+    }
+}
+
+/// The difference of two ensembles and the verdict on it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Equivalence {
+    /// Mean of the first minus mean of the second.
+    pub difference: f64,
+    /// Its 90% interval (Welch); absent where one ensemble has a single seed.
+    pub interval90: Option<[f64; 2]>,
+    /// The interval that the verdict rests on: 1 - 2 alpha.
+    pub interval_of_verdict: Option<[f64; 2]>,
+    /// Verdict; absent without a margin.
+    pub outcome: Option<Outcome>,
+    /// Seeds a code that would probably bring agreement, if the difference is what it seems; where the outcome is undecided, the spread is
+    /// known and the difference is not near the margin.
+    pub seeds_needed: Option<usize>,
+}
+
+/// Compares two ensembles of one quantity, `codes` codes being compared in all.
+///
+/// Agree: the interval of the verdict lies inside the margin. Disagree: it lies outside, on one side. Undecided: it
+/// straddles the margin, or an ensemble has a single seed.
+pub fn equivalence(first: &Ensemble, second: &Ensemble, margin: Option<f64>, codes: usize) -> Equivalence {
+    let alpha = SIGNIFICANCE / (codes.max(2) - 1) as f64;
+    let difference = first.mean - second.mean;
+    let interval =
+        |alpha: f64| welch_half_width(first, second, alpha).map(|half| [difference - half, difference + half]);
+    let interval_of_verdict = interval(alpha);
+    let outcome = margin.map(|margin| match interval_of_verdict {
+        Some([low, high]) if -margin < low && high < margin => Outcome::Agree,
+        Some([low, high]) if low >= margin || high <= -margin => Outcome::Disagree,
+        _ => Outcome::Undecided,
+    });
+    let seeds_needed = match (outcome, margin, interval_of_verdict) {
+        (Some(Outcome::Undecided), Some(margin), Some(_)) => {
+            let variance = 0.5 * (first.standard_deviation.powi(2) + second.standard_deviation.powi(2));
+            // The formula takes the spread for known; where it is already met, one more.
+            let fewest = first.seeds.min(second.seeds) + 1;
+            seeds_needed(variance.sqrt(), difference, margin, alpha).map(|seeds| seeds.max(fewest))
+        }
+        _ => None,
+    };
+    Equivalence { difference, interval90: interval(SIGNIFICANCE), interval_of_verdict, outcome, seeds_needed }
+}
+
+/// Half the width of Welch's interval of the difference, at `alpha` on each side; absent for a single seed.
+fn welch_half_width(first: &Ensemble, second: &Ensemble, alpha: f64) -> Option<f64> {
+    if first.seeds < 2 || second.seeds < 2 {
+        return None;
+    }
+    let share = |ensemble: &Ensemble| ensemble.standard_deviation.powi(2) / ensemble.seeds as f64;
+    let (a, b) = (share(first), share(second));
+    if a + b <= 0.0 {
+        return Some(0.0);
+    }
+    // Welch & Satterthwaite.
+    let freedom = (a + b).powi(2) / (a * a / (first.seeds - 1) as f64 + b * b / (second.seeds - 1) as f64);
+    Some(student_quantile(1.0 - alpha, freedom) * (a + b).sqrt())
+}
+
+/// Fewest seeds a code with which codes of standard deviation `deviation`, whose means differ by `difference`, pass the margin with 90%
+/// probability, at `alpha` on each side: both sides must hold, so that the power is
+/// Phi((margin - |difference|)/e - z) + Phi((margin + |difference|)/e - z) - 1 with e = s sqrt(2/n) and z = z_alpha (Julious, Stat.
+/// Med. 23, 1921, 2004). For equal codes that is n = 2 (z_alpha + 1.645)^2 s^2 / margin^2.
+///
+/// Absent where the difference comes to nine tenths of the margin or more: as likely as not, more seeds would tell that the codes disagree.
+pub fn seeds_needed(deviation: f64, difference: f64, margin: f64, alpha: f64) -> Option<usize> {
+    let apart = difference.abs();
+    if apart >= NEAR * margin {
+        return None;
+    }
+    let normal = Normal::standard();
+    let reach = normal.inverse_cdf(1.0 - alpha);
+    let passes = |seeds: usize| {
+        let error = deviation * (2.0 / seeds as f64).sqrt();
+        let side = |room: f64| if error > 0.0 { normal.cdf(room / error - reach) } else { 1.0 };
+        side(margin - apart) + side(margin + apart) - 1.0 >= POWER
+    };
+    // Enough for the nearer side alone at far more than that power.
+    let enough = 2.0 * ((reach + 4.0) * deviation / (margin - apart)).powi(2);
+    let (mut few, mut many) = (1, (enough.ceil() as usize).max(2));
+    while many - few > 1 {
+        let middle = few + (many - few) / 2;
+        if passes(middle) { many = middle } else { few = middle }
+    }
+    Some(many)
+}

@@ -1,0 +1,252 @@
+//! The tables of a report: values and differences, how each code was run, speeds, tests of studies.
+
+use super::qualification::StudySection;
+use makadam_compare::compare::{CodeSummary, Comparison, Row, Source, Timing};
+use makadam_compare::study::{Cell, Table, cells};
+use makadam_measure::statistics::Outcome;
+use makadam_view::draw::names;
+use makadam_view::draw::numbers::{Rounding, compact, duration, plural, two_digits};
+
+pub(super) fn source_word(source: Source) -> &'static str {
+    match source {
+        Source::Live => "live",
+        Source::Recorded => "recorded",
+    }
+}
+
+/// Returns the rounding of the rows of one observable, by their margins, spreads and means.
+pub(super) fn rounding<'a>(rows: impl Iterator<Item = &'a Row> + Clone) -> Rounding {
+    let largest = |value: fn(&Row) -> f64| {
+        rows.clone().map(value).filter(|v| v.is_finite()).fold(0.0, |a: f64, b| a.max(b.abs()))
+    };
+    let margin = largest(|row| row.margin.unwrap_or(0.0));
+    let spread = largest(|row| row.standard_deviation.filter(|_| row.seeds > 1).unwrap_or(0.0));
+    Rounding::seeing(margin, spread, largest(|row| row.mean.unwrap_or(0.0)))
+}
+
+/// Column of differences: the first code minus the second.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Pair {
+    code: String,
+    reference: String,
+    /// Difference between two references, the floor.
+    floor: bool,
+}
+
+impl Pair {
+    /// Head and style class of its column.
+    fn head(&self) -> (Cell, &'static str) {
+        let head = Cell::from(format!("{} − {}", self.code, self.reference));
+        match self.floor {
+            true => (head.above(Some("floor".into())), "floor"),
+            false => (head, ""),
+        }
+    }
+}
+
+/// Returns the names that a field takes in rows, each once, in the order of their appearance.
+pub(super) fn distinct<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
+    let mut found = Vec::new();
+    for name in names {
+        if !found.contains(&name) {
+            found.push(name);
+        }
+    }
+    found
+}
+
+/// Returns the codes of a comparison: as listed, then any that only its rows name.
+fn codes(comparison: &Comparison) -> Vec<&str> {
+    distinct(comparison.codes.iter().map(|code| code.code.as_str()).chain(
+        comparison.rows.iter().flat_map(|row| std::iter::once(row.code.as_str()).chain(row.reference_code.as_deref())),
+    ))
+}
+
+/// Returns the pairs of codes that rows compare, those of the code under test first.
+fn pairs(comparison: &Comparison, rows: &[Row]) -> Vec<Pair> {
+    let mut pairs: Vec<Pair> = Vec::new();
+    for row in rows {
+        let Some(reference) = &row.reference_code else { continue };
+        let pair = Pair { code: row.code.clone(), reference: reference.clone(), floor: row.code != comparison.judged };
+        if !pairs.contains(&pair) {
+            pairs.push(pair);
+        }
+    }
+    pairs.sort_by_key(|pair| pair.floor);
+    pairs
+}
+
+/// A code behind its mark.
+fn code(name: &str) -> Cell {
+    Cell::from(name).marked(names::code_style(name).class)
+}
+
+/// Values and differences of a scene; nothing where no observable was measured.
+pub(super) fn results(comparison: &Comparison) -> Option<Table> {
+    let names = codes(comparison);
+    let pairs = pairs(comparison, &comparison.rows);
+    let source =
+        |name: &str| comparison.codes.iter().find(|code| code.code == name).map(|code| source_word(code.source));
+    let heads = names.iter().map(|&name| (code(name).above(source(name).map(String::from)), ""));
+    let table = Table::new(&["observable"], &[]).styled("results").with_columns(heads).with_numbers(["margin"]);
+    let observables = distinct(comparison.rows.iter().map(|row| row.observable.as_str()));
+    let table = table.with_columns(pairs.iter().map(Pair::head)).of(observables, |observable| {
+        let line = Line::of(comparison, observable);
+        let exceeded = line.rows.iter().any(|row| comparison.references_at_odds(row));
+        let warning = exceeded.then(|| "references differ by more than the margin".into());
+        let values = names.iter().map(|code| line.value(code));
+        let differences = pairs.iter().map(|pair| line.difference(pair, true));
+        let name = Cell::from(line.name()).above(warning);
+        [name].into_iter().chain(values).chain([line.margin()]).chain(differences).collect()
+    });
+    (!table.is_empty()).then_some(table)
+}
+
+/// Every observable with a margin, of every scene, over common columns of pairs; nothing where nothing was tested.
+pub(super) fn summary(comparisons: &[Comparison]) -> Option<Table> {
+    let mut columns: Vec<Pair> = Vec::new();
+    for comparison in comparisons {
+        columns.extend(
+            pairs(comparison, &comparison.rows).into_iter().filter(|pair| !columns.contains(pair)).collect::<Vec<_>>(),
+        );
+    }
+    let (floors, columns): (Vec<Pair>, Vec<Pair>) = columns.into_iter().partition(|pair| pair.floor);
+    let floor_head = match floors.as_slice() {
+        [] => None,
+        [only] => Some(only.head()),
+        _ => Some((Cell::from("widest between the others").above(Some("floor".into())), "floor")),
+    };
+    let table = Table::new(&["scene", "observable"], &["margin"]).styled("summary");
+    let mut table = table.with_columns(columns.iter().map(Pair::head).chain(floor_head));
+    for comparison in comparisons {
+        let tested = |row: &&Row| row.outcome.is_some() && row.code == comparison.judged;
+        let observables = distinct(comparison.rows.iter().filter(tested).map(|row| row.observable.as_str()));
+        table.group(&comparison.scene.name, observables, |observable| {
+            let line = Line::of(comparison, observable);
+            let differences = columns.iter().map(|pair| line.difference(pair, false));
+            let floor = (!floors.is_empty()).then(|| line.floor(&floors));
+            [line.name().into(), line.margin()].into_iter().chain(differences).chain(floor).collect()
+        });
+    }
+    (!table.is_empty()).then_some(table)
+}
+
+/// The rows of one observable.
+struct Line<'a> {
+    rows: Vec<&'a Row>,
+    rounding: Rounding,
+}
+
+impl<'a> Line<'a> {
+    fn of(comparison: &'a Comparison, observable: &str) -> Line<'a> {
+        let rows: Vec<&Row> = comparison.rows.iter().filter(|row| row.observable == observable).collect();
+        Line { rounding: rounding(rows.iter().copied()), rows }
+    }
+
+    fn name(&self) -> String {
+        self.rows.first().map_or(String::new(), |row| names::with_unit(&row.observable, &row.unit, self.rounding))
+    }
+
+    fn margin(&self) -> Cell {
+        self.rows.iter().find_map(|row| row.margin).map(|margin| self.rounding.margin(margin)).into()
+    }
+
+    /// The value of a code: from a row of its own, or else from a row that has it as the reference.
+    fn value(&self, code: &str) -> Cell {
+        let value = |value: Option<f64>| value.map(|value| self.rounding.value(value));
+        if let Some(row) = self.rows.iter().find(|row| row.code == code) {
+            let Some(mean) = value(row.mean) else { return Cell::default() };
+            let spread = value(row.standard_deviation.filter(|_| row.seeds > 1)).map(|spread| format!("± {spread}"));
+            return Cell::from(mean).above(spread).above((row.seeds > 0).then(|| plural(row.seeds, "seed")));
+        }
+        let row = self.rows.iter().find(|row| row.reference_code.as_deref() == Some(code));
+        row.and_then(|row| value(Some(row.mean? - row.difference?))).into()
+    }
+
+    /// The row of a pair of codes.
+    fn row(&self, pair: &Pair) -> Option<&'a Row> {
+        let is = |row: &&&Row| row.code == pair.code && row.reference_code.as_deref() == Some(pair.reference.as_str());
+        self.rows.iter().find(is).copied()
+    }
+
+    /// The widest difference between references, with its pair where there are several.
+    fn floor(&self, floors: &[Pair]) -> Cell {
+        let width = |pair: &Pair| Some(self.row(pair)?.difference?.abs());
+        let known = floors.iter().filter_map(|pair| Some((pair, width(pair)?)));
+        let Some((widest, _)) = known.max_by(|(_, one), (_, other)| one.total_cmp(other)) else {
+            return Cell::default();
+        };
+        let pair = (floors.len() > 1).then(|| format!("{} − {}", widest.code, widest.reference));
+        self.difference(widest, false).above(pair)
+    }
+
+    /// A difference and its outcome; `fully`: with its interval, and what would decide or is missing.
+    fn difference(&self, pair: &Pair, fully: bool) -> Cell {
+        let Some(row) = self.row(pair) else { return Cell::default() };
+        let undecided = row.outcome == Some(Outcome::Undecided);
+        let needed = row.seeds_needed.filter(|_| fully && undecided);
+        Cell::from(row.difference.map(|difference| self.rounding.signed(difference)))
+            .above(row.shown_interval().filter(|_| fully).map(|interval| self.rounding.interval(interval)))
+            .outcome(row.outcome.map(|outcome| (outcome.class(), outcome.words())))
+            .above(row.missing.clone().filter(|_| fully))
+            .above(needed.map(|seeds| format!("register {seeds} seeds")))
+    }
+}
+
+/// Returns how the codes of a scene were run, and their speed; `None` where no code is known.
+pub(super) fn runs(comparison: &Comparison) -> Option<Table> {
+    let numbers = ["time step", "of the Rayleigh step", "time per simulated second", "ratio"];
+    let table = Table::new(&["code", "version", "source", "seeds"], &numbers).with_words("origin");
+    let table = table.of_class("wide").of(&comparison.codes, |run| {
+        let from = [run.provenance.as_str(), run.processor.as_str()].into_iter().filter(|text| !text.is_empty());
+        cells![
+            code(&run.code),
+            &run.version,
+            source_word(run.source),
+            seeds(&run.seeds),
+            run.time_step.map(|step| format!("{} s", compact(step))),
+            run.rayleigh_fraction.map(|fraction| format!("{}%", compact(100.0 * fraction))),
+            time(run).unwrap_or("not timed".into()),
+            ratio(comparison, run),
+            from.collect::<Vec<_>>().join("; "),
+        ]
+    });
+    (!table.is_empty()).then_some(table)
+}
+
+/// Returns the time per simulated second; `None` of runs side by side, which share memory and caches, and of runs for measuring, whose inputs may
+/// slow a code down.
+pub(super) fn time(code: &CodeSummary) -> Option<String> {
+    let is_timed = matches!(code.timing, Timing::Alone | Timing::Recorded);
+    is_timed.then(|| duration(code.wall_seconds_per_simulated_second))
+}
+
+/// Returns the time of a code over that of the code under test; `None` unless both were timed in this command on one processor.
+pub(super) fn ratio(comparison: &Comparison, code: &CodeSummary) -> Option<String> {
+    let is_alone = |code: &&CodeSummary| code.source == Source::Live && code.timing == Timing::Alone;
+    let judged = comparison.codes.iter().filter(is_alone).find(|judged| judged.code == comparison.judged)?;
+    let is_comparable = is_alone(&code) && judged.processor == code.processor && code.code != judged.code;
+    let ratio = code.wall_seconds_per_simulated_second / judged.wall_seconds_per_simulated_second;
+    (is_comparable && ratio.is_finite()).then(|| format!("{} times", two_digits(ratio)))
+}
+
+/// Seeds in short: "1–5", or a list.
+fn seeds(seeds: &[u64]) -> String {
+    match seeds {
+        [] => "none".into(),
+        [only] => only.to_string(),
+        [first, .., last] if seeds.windows(2).all(|pair| pair[1] == pair[0].wrapping_add(1)) => {
+            format!("{first}–{last}")
+        }
+        _ => seeds.iter().map(u64::to_string).collect::<Vec<_>>().join(", "),
+    }
+}
+
+/// Returns the tests of a study, one per row.
+pub(super) fn study(study: &StudySection) -> Table {
+    let table = Table::new(&["test", "right", "measured"], &[]).styled("results").with_words("");
+    table.of(&study.tests, |test| {
+        let outcome = Cell::from("").outcome(Some((test.outcome.class(), test.outcome.words())));
+        cells![&test.name, &test.right, &test.measured, outcome.above(test.remark.clone())]
+    })
+}

@@ -1,0 +1,129 @@
+//! Residuals against iterations and against wall time.
+
+use super::study::{Curve, Study};
+use makadam::ConvergencePoint;
+use makadam::scene::SolverMethod;
+use makadam::sweep::Residuals;
+use makadam_view::draw::figure::Figure;
+use makadam_view::draw::plot::{Axis, Key, Plot};
+
+/// Residuals below this, in the study's unit, are rounding errors: no figure reaches below.
+const LOWEST: f64 = 1e-14;
+/// Factor over the residual that solves start from, at which curves of methods that diverge are cut off.
+const HIGHEST: f64 = 10.0;
+
+type Part = fn(&Residuals) -> f64;
+
+/// The three directions, and turning: name, class of the curve, its value.
+const DIRECTIONS: [(&str, &str, Part); 4] = [
+    ("normal", "direction-normal curve", |residuals| residuals.normal.rms),
+    ("tangent u", "direction-tangent-u curve", |residuals| residuals.tangential_u.rms),
+    ("tangent v", "direction-tangent-v curve", |residuals| residuals.tangential_v.rms),
+    ("turning", "direction-turning curve", |residuals| residuals.turning.rms),
+];
+
+fn class(method: SolverMethod) -> &'static str {
+    match method {
+        SolverMethod::GaussSeidel => "method-gauss-seidel curve",
+        SolverMethod::Anderson { .. } => "method-anderson curve",
+        SolverMethod::NonlinearConjugateGradients => "method-nonlinear-conjugate-gradients curve",
+        SolverMethod::AcceleratedProjectedGradients => "method-accelerated-projected-gradients curve",
+        SolverMethod::Jacobi { .. } => "method-jacobi curve",
+        SolverMethod::ProjectedConjugateGradients => "method-projected-conjugate-gradients curve",
+    }
+}
+
+fn title(method: SolverMethod) -> String {
+    match method {
+        SolverMethod::GaussSeidel => "Gauss-Seidel".into(),
+        SolverMethod::Anderson { .. } => "Anderson".into(),
+        SolverMethod::Jacobi { .. } => "Jacobi".into(),
+        other => other.name().replace('-', " "),
+    }
+}
+
+/// The directions of the first method, all methods against iterations and against wall time, the directions of the others.
+pub(super) fn figures(study: &Study) -> Vec<Figure> {
+    let mut figures: Vec<Figure> = study.methods.iter().map(|curve| directions(study, curve)).collect();
+    let all = [all_methods(study, false), all_methods(study, true)];
+    figures.splice(figures.len().min(1)..figures.len().min(1), all);
+    figures
+}
+
+/// Normal and tangential residuals of one method against iterations, as in the thesis's figure 6.1.
+fn directions(study: &Study, curve: &Curve) -> Figure {
+    // Where nothing resists turning there is no curve of it.
+    let shown: Vec<_> = DIRECTIONS
+        .into_iter()
+        .filter(|(name, _, part)| *name != "turning" || curve.points.iter().any(|point| part(&point.residuals) > 0.0))
+        .collect();
+    let parts: Vec<Part> = shown.iter().map(|(_, _, part)| *part).collect();
+    let keys: Vec<Key<'_>> = shown.iter().map(|(name, class, _)| Key::Line(class, name)).collect();
+    let x = Axis::linear("iterations", 0.0, f64::from(study.iterations));
+    let mut plot = Plot::with_legend(x, residual_axis(study, std::slice::from_ref(curve), &parts), &keys);
+    for (_, class, part) in shown {
+        plot.curve(class, line(curve, part, |point| f64::from(point.iterations)));
+    }
+    let about = format!("Residuals of {} against iterations, by direction", title(curve.method));
+    Figure {
+        name: format!("directions-{}", curve.method.name()),
+        svg: plot.finish(&about),
+        caption: format!("{about}: root mean squares over contacts, in the form of the thesis's figure 6.1."),
+    }
+}
+
+/// The residuals of all methods over all directions, against iterations or against wall time.
+fn all_methods(study: &Study, against_time: bool) -> Figure {
+    let names: Vec<String> = study.methods.iter().map(|curve| title(curve.method)).collect();
+    let keys: Vec<Key<'_>> =
+        study.methods.iter().zip(&names).map(|(curve, name)| Key::Line(class(curve.method), name)).collect();
+    let x = match against_time {
+        true => time_axis(study),
+        false => Axis::linear("iterations", 0.0, f64::from(study.iterations)),
+    };
+    let mut plot = Plot::with_legend(x, residual_axis(study, &study.methods, &[Residuals::rms]), &keys);
+    for curve in &study.methods {
+        let across = |point: &ConvergencePoint| match against_time {
+            true => 1e3 * point.seconds,
+            false => f64::from(point.iterations),
+        };
+        plot.curve(class(curve.method), line(curve, Residuals::rms, across));
+    }
+    let (against, name) = if against_time { ("wall time", "time") } else { ("iterations", "iterations") };
+    let about = format!("Residuals of all methods against {against}");
+    let threads = study.provenance.threads;
+    let how = match (against_time, threads) {
+        (false, _) => String::new(),
+        (true, 1) => " One thread; the figure ends where half of the methods are done.".into(),
+        (true, _) => format!(" {threads} threads; the figure ends where half of the methods are done."),
+    };
+    Figure {
+        name: format!("methods-{name}"),
+        svg: plot.finish(&about),
+        caption: format!("{about}: root mean square over contacts and all directions.{how}"),
+    }
+}
+
+/// Wall time in ms, up to what the median method takes: the slowest would press all others against the edge.
+fn time_axis(study: &Study) -> Axis {
+    let total = |curve: &Curve| curve.points.last().map_or(0.0, |point| 1e3 * point.seconds);
+    let most = makadam_measure::statistics::median(study.methods.iter().map(total));
+    Axis::linear("wall time (ms)", 0.0, most)
+}
+
+fn residual_axis(study: &Study, curves: &[Curve], parts: &[Part]) -> Axis {
+    let values = || {
+        let points = curves.iter().flat_map(|curve| &curve.points);
+        let values = points.flat_map(|point| parts.iter().map(|part| part(&point.residuals)));
+        values.filter(|value| value.is_finite() && *value > 0.0)
+    };
+    let starts = curves.iter().filter_map(|curve| curve.points.first());
+    let start = starts.flat_map(|point| parts.iter().map(|part| part(&point.residuals))).fold(LOWEST, f64::max);
+    let highest = values().fold(start, f64::max).min(HIGHEST * start);
+    let lowest = values().fold(start, f64::min).max(LOWEST);
+    Axis::logarithmic(&format!("residual ({})", study.problem.residual_unit_name), lowest, highest)
+}
+
+fn line(curve: &Curve, part: Part, across: impl Fn(&ConvergencePoint) -> f64) -> impl Iterator<Item = [f64; 2]> {
+    curve.points.iter().map(move |point| [across(point), part(&point.residuals)])
+}

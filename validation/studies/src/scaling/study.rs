@@ -1,0 +1,443 @@
+//! The study: rows of a measurement and its replays, findings, tables.
+
+use super::figures::figures;
+use super::measure::{Bandwidth, Measurement, Plan, Timing, Traces, WARM_UP, cache_bytes, clock};
+use super::replay::{Costs, MOST_WORKERS, Machine, curves};
+use super::{Check, MachineRow, MeasuredRow, ReplayedRow};
+use makadam::Simulation;
+use makadam::lanes::InstructionSet;
+use makadam::partition::Portion;
+use makadam::schedule::Scheduler;
+use makadam_compare::study::{
+    Answer, Cell, Document, DocumentError, File, Report, Section, Table, cells, json, table as csv,
+};
+use makadam_frames::execution::{MeasureError, cores};
+use makadam_frames::output::JSON_VERSION;
+use makadam_frames::provenance::Provenance;
+use makadam_measure::statistics::{mean, median};
+use makadam_view::draw::figure::Figure;
+use makadam_view::draw::numbers::{count, short_time as time, two_digits};
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// Output of `makadam lab scaling --json` and content of `scaling.json`; documented in `validation/docs/json.md`.
+#[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "validation/docs/json.md describes the fields of documents")]
+pub struct Study {
+    pub version: u32,
+    pub command: String,
+    pub scene: String,
+    pub start_seconds: f64,
+    /// Properties of machine and scene.
+    #[serde(flatten)]
+    pub machine: MachineRow,
+    pub contact_sweeps: f64,
+    pub steps: u64,
+    /// Number of these steps, from the first, that were traced and replayed.
+    pub traced_steps: u64,
+    pub warm_up_steps: u64,
+    pub repetitions: usize,
+    pub bandwidth: Bandwidth,
+    /// True if all configurations ended in the same state, bit for bit.
+    pub same_bits: bool,
+    pub differing: Vec<String>,
+    pub measured: Vec<MeasuredRow>,
+    /// Machines of the replay.
+    pub machines: Vec<Machine>,
+    pub replayed: Vec<ReplayedRow>,
+    pub checks: Vec<Check>,
+    /// Findings, one sentence each.
+    pub findings: Vec<String>,
+    pub provenance: Provenance,
+}
+
+/// Input of a study apart from the measurement.
+pub struct Setting {
+    /// Name of the scene.
+    pub scene: String,
+    /// Simulated time of the initial state, s.
+    pub started: f64,
+    /// Memory bandwidth of the available cores, measured.
+    pub bandwidth: Bandwidth,
+    /// This machine first, then models, which are replayed with the widest instruction set alone.
+    pub machines: Vec<Machine>,
+    /// Provenance.
+    pub provenance: Provenance,
+}
+
+impl Study {
+    /// Measures and replays a plan from the state of a simulation. `memory` is the memory bandwidth for any number of cores,
+    /// bytes/s; if absent, the measured bandwidth grows with the cores. `tell` receives messages, `progress` the completed fraction.
+    ///
+    /// # Errors
+    /// [`MeasureError`] if the machine cannot run the plan, or on an interruption.
+    pub fn measure(
+        scene: &str,
+        simulation: Simulation,
+        plan: &Plan,
+        memory: Option<f64>,
+        provenance: Provenance,
+        tell: &dyn Fn(&str),
+        progress: &dyn Fn(f64),
+    ) -> Result<Study, MeasureError> {
+        let cores = cores();
+        tell("measuring costs of scheduling and memory bandwidth");
+        let costs = Costs::measure(cores)?;
+        let bandwidth = Bandwidth::measure(cores)?;
+        let started = simulation.time();
+        let measurement = plan.measure(&simulation, progress)?;
+        drop(simulation);
+        tell("replaying");
+        let memory = memory.map_or((bandwidth.all_threads, bandwidth.threads), |bytes| (bytes, MOST_WORKERS));
+        let machines = vec![Machine::here(costs, memory, cache_bytes()), Machine::xeon_phi_3120(&costs, clock())];
+        let setting = Setting { scene: scene.into(), started, bandwidth, machines, provenance };
+        Ok(Study::new(plan, &measurement, setting))
+    }
+
+    /// Derives rows, replays and findings from a measurement.
+    pub fn new(plan: &Plan, measurement: &Measurement, setting: Setting) -> Study {
+        let widest = plan.instruction_sets.last();
+        let jobs = setting.machines.iter().enumerate().flat_map(|(place, machine)| {
+            let replays = move |set: InstructionSet| place == 0 || Some(&set) == widest;
+            let traces = measurement.traces.iter();
+            traces
+                .filter(move |traces| replays(traces.configuration.instruction_set))
+                .map(move |traces| (machine, traces))
+        });
+        let replayed: Vec<ReplayedRow> = (jobs.collect::<Vec<_>>().into_par_iter())
+            .flat_map(|(machine, traces)| curves(machine, traces, measurement, &plan.threads))
+            .collect();
+        let differing = differing(measurement);
+        let here = setting.machines.first();
+        let machine = MachineRow {
+            cores: setting.bandwidth.threads,
+            cache_bytes: here.map_or(0, |here| here.cache_bytes),
+            bandwidth_one_thread: setting.bandwidth.one_thread,
+            bandwidth_all_threads: setting.bandwidth.all_threads,
+            particles: measurement.particles,
+            contacts: measurement.contacts,
+            simulation_bytes: measurement.simulation_bytes,
+            bytes_per_contact_sweep: (measurement.contacts > 0.0)
+                .then(|| measurement.sweep_bytes.moved as f64 / measurement.contacts),
+        };
+        let mut study = Study {
+            version: JSON_VERSION,
+            command: "scaling".into(),
+            scene: setting.scene,
+            start_seconds: setting.started,
+            machine,
+            contact_sweeps: measurement.contact_sweeps,
+            steps: plan.steps,
+            traced_steps: plan.traced_steps,
+            warm_up_steps: WARM_UP,
+            repetitions: plan.repetitions,
+            bandwidth: setting.bandwidth,
+            same_bits: differing.is_empty(),
+            differing,
+            measured: measured_rows(measurement),
+            checks: checks(plan, measurement, &replayed),
+            machines: setting.machines,
+            replayed,
+            findings: Vec::new(),
+            provenance: setting.provenance,
+        };
+        study.findings = findings(&study, measurement);
+        study
+    }
+
+    /// The widest instruction set that was measured.
+    pub fn widest(&self) -> Option<InstructionSet> {
+        self.measured.last().map(|row| row.instruction_set)
+    }
+
+    /// Rows of one curve with the widest instruction set, by number of workers.
+    pub(super) fn curve<'a>(
+        &'a self,
+        machine: &'a Machine,
+        way: (Scheduler, Portion),
+        set: Option<InstructionSet>,
+    ) -> impl Iterator<Item = &'a ReplayedRow> {
+        self.replayed.iter().filter(move |row| {
+            row.machine == machine.name && (row.scheduler, row.portion) == way && Some(row.instruction_set) == set
+        })
+    }
+}
+
+fn differing(measurement: &Measurement) -> Vec<String> {
+    let first = measurement.timings.iter().find_map(|timing| timing.hashes.first());
+    let differs = |timing: &&Timing| timing.hashes.iter().any(|hash| Some(hash) != first);
+    let names = measurement.timings.iter().filter(differs).map(|timing| {
+        let own = timing.configuration;
+        let (set, scheduler) = (own.instruction_set.name(), own.scheduler.name());
+        format!("{set}, {scheduler}, threads: {}, {}", own.threads, own.portion.name())
+    });
+    names.chain((!measurement.traces_same_bits).then(|| "the traced steps".into())).collect()
+}
+
+fn measured_rows(measurement: &Measurement) -> Vec<MeasuredRow> {
+    let of = |timing: &Timing, sweeps: bool| -> Vec<f64> {
+        timing.repetitions.iter().map(|times| mean(if sweeps { &times.sweeps } else { &times.steps })).collect()
+    };
+    let ratios = |serial: &[f64], own: &[f64]| median(serial.iter().zip(own).map(|(serial, own)| serial / own));
+    let rows = measurement.timings.iter().map(|timing| {
+        let configuration = timing.configuration;
+        let serial = measurement.timings.iter().find(|other| other.configuration.is_serial_of(&configuration));
+        let serial = serial.unwrap_or(timing);
+        let (steps, sweeps) = (of(timing, false), of(timing, true));
+        let sweep_seconds = median(sweeps.iter().copied());
+        MeasuredRow {
+            instruction_set: configuration.instruction_set,
+            scheduler: configuration.scheduler,
+            threads: configuration.threads,
+            portion: configuration.portion,
+            step_seconds: median(steps.iter().copied()),
+            step_seconds_least: steps.iter().copied().fold(f64::INFINITY, f64::min),
+            step_seconds_most: steps.iter().copied().fold(0.0, f64::max),
+            sweep_seconds,
+            speedup: ratios(&of(serial, false), &steps),
+            sweep_speedup: ratios(&of(serial, true), &sweeps),
+            nanoseconds_per_contact_sweep: (measurement.contact_sweeps > 0.0)
+                .then(|| 1e9 * sweep_seconds / measurement.contact_sweeps),
+            state_hash: format!("{:016x}", timing.hashes.last().copied().unwrap_or_default()),
+        }
+    });
+    rows.collect()
+}
+
+/// Compares the replay on this machine with the measured times of the same steps.
+fn checks(plan: &Plan, measurement: &Measurement, replayed: &[ReplayedRow]) -> Vec<Check> {
+    let checks = measurement.timings.iter().filter_map(|timing| {
+        let own = timing.configuration;
+        let row = replayed.iter().find(|row| {
+            row.machine == Machine::HERE
+                && (row.instruction_set, row.portion) == (own.instruction_set, own.portion)
+                && (row.scheduler, row.workers) == (own.scheduler, own.threads)
+        })?;
+        let of_step =
+            |step: usize| median(timing.repetitions.iter().filter_map(|times| times.steps.get(step)).copied());
+        let measured_seconds = mean(&(0..plan.traced_steps as usize).map(of_step).collect::<Vec<_>>());
+        Some(Check {
+            instruction_set: own.instruction_set,
+            scheduler: own.scheduler,
+            threads: own.threads,
+            portion: own.portion,
+            measured_seconds,
+            replayed_seconds: row.step_seconds,
+            deviation_percent: 100.0 * (row.step_seconds / measured_seconds - 1.0),
+        })
+    });
+    checks.collect()
+}
+
+/// Speed-up over number of threads down to which a curve is called linear.
+const LINEAR_SHARE: f64 = 0.8;
+
+fn findings(study: &Study, measurement: &Measurement) -> Vec<String> {
+    let mut findings = vec![match study.same_bits {
+        true => format!(
+            "All {} configurations and the traced steps ended in the same state, bit for bit.",
+            study.measured.len()
+        ),
+        false => format!(
+            "Not all configurations gave the same bits; different from the first: {}.",
+            study.differing.join("; ")
+        ),
+    }];
+    let worst = |least: usize| {
+        let checks = study.checks.iter().filter(|check| check.threads >= least);
+        checks.map(|check| check.deviation_percent.abs()).reduce(f64::max)
+    };
+    if let Some(all) = worst(1) {
+        let several =
+            worst(2).map_or(String::new(), |worst| format!(", on more than one thread by at most {worst:.1}%"));
+        let count = study.checks.len();
+        findings.push(format!("The replay misses the {count} measured configurations by at most {all:.1}%{several}."));
+    }
+    for machine in &study.machines {
+        let linear = [Scheduler::CentralQueue, Scheduler::WorkStealing].map(|scheduler| {
+            let rows = study.curve(machine, (scheduler, Portion::Batches), study.widest());
+            let linear = rows.take_while(|row| row.sweep_speedup >= LINEAR_SHARE * row.workers as f64).last();
+            linear.map_or(0, |row| row.workers)
+        });
+        findings.push(format!(
+            "Replayed on {}, the speed-up of the sweeps is at least {:.0}% of the number of threads up to {} (central queue) and \
+             {} (work stealing) threads.",
+            site(machine, " with more cores"),
+            100.0 * LINEAR_SHARE,
+            linear[0],
+            linear[1]
+        ));
+    }
+    let batches = measurement.traces.iter().find(|Traces { configuration, .. }| {
+        Some(configuration.instruction_set) == study.widest() && configuration.portion == Portion::Batches
+    });
+    let regions = || batches.into_iter().flat_map(|traces| &traces.steps).flat_map(|step| &step.regions);
+    let seconds = |least: usize| {
+        regions().filter(|region| region.tasks.len() >= least).flat_map(|region| &region.tasks).sum::<f64>()
+    };
+    let serial = 1.0 - seconds(2) / seconds(0);
+    if serial > 0.0 {
+        let (percent, bound) = (two_digits(100.0 * serial), two_digits(1.0 / serial));
+        findings.push(format!("Of a traced step {percent}% is serial work, which bounds any speed-up to {bound}."));
+    }
+    findings
+}
+
+/// The largest measured speed-up of a step with the widest instruction set.
+fn answer(study: &Study) -> Answer {
+    let own = || study.measured.iter().filter(|row| Some(row.instruction_set) == study.widest());
+    let parallel = own().filter(|row| row.threads > 1);
+    let best = parallel.max_by(|one, other| one.speedup.total_cmp(&other.speedup));
+    let bits = study.findings.first().cloned().unwrap_or_default();
+    let gains = best.is_some_and(|best| best.speedup > 1.0);
+    let class = match (study.same_bits, gains) {
+        (false, _) => "disagree",
+        (true, true) => "agree",
+        (true, false) => "undecided",
+    };
+    let Some(best) = best else {
+        let step = own().next().map_or(String::new(), |row| format!("A step takes {}. ", time(row.step_seconds)));
+        return Answer { class, word: "Measured on one thread alone.".into(), sentence: step + &bits };
+    };
+    let serial = own().find(|row| row.scheduler == Scheduler::Serial && row.portion == best.portion);
+    let instead = serial.map_or(String::new(), |serial| format!(" instead of {}", time(serial.step_seconds)));
+    let faster = format!("{} times as fast on {} threads.", two_digits(best.speedup), best.threads);
+    Answer {
+        class,
+        word: if gains { faster } else { format!("No gain: {faster}") },
+        sentence: format!(
+            "A step takes {}{instead} ({}, {}); its sweeps are {} times as fast. {bits}",
+            time(best.step_seconds),
+            best.scheduler.name().replace('-', " "),
+            best.instruction_set.name(),
+            two_digits(best.sweep_speedup),
+        ),
+    }
+}
+
+/// Name of a machine in sentences.
+pub(super) fn site(machine: &Machine, more: &str) -> String {
+    if machine.name == Machine::HERE { format!("this machine{more}") } else { format!("the model {}", machine.name) }
+}
+
+const LIMITS: [&str; 6] = [
+    "Times are medians over the repetitions. A speed-up is the median of the ratios to the serial run of the same instruction set in the \
+     same round. A thread takes a batch of tasks at a time, or, with the widest instruction set, also the tasks of one box in one stage.",
+    "Replayed numbers were computed from durations of traced tasks on one thread and measured nowhere. Costs of scheduling are measured \
+     apart from the solver; nothing is fitted.",
+    "The thesis, on a Xeon Phi 3120 with its own tasks, found the sweeps of the central queue linear up to about 25 threads and those of \
+     work stealing beyond 40. The model of that machine consists of published figures and stated assumptions.",
+    "A replay does not know that a task may find its data in another core's cache, that cores share power and caches, or that other \
+     programs run: it is nearer to a bound than to a forecast.",
+    "Memory traffic is counted for sweeps alone, and only where their data do not fit into the last-level cache.",
+    "The lock of the queue costs the same for any number of workers, and thieves find the fullest deque at once.",
+];
+
+impl Document for Study {
+    const NAME: &'static str = "scaling";
+
+    fn tables(&self) -> Result<Vec<File>, DocumentError> {
+        Ok(vec![
+            csv("machine", std::slice::from_ref(&self.machine))?,
+            csv("measured", &self.measured)?,
+            csv("replayed", &self.replayed)?,
+            csv("checks", &self.checks)?,
+            json("provenance", &self.provenance)?,
+        ])
+    }
+
+    fn figures(&self) -> Vec<Figure> {
+        figures(self).into_iter().flatten().collect()
+    }
+
+    fn report(&self) -> Report {
+        let MachineRow { cores, particles, contacts, bytes_per_contact_sweep, .. } = &self.machine;
+        let gigabytes = |bytes: f64| two_digits(bytes / 1e9);
+        let mut memory = format!(
+            "Memory: {} GB/s to one thread, {} GB/s to {}.",
+            gigabytes(self.bandwidth.one_thread),
+            gigabytes(self.bandwidth.all_threads),
+            self.bandwidth.threads
+        );
+        if let Some(bytes) = bytes_per_contact_sweep {
+            memory += &format!(" A contact sweep moves {} bytes outside caches.", two_digits(*bytes));
+        }
+        Report {
+            kind: "Makadam, measured and replayed",
+            title: format!("Scaling of the scene {}", self.scene),
+            facts: vec![
+                format!("{} grains", count(*particles)),
+                format!("{} contacts", count(contacts.round() as usize)),
+                self.provenance.build.processor.clone(),
+                format!("cores {cores}"),
+                format!("{} steps, {} repetitions", self.steps, self.repetitions),
+                format!("version {}", self.provenance.build.version),
+                self.provenance.time.clone(),
+            ],
+            answer: answer(self),
+            // The first finding is part of the answer.
+            findings: self.findings.iter().skip(1).cloned().collect(),
+            sections: vec![
+                Section::new("Measured", memory, measured(self)),
+                Section::new("Replay compared with measurement", "", compared(self)),
+            ],
+            notes: Vec::new(),
+            limits: self
+                .machines
+                .iter()
+                .map(|machine| machine.description.clone())
+                .chain(LIMITS.map(String::from))
+                .collect(),
+            provenance: self.provenance.pairs(),
+            files: "scaling.json, machine.csv, measured.csv, replayed.csv and checks.csv",
+        }
+    }
+}
+
+const CONFIGURATION: [&str; 3] = ["instruction set", "scheduler", "of"];
+
+fn measured(study: &Study) -> Table {
+    let mut table = Table::new(&CONFIGURATION, &["threads", "a step", "speed-up", "sweeps", "speed-up", "ns"])
+        .on_a_page(&["time per step", "speed-up", "of it sweeps", "speed-up of the sweeps", "contact sweep (ns)"]);
+    for row in &study.measured {
+        let range = format!("{} to {}", time(row.step_seconds_least), time(row.step_seconds_most));
+        let cells = cells![
+            row.instruction_set.name(),
+            row.scheduler.name(),
+            row.portion.name(),
+            row.threads,
+            Cell::from(time(row.step_seconds)).above(Some(range)),
+            format!("{:.2}", row.speedup),
+            time(row.sweep_seconds),
+            format!("{:.2}", row.sweep_speedup),
+            row.nanoseconds_per_contact_sweep.map(two_digits),
+        ];
+        push(&mut table, row.scheduler, cells);
+    }
+    table
+}
+
+fn compared(study: &Study) -> Table {
+    let mut table = Table::new(&CONFIGURATION, &["threads", "measured", "replayed", "deviation"]);
+    for check in &study.checks {
+        let cells = cells![
+            check.instruction_set.name(),
+            check.scheduler.name(),
+            check.portion.name(),
+            check.threads,
+            time(check.measured_seconds),
+            time(check.replayed_seconds),
+            format!("{:+.1}%", check.deviation_percent).replace('-', "−"),
+        ];
+        push(&mut table, check.scheduler, cells);
+    }
+    table
+}
+
+/// Adds a row, which begins a group where the scheduler is the serial one.
+fn push(table: &mut Table, scheduler: Scheduler, cells: Vec<Cell>) {
+    match scheduler {
+        Scheduler::Serial => table.first_row(cells),
+        _ => table.row(cells),
+    }
+}

@@ -1,0 +1,31 @@
+//! Accuracy against wall time: a scene at many settings of every code, each placed as error against wall time.
+//!
+//! ```text
+//! plan ─> campaign ─> one file per run ─> study: references, points ─> ranking: fronts, fastest ─> report, figures, JSON, CSV
+//!             ^              │
+//!             └── stored runs are not repeated
+//! ```
+//!
+//! The error of a setting is the deviation of an observable from a converged reference of Makadam at the same
+//! stiffness, seed by seed: soft grains are other physics. The reference is the smallest step with the most sweeps;
+//! three grids tell how far it may still be from the limit ([`Convergence`]).
+//!
+//! Runs are timed one after the other on one core, reference codes by the inputs from which they are fastest
+//! ([`Purpose::Timing`](makadam_compare::codes::Purpose::Timing)). A time is the processor time of the stepping, without set-up and output:
+//! the wall time on a core of its own, however busy the machine was.
+
+mod campaign;
+mod configuration;
+mod figures;
+mod plan;
+mod ranking;
+mod report;
+mod rows;
+mod study;
+
+pub use campaign::{Campaign, KeptRun, Outcome, Progress, run_key};
+pub use configuration::{Configuration, Knobs};
+pub use plan::{Plan, QUICK_TIME_LIMIT, Refinement, STIFFNESS_FACTORS};
+pub use ranking::pareto_front;
+pub use rows::{Bound, Convergence, Deviation, Fastest, Point, Reference, Varied};
+pub use study::{Study, Terms};

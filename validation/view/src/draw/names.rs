@@ -1,0 +1,80 @@
+//! Names and marks of observables, units and codes in tables and figures.
+
+use super::numbers::Rounding;
+
+/// A reader's name of an observable.
+pub fn observable(name: &str) -> String {
+    match name {
+        "gini" => "Gini coefficient of normal forces".into(),
+        "share_below_mean" => "share of forces below the mean".into(),
+        "weak_load_share" | "weak_share_of_load" => "share of load on weak contacts".into(),
+        "ks" | "kolmogorov_smirnov" => "Kolmogorov–Smirnov distance of forces".into(),
+        "wasserstein" | "wasserstein_1" => "Wasserstein-1 distance of forces".into(),
+        "lacey_index" | "mixing_index" => "mixing index (Lacey)".into(),
+        "size_mixing_index" => "mixing index of sizes (Lacey)".into(),
+        "wall_force_over_weight" => "wall force over weight".into(),
+        "largest_overlap_over_radius" => "largest overlap over radius".into(),
+        _ => name.replace('_', " "),
+    }
+}
+
+/// A unit as it stands beside a number.
+pub fn unit(unit: &str) -> &str {
+    match unit {
+        "degree" | "degrees" | "deg" => "°",
+        "m2" => "m²",
+        "m3" => "m³",
+        "m/s2" => "m/s²",
+        "kg/m3" => "kg/m³",
+        "-" | "1" | "(no unit)" => "",
+        other => other,
+    }
+}
+
+/// An observable with its unit in brackets, and the power of ten that its values are multiples of.
+pub fn with_unit(name: &str, of: &str, rounding: Rounding) -> String {
+    let symbol = if unit(of) == "°" { "degrees" } else { unit(of) };
+    match [rounding.factor().as_str(), symbol].join(" ").trim() {
+        "" => observable(name),
+        words => format!("{} ({words})", observable(name)),
+    }
+}
+
+/// Shape of a code's marker.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Marker {
+    /// A disc.
+    Circle,
+    /// A square.
+    Square,
+    /// A triangle.
+    Triangle,
+    /// A square on its corner.
+    Diamond,
+    /// A triangle on its tip.
+    Wedge,
+    /// Two crossed lines.
+    Cross,
+}
+
+/// Style of a code: colour, marker and kind of line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CodeStyle {
+    /// Style class that carries colour and dashes.
+    pub class: &'static str,
+    /// Marker of its points.
+    pub marker: Marker,
+}
+
+/// Returns the style of a code by its name.
+pub fn code_style(code: &str) -> CodeStyle {
+    let (class, marker) = match code.to_ascii_lowercase().as_str() {
+        "makadam" => ("code-makadam", Marker::Circle),
+        "liggghts" => ("code-liggghts", Marker::Square),
+        "yade" => ("code-yade", Marker::Triangle),
+        "lammps" => ("code-lammps", Marker::Diamond),
+        "siconos" => ("code-siconos", Marker::Wedge),
+        _ => ("code-other", Marker::Diamond),
+    };
+    CodeStyle { class, marker }
+}

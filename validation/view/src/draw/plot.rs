@@ -1,0 +1,285 @@
+//! The one kind of plot: a frame with two axes, a light grid, a legend above.
+
+pub use super::axis::Axis;
+use super::labels::{Area, Room, distance};
+use super::names::{CodeStyle, code_style};
+use super::svg::{Anchor, Drawing};
+
+const WIDTH: f64 = 540.0;
+const HEIGHT: f64 = 330.0;
+const LEFT: f64 = 58.0;
+const RIGHT: f64 = 14.0;
+const TOP: f64 = 30.0;
+const BOTTOM: f64 = 44.0;
+const TICK_HEIGHT: f64 = 11.0;
+/// Height of a line of a legend.
+const LEGEND_LINE: f64 = 18.0;
+/// Height of a line of the key of numbers.
+const KEY_LINE: f64 = 15.0;
+/// Half the size of the largest marker.
+const MARKER: f64 = 6.5;
+/// Distance from a marker's middle from which on a line leads to its number.
+const LEADER: f64 = 11.0;
+/// Left end of the lines of a legend of several.
+const LEGEND_LEFT: f64 = 14.0;
+
+/// An entry of a legend.
+pub enum Key<'a> {
+    /// A code, drawn as a line with its marker.
+    Code(&'a str),
+    /// A line of another class.
+    Line(&'a str, &'a str),
+    /// A line of a style, with its marker, and what it stands for.
+    Series(CodeStyle, &'a str),
+    /// A marker alone, and what it stands for.
+    Points(CodeStyle, &'a str),
+}
+
+impl Key<'_> {
+    /// Width in a legend, with a gap behind it.
+    fn width(&self) -> f64 {
+        let (Key::Code(label) | Key::Line(_, label) | Key::Series(_, label) | Key::Points(_, label)) = self;
+        // There is no measuring of text here; 7.6 pixels a character is on the wide side.
+        50.0 + 7.6 * label.chars().count() as f64
+    }
+}
+
+/// A plot that is being made.
+pub struct Plot {
+    drawing: Drawing,
+    x: Axis,
+    y: Axis,
+    /// Upper and lower edge of the frame.
+    top: f64,
+    bottom: f64,
+    /// Areas of markers and numbers.
+    room: Room,
+}
+
+impl Plot {
+    /// A frame with its axes, and above it a legend of as many lines as it needs.
+    pub fn with_legend(x: Axis, y: Axis, keys: &[Key<'_>]) -> Plot {
+        let (mut lines, mut right) = (vec![Vec::new()], LEGEND_LEFT);
+        for key in keys {
+            // A legend of one line begins at the frame.
+            let over = if lines.len() > 1 { 0.0 } else { LEFT - LEGEND_LEFT };
+            let line = lines.last_mut().expect("there is a line from the beginning");
+            right += key.width();
+            if right + over > WIDTH && !line.is_empty() {
+                right = LEGEND_LEFT + key.width();
+                lines.push(vec![key]);
+            } else {
+                line.push(key);
+            }
+        }
+        let mut plot = Plot::below_legend(x, y, lines.len());
+        let left = if lines.len() > 1 { LEGEND_LEFT } else { LEFT };
+        for (place, line) in lines.into_iter().enumerate() {
+            plot.legend_line(line.into_iter(), [left, 14.0 + LEGEND_LINE * place as f64]);
+        }
+        plot
+    }
+
+    fn below_legend(x: Axis, y: Axis, lines: usize) -> Plot {
+        let more = LEGEND_LINE * lines.saturating_sub(1) as f64;
+        let (top, bottom) = (TOP + more, HEIGHT + more - BOTTOM);
+        let mut plot = Plot {
+            drawing: Drawing::new(WIDTH, HEIGHT + more),
+            x,
+            y,
+            top,
+            bottom,
+            room: Room::new(Area { low: [LEFT, top], high: [WIDTH - RIGHT, bottom] }),
+        };
+        plot.grid();
+        plot
+    }
+
+    fn grid(&mut self) {
+        let (left, right, top, bottom) = (LEFT, WIDTH - RIGHT, self.top, self.bottom);
+        for (value, label) in self.x.ticks(7) {
+            let x = self.at(value, self.y.low)[0];
+            self.drawing.line("grid", [x, top], [x, bottom]);
+            self.drawing.text("tick", [x, bottom + 15.0], Anchor::Middle, &label);
+        }
+        for (value, label) in self.y.ticks(6) {
+            let y = self.at(self.x.low, value)[1];
+            self.drawing.line("grid", [left, y], [right, y]);
+            self.drawing.text("tick", [left - 7.0, y + 4.0], Anchor::End, &label);
+        }
+        self.drawing.rectangle("frame", [left, top], [right, bottom]);
+        let (x, y) = (self.x.label.clone(), self.y.label.clone());
+        self.drawing.text("label", [(left + right) / 2.0, bottom + BOTTOM - 8.0], Anchor::Middle, &x);
+        self.drawing.text_upwards("label", [13.0, (top + bottom) / 2.0], &y);
+    }
+
+    /// Position of a point of the plane on the drawing.
+    fn at(&self, x: f64, y: f64) -> [f64; 2] {
+        [LEFT + self.x.share(x) * (WIDTH - LEFT - RIGHT), self.bottom - self.y.share(y) * (self.bottom - self.top)]
+    }
+
+    /// Marks a range of the horizontal axis.
+    pub fn window(&mut self, from: f64, to: f64, label: &str) {
+        let (from, to) = (from.max(self.x.low), to.min(self.x.high));
+        if to <= from {
+            return;
+        }
+        let (a, b) = (self.at(from, self.y.high), self.at(to, self.y.low));
+        let (a, b) = ([a[0], self.top], [b[0], self.bottom]);
+        self.drawing.rectangle("window", a, b);
+        self.drawing.text("tick", [b[0] - 5.0, b[1] - 6.0], Anchor::End, label);
+    }
+
+    /// A curve of a class, cut off at the frame.
+    pub fn curve(&mut self, class: &str, points: impl Iterator<Item = [f64; 2]>) {
+        let points: Vec<[f64; 2]> = points.map(|[x, y]| self.at(x, y)).collect();
+        self.drawing.begin_clip([LEFT, self.top], WIDTH - LEFT - RIGHT, self.bottom - self.top);
+        self.drawing.curve(class, points.into_iter());
+        self.drawing.end_clip();
+    }
+
+    /// A code's marker, if it lies inside the frame.
+    pub fn marker(&mut self, style: CodeStyle, x: f64, y: f64, size: f64) {
+        if self.contains(x, y) {
+            self.mark(style, [x, y], size, false);
+        }
+    }
+
+    /// A code's open marker, if it lies inside the frame.
+    pub fn open_marker(&mut self, style: CodeStyle, x: f64, y: f64, size: f64) {
+        if self.contains(x, y) {
+            self.mark(style, [x, y], size, true);
+        }
+    }
+
+    fn mark(&mut self, style: CodeStyle, [x, y]: [f64; 2], size: f64, hollow: bool) {
+        let at = self.at(x, y);
+        // The widest shape is 1.25 times as wide as its size says.
+        self.room.take(Area::around(at, [1.3 * size; 2]));
+        self.drawing.marker(style, at, size, hollow);
+    }
+
+    /// A vertical bar of error, cut off at the frame.
+    pub fn error_bar(&mut self, class: &str, x: f64, low: f64, high: f64) {
+        let low = low.max(self.y.low);
+        let high = high.min(self.y.high);
+        if self.contains(x, low) && self.contains(x, high) {
+            let (a, b) = (self.at(x, low), self.at(x, high));
+            self.drawing.line(class, a, b);
+        }
+    }
+
+    fn contains(&self, x: f64, y: f64) -> bool {
+        (self.x.low..=self.x.high).contains(&x) && (self.y.low..=self.y.high).contains(&y)
+    }
+
+    fn legend_line<'a>(&mut self, keys: impl Iterator<Item = &'a Key<'a>>, [mut x, y]: [f64; 2]) {
+        for key in keys {
+            let label = match *key {
+                Key::Code(code) => {
+                    self.sample(code_style(code), x, y);
+                    code
+                }
+                Key::Series(style, label) => {
+                    self.sample(style, x, y);
+                    label
+                }
+                Key::Points(style, label) => {
+                    self.drawing.marker(style, [x + 20.0, y], 3.6, false);
+                    label
+                }
+                Key::Line(class, label) => {
+                    self.drawing.line(class, [x, y], [x + 26.0, y]);
+                    label
+                }
+            };
+            self.drawing.text("key", [x + 32.0, y + 4.0], Anchor::Start, label);
+            x += key.width();
+        }
+    }
+
+    fn sample(&mut self, style: CodeStyle, x: f64, y: f64) {
+        self.drawing.line(&format!("{} curve", style.class), [x, y], [x + 26.0, y]);
+        self.drawing.marker(style, [x + 13.0, y], 3.6, false);
+    }
+
+    /// A few words beside a point, moved by so many pixels.
+    pub fn label(&mut self, [x, y]: [f64; 2], [right, down]: [f64; 2], anchor: Anchor, text: &str) {
+        let [x, y] = self.at(x, y);
+        self.drawing.text("tick", [x + right, y + down], anchor, text);
+    }
+
+    /// A number beside a marker that is drawn already, where it hides neither markers nor other numbers; with a line to the marker where
+    /// it is not next to it. Markers and curves come first.
+    pub fn number(&mut self, [x, y]: [f64; 2], number: usize) {
+        let (at, text) = (self.at(x, y), number.to_string());
+        let Some(area) = self.room.place(at, [width_of(&text) + 2.0, TICK_HEIGHT]) else { return };
+        let near = area.nearest(at);
+        let way = distance(near, at);
+        if way > LEADER {
+            let edge = std::array::from_fn(|axis| at[axis] + (near[axis] - at[axis]) * MARKER / way);
+            self.drawing.line("leader", edge, near);
+        }
+        let middle = (area.low[0] + area.high[0]) / 2.0;
+        self.drawing.text("tick beside", [middle, area.high[1] - 2.0], Anchor::Middle, &text);
+    }
+
+    /// Draws the key of numbers below the axis: lines of entries behind the marker of each style.
+    pub fn key_of_numbers(&mut self, groups: &[(CodeStyle, Vec<(usize, &str)>)]) {
+        let (mut y, first) = (self.bottom + BOTTOM + 4.0, LEGEND_LEFT + 14.0);
+        for (style, entries) in groups {
+            y += KEY_LINE;
+            self.drawing.marker(*style, [LEGEND_LEFT, y - 4.0], 3.6, false);
+            let mut x = first;
+            for (number, words) in entries {
+                let text = format!("{number}: {words}");
+                if x > first && x + width_of(&text) > WIDTH {
+                    (x, y) = (first, y + KEY_LINE);
+                }
+                let lines = broken(&text, WIDTH - first);
+                for (place, line) in lines.iter().enumerate() {
+                    (x, y) = if place > 0 { (first, y + KEY_LINE) } else { (x, y) };
+                    self.drawing.text("tick", [x, y], Anchor::Start, line);
+                }
+                x += lines.last().map_or(0.0, |line| width_of(line)) + 14.0;
+            }
+        }
+        self.drawing.grow(y + 6.0);
+    }
+
+    /// A few words in the upper or the lower left corner.
+    pub fn remark(&mut self, upper: bool, text: &str) {
+        let y = if upper { self.top + 18.0 } else { self.bottom - 10.0 };
+        self.drawing.text("tick", [LEFT + 9.0, y], Anchor::Start, text);
+    }
+
+    /// The plot, with a name for those who cannot see it.
+    pub fn finish(self, name: &str) -> String {
+        self.drawing.finish(name)
+    }
+}
+
+/// A text in lines that are no wider than so many pixels, unless a single word is.
+fn broken(text: &str, width: f64) -> Vec<String> {
+    let mut lines = vec![String::new()];
+    for word in text.split(' ') {
+        let line = lines.last_mut().expect("there is a line from the beginning");
+        if line.is_empty() {
+            *line += word;
+        } else if width_of(line) + width_of(word) + width_of(" ") <= width {
+            *line += &format!(" {word}");
+        } else {
+            lines.push(word.into());
+        }
+    }
+    lines
+}
+
+/// Width of a tick label in pixels. There is no measuring of text here; 6.4 a character is on the wide side.
+fn width_of(text: &str) -> f64 {
+    6.4 * text.chars().count() as f64
+}
+
+#[cfg(test)]
+#[path = "../../tests/unit/draw_plot.rs"]
+mod tests;

@@ -1,0 +1,213 @@
+//! A drawing as inline SVG. Colours come from style classes, so that it follows light, dark and print.
+
+use super::names::{CodeStyle, Marker};
+use std::fmt::Write as _;
+
+/// A drawing that is being made, in units of CSS pixels at its natural size.
+pub struct Drawing {
+    body: String,
+    width: f64,
+    height: f64,
+}
+
+/// Point of a text that lies at its place.
+#[derive(Clone, Copy)]
+pub enum Anchor {
+    /// Its start.
+    Start,
+    /// Its middle.
+    Middle,
+    /// Its end.
+    End,
+}
+
+impl Drawing {
+    /// An empty drawing.
+    pub fn new(width: f64, height: f64) -> Drawing {
+        Drawing { body: String::new(), width, height }
+    }
+
+    /// Makes it higher.
+    pub(crate) fn grow(&mut self, height: f64) {
+        self.height = self.height.max(height);
+    }
+
+    /// A straight line.
+    pub fn line(&mut self, class: &str, from: [f64; 2], to: [f64; 2]) {
+        let _ = write!(
+            self.body,
+            r#"<line class="{class}" x1="{}" y1="{}" x2="{}" y2="{}"/>"#,
+            short(from[0]),
+            short(from[1]),
+            short(to[0]),
+            short(to[1]),
+        );
+    }
+
+    /// A rectangle by two opposite corners.
+    pub fn rectangle(&mut self, class: &str, a: [f64; 2], b: [f64; 2]) {
+        let _ = write!(
+            self.body,
+            r#"<rect class="{class}" x="{}" y="{}" width="{}" height="{}"/>"#,
+            short(a[0].min(b[0])),
+            short(a[1].min(b[1])),
+            short((a[0] - b[0]).abs()),
+            short((a[1] - b[1]).abs()),
+        );
+    }
+
+    pub(crate) fn circle(&mut self, class: &str, centre: [f64; 2], radius: f64) {
+        let _ = write!(
+            self.body,
+            r#"<circle class="{class}" cx="{}" cy="{}" r="{}"/>"#,
+            short(centre[0]),
+            short(centre[1]),
+            short(radius),
+        );
+    }
+
+    /// An open curve through points; points that are not finite break it.
+    pub(crate) fn curve(&mut self, class: &str, points: impl Iterator<Item = [f64; 2]>) {
+        let mut data = String::new();
+        let mut pen_down = false;
+        for [x, y] in points {
+            if !(x.is_finite() && y.is_finite()) {
+                pen_down = false;
+                continue;
+            }
+            let _ = write!(data, "{}{} {}", if pen_down { "L" } else { "M" }, short(x), short(y));
+            pen_down = true;
+        }
+        if !data.is_empty() {
+            self.path(class, &data);
+        }
+    }
+
+    pub(crate) fn path(&mut self, class: &str, data: &str) {
+        let _ = write!(self.body, r#"<path class="{class}" d="{data}"/>"#);
+    }
+
+    /// Adds a text of a class at a place.
+    pub fn text(&mut self, class: &str, at: [f64; 2], anchor: Anchor, text: &str) {
+        let anchor = match anchor {
+            Anchor::Start => "start",
+            Anchor::Middle => "middle",
+            Anchor::End => "end",
+        };
+        let _ = write!(
+            self.body,
+            r#"<text class="{class}" x="{}" y="{}" text-anchor="{anchor}">{}</text>"#,
+            short(at[0]),
+            short(at[1]),
+            escape(text),
+        );
+    }
+
+    /// A text that reads upwards, for the label of a vertical axis.
+    pub(crate) fn text_upwards(&mut self, class: &str, at: [f64; 2], text: &str) {
+        let (x, y) = (short(at[0]), short(at[1]));
+        let _ = write!(
+            self.body,
+            r#"<text class="{class}" transform="translate({x} {y}) rotate(-90)" text-anchor="middle">{}</text>"#,
+            escape(text),
+        );
+    }
+
+    /// The marker of a code; hollow ones mark what is not live.
+    pub fn marker(&mut self, style: CodeStyle, at: [f64; 2], size: f64, hollow: bool) {
+        let class = format!("{} {}", style.class, if hollow { "hollow" } else { "marker" });
+        let [x, y] = at;
+        match style.marker {
+            Marker::Circle => self.circle(&class, at, size),
+            Marker::Square => {
+                let half = size * 0.9;
+                self.rectangle(&class, [x - half, y - half], [x + half, y + half]);
+            }
+            Marker::Triangle => self.polygon(
+                &class,
+                &[[x, y - size * 1.2], [x + size * 1.1, y + size * 0.8], [x - size * 1.1, y + size * 0.8]],
+            ),
+            Marker::Wedge => self.polygon(
+                &class,
+                &[[x, y + size * 1.2], [x + size * 1.1, y - size * 0.8], [x - size * 1.1, y - size * 0.8]],
+            ),
+            Marker::Cross => {
+                // Two bars across each other; `arm` is their half length along the axes, `half` their half width.
+                let (arm, half) = (size * 1.05, size * 0.38);
+                let quarter = [[half, 0.0], [arm, arm - half], [arm - half, arm], [0.0, half]];
+                let turns: [fn([f64; 2]) -> [f64; 2]; 4] =
+                    [|p| p, |[a, b]| [-b, a], |[a, b]| [-a, -b], |[a, b]| [b, -a]];
+                let corners = turns.iter().flat_map(|turn| quarter.map(turn));
+                let corners: Vec<[f64; 2]> = corners.map(|[a, b]| [x + a, y + b]).collect();
+                self.polygon(&class, &corners);
+            }
+            Marker::Diamond => {
+                let half = size * 1.25;
+                self.polygon(&class, &[[x, y - half], [x + half, y], [x, y + half], [x - half, y]]);
+            }
+        }
+    }
+
+    /// A closed polygon.
+    pub fn polygon(&mut self, class: &str, points: &[[f64; 2]]) {
+        let points: Vec<String> = points.iter().map(|p| format!("{},{}", short(p[0]), short(p[1]))).collect();
+        let _ = write!(self.body, r#"<polygon class="{class}" points="{}"/>"#, points.join(" "));
+    }
+
+    /// Cuts off drawing from here to [`Drawing::end_clip`] at a rectangle.
+    pub(crate) fn begin_clip(&mut self, corner: [f64; 2], width: f64, height: f64) {
+        // A nested viewport clips without an id, which would have to be unique on the page.
+        let _ = write!(
+            self.body,
+            r#"<svg x="{x}" y="{y}" width="{w}" height="{h}" viewBox="{x} {y} {w} {h}">"#,
+            x = short(corner[0]),
+            y = short(corner[1]),
+            w = short(width),
+            h = short(height),
+        );
+    }
+
+    /// Ends a clipped part.
+    pub(crate) fn end_clip(&mut self) {
+        self.body.push_str("</svg>");
+    }
+
+    /// Returns the drawing, with a name for readers who cannot see it.
+    pub fn finish(self, name: &str) -> String {
+        format!(
+            r#"<svg role="img" aria-label="{}" viewBox="0 0 {} {}" style="max-width:{}px">{}</svg>"#,
+            escape(name),
+            short(self.width),
+            short(self.height),
+            short(self.width),
+            self.body,
+        )
+    }
+}
+
+/// A finished drawing as a file of its own, with the styles that a page would give it.
+pub fn standalone(drawing: &str) -> String {
+    let head = r#"<svg xmlns="http://www.w3.org/2000/svg" "#;
+    let style = format!(
+        "<style>{}svg {{ background: var(--paper); font-family: sans-serif; }}</style>",
+        include_str!("figure.css")
+    );
+    let inside = drawing.find('>').map_or(drawing.len(), |end| end + 1);
+    let (open, body) = drawing.split_at(inside);
+    format!("{head}{}{style}{body}\n", open.trim_start_matches("<svg "))
+}
+
+/// A coordinate to a tenth of a pixel, without needless digits.
+fn short(value: f64) -> String {
+    let text = format!("{value:.1}");
+    match text.strip_suffix(".0") {
+        Some("-0") => "0".into(),
+        Some(whole) => whole.into(),
+        None => text,
+    }
+}
+
+/// Text with the characters that mean something in XML replaced.
+pub fn escape(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}

@@ -1,0 +1,345 @@
+//! From where a picture is taken: a camera with perspective, and how far away it stands.
+
+use super::Sight;
+use makadam_frames::run_frames::{RunFrame, Walls};
+use nalgebra::Vector3;
+use serde::Serialize;
+
+type Vector = Vector3<f64>;
+
+/// Angle between the upper and the lower edge of a picture, rad.
+const OPENING: f64 = 0.42;
+
+/// Share of the picture that what is looked at may fill.
+const FILLED: f64 = 0.94;
+
+/// Share of the grains on either side of each axis that may be strays, which are not waited for.
+const STRAYS: f64 = 0.0025;
+
+/// Distance beyond the grains within which walls are looked at, over the size of the bed.
+const AROUND: f64 = 0.35;
+
+/// A direction to look along.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum View {
+    /// Along a turning drum and a little from above, or across a corner.
+    Natural,
+    /// Level, along the axis of a drum or along y.
+    Front,
+    /// Level, from the right of the former.
+    Side,
+    /// Along gravity.
+    Top,
+    /// Degrees to the right of the front and above it.
+    Angles {
+        /// To the right.
+        azimuth: f64,
+        /// Above.
+        elevation: f64,
+    },
+}
+
+/// A camera with perspective.
+#[derive(Clone, Debug)]
+pub struct Camera {
+    eye: Vector,
+    right: Vector,
+    up: Vector,
+    forward: Vector,
+    /// Pixels per unit of tangent.
+    focal: f64,
+    /// The pixel that is looked straight at.
+    middle: [f64; 2],
+}
+
+/// Subject of a picture.
+#[derive(Clone, Debug)]
+pub struct Subject {
+    points: Vec<(Vector, f64)>,
+}
+
+impl Subject {
+    /// The grains of frames but stray ones, and the walls about them. Grains that have left the walls far behind do not count, as where a
+    /// silo has emptied into nothing: then the walls are seen whole. `all` has every grain seen.
+    pub fn of<'a>(frames: impl Iterator<Item = &'a RunFrame>, all: bool) -> Subject {
+        let mut points = Vec::new();
+        for frame in frames {
+            let each = frame.grains.positions.iter().zip(&frame.grains.radii);
+            let each = each.map(|(position, radius)| (Vector::from(*position), *radius));
+            let grains: Vec<(Vector, f64)> = match frame.walls.as_ref().and_then(neighbourhood).filter(|_| !all) {
+                Some([low, high]) => each.filter(|(place, _)| *place >= low && *place <= high).collect(),
+                None => each.collect(),
+            };
+            let count = frame.grains.positions.len();
+            let fled = (count - grains.len()) as f64 > count as f64 * STRAYS;
+            let sorted = |axis: usize| {
+                let mut places: Vec<f64> = grains.iter().map(|(position, _)| position[axis]).collect();
+                places.sort_by(f64::total_cmp);
+                places
+            };
+            let strays = if all { 0 } else { (grains.len() as f64 * STRAYS) as usize };
+            let bound = |place: usize| {
+                let at = |axis: usize, _| sorted(axis).get(place).copied().unwrap_or(0.0);
+                Vector::from_fn(at)
+            };
+            let last = grains.len().saturating_sub(1);
+            let [low, high] = [bound(strays), bound(last - strays.min(last))];
+            let is_inside = |point: &Vector, room: f64| {
+                (0..3).all(|axis| (low[axis] - room..=high[axis] + room).contains(&point[axis]))
+            };
+            points.extend(grains.iter().copied().filter(|(point, _)| is_inside(point, 1e-9)));
+            let room = AROUND * (high - low).norm();
+            if let Some(walls) = &frame.walls {
+                let turning = |wall: usize| walls.axes.get(wall).is_some_and(|axis| Vector::from(*axis).norm() > 0.5);
+                for (corners, wall) in walls.triangles.iter().zip(&walls.wall) {
+                    let corners = corners.map(|corner| Vector::from(walls.points[corner as usize]));
+                    // A drum is seen whole; of other walls what lies about the grains.
+                    let whole = fled || turning(*wall as usize);
+                    points
+                        .extend(corners.into_iter().filter(|point| whole || is_inside(point, room)).map(|p| (p, 0.0)));
+                }
+            }
+        }
+        Subject { points }
+    }
+}
+
+/// Ends of the box about walls that grains near them lie in, m; none without walls.
+fn neighbourhood(walls: &Walls) -> Option<[Vector; 2]> {
+    let corners = || walls.points.iter().map(|point| Vector::from(*point));
+    let low = corners().reduce(|low, point| low.inf(&point))?;
+    let high = corners().reduce(|high, point| high.sup(&point))?;
+    let room = Vector::repeat(AROUND * (high - low).norm());
+    Some([low - room, high + room])
+}
+
+/// Initial view of a page: directions, angles, distance.
+#[derive(Clone, Debug, Serialize)]
+pub struct Outlook {
+    /// Unit vector against gravity.
+    up: [f64; 3],
+    /// Unit vector from the viewer at the front to the scene.
+    front: [f64; 3],
+    /// To the right of the front, rad.
+    azimuth: f64,
+    /// Above it, rad.
+    elevation: f64,
+    /// The point that is looked at, m.
+    target: [f64; 3],
+    /// Distance of the eye from it, m.
+    away: f64,
+    /// Half the size of what is looked at, m.
+    size: f64,
+    /// Angle between the upper and the lower edge of the view, rad.
+    opening: f64,
+}
+
+impl Subject {
+    /// Returns the initial view for a window of any shape.
+    pub fn outlook(&self, frame: &RunFrame) -> Outlook {
+        let (front, up, best) = natural(frame);
+        let camera = Camera::looking_at(self, frame, View::Natural, [1000.0, 1000.0], 0.0);
+        let count = self.points.len().max(1) as f64;
+        let middle = self.points.iter().map(|(point, _)| point).sum::<Vector>() / count;
+        let away = camera.forward.dot(&(middle - camera.eye));
+        let target = camera.eye + camera.forward * away;
+        let reach = |(point, radius): &(Vector, f64)| (point - target).norm() + radius;
+        Outlook {
+            up: up.into(),
+            front: front.into(),
+            azimuth: best[0].to_radians(),
+            elevation: best[1].to_radians(),
+            target: target.into(),
+            away: 1.1 * away,
+            size: self.points.iter().map(reach).fold(1e-9, f64::max),
+            opening: OPENING,
+        }
+    }
+}
+
+/// Direction of the vertical, up.
+fn vertical(frame: &RunFrame) -> Vector {
+    let up = -Vector::from(frame.gravity);
+    if up.norm() > 0.0 { up.normalize() } else { Vector::z() }
+}
+
+/// Direction of the axis of a wall that turns about a level axis, so that it turns clockwise when seen along it.
+fn level_axis(walls: Option<&Walls>, up: &Vector) -> Option<Vector> {
+    let axes = walls?.axes.iter().map(|axis| Vector::from(*axis));
+    axes.into_iter().find(|axis| axis.norm() > 0.5 && axis.dot(up).abs() < 0.3)
+}
+
+/// Directions to the front, and up; azimuth and elevation that show most.
+fn natural(frame: &RunFrame) -> (Vector, Vector, [f64; 2]) {
+    let up = vertical(frame);
+    match level_axis(frame.walls.as_ref(), &up) {
+        Some(axis) => ((axis - up * up.dot(&axis)).normalize(), up, [14.0, 9.0]),
+        None => {
+            // Along y, unless gravity points that way.
+            let level = if up.y.abs() < 0.9 { Vector::y() } else { Vector::x() };
+            ((level - up * up.dot(&level)).normalize(), up, [28.0, 20.0])
+        }
+    }
+}
+
+impl Camera {
+    /// A camera that shows a subject, for pictures of a size (pixels) of which a strip on the right stays free.
+    pub fn looking_at(
+        subject: &Subject,
+        frame: &RunFrame,
+        view: View,
+        [width, height]: [f64; 2],
+        strip: f64,
+    ) -> Camera {
+        let (front, up, best) = natural(frame);
+        let [azimuth, elevation] = match view {
+            View::Natural => best,
+            View::Front => [0.0, 0.0],
+            View::Side => [90.0, 0.0],
+            View::Top => [0.0, 90.0],
+            View::Angles { azimuth, elevation } => [azimuth, elevation],
+        }
+        .map(f64::to_radians);
+        let beside = front.cross(&up);
+        let level = front * azimuth.cos() - beside * azimuth.sin();
+        let forward = level * elevation.cos() - up * elevation.sin();
+        let top = level * elevation.sin() + up * elevation.cos();
+        let right = forward.cross(&top);
+        let focal = 0.5 * height / (0.5 * OPENING).tan();
+        let room = [0.5 * (width - strip), 0.5 * height].map(|half| FILLED * half / focal);
+        let mut camera = Camera {
+            eye: Vector::zeros(),
+            right,
+            up: top,
+            forward,
+            focal,
+            middle: [0.5 * (width - strip), 0.5 * height],
+        };
+        let count = subject.points.len().max(1) as f64;
+        let mut target = subject.points.iter().map(|(point, _)| point).sum::<Vector>() / count;
+        let size = subject.points.iter().map(|(point, radius)| (point - target).norm() + radius).fold(1e-9, f64::max);
+        // Twice would do: the middle shifts with perspective.
+        for _ in 0..6 {
+            let seen = |point: &Vector| {
+                let arm = point - target;
+                [arm.dot(&right), arm.dot(&top), arm.dot(&forward)]
+            };
+            let mut away = 0.05 * size;
+            for (point, radius) in &subject.points {
+                let [x, y, depth] = seen(point);
+                let reach = |offset: f64, room: f64| (offset.abs() + 1.05 * radius) / room - depth;
+                away = away.max(reach(x, room[0])).max(reach(y, room[1])).max(2.0 * radius - depth);
+            }
+            camera.eye = target - forward * away;
+            let mut edges = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
+            for (point, radius) in &subject.points {
+                let [x, y, depth] = seen(point);
+                for (edge, offset) in edges.iter_mut().zip([x, y]) {
+                    let near = depth + away;
+                    *edge = [edge[0].min((offset - radius) / near), edge[1].max((offset + radius) / near)];
+                }
+            }
+            if subject.points.is_empty() {
+                break;
+            }
+            let [x, y] = edges.map(|[low, high]| 0.5 * (low + high) * away);
+            target += right * x + top * y;
+        }
+        camera
+    }
+
+    /// Place on the picture (pixels to the right and down) and distance along the line of sight (m) of a point (m).
+    pub fn project(&self, point: &[f64; 3]) -> [f64; 3] {
+        let arm = Vector::from(*point) - self.eye;
+        let depth = arm.dot(&self.forward);
+        let scale = self.focal / depth.max(1e-12);
+        [self.middle[0] + arm.dot(&self.right) * scale, self.middle[1] - arm.dot(&self.up) * scale, depth]
+    }
+
+    /// Pixels of a length (m) at a distance (m).
+    pub fn pixels(&self, length: f64, depth: f64) -> f64 {
+        self.focal * length / depth
+    }
+
+    /// The point at a distance along the line of sight (m) that a place on the picture shows: to the right of the eye, below it, before it.
+    pub(super) fn seen_at(&self, x: f64, y: f64, depth: f64) -> [f64; 3] {
+        let share = depth / self.focal;
+        [(x - self.middle[0]) * share, (y - self.middle[1]) * share, depth]
+    }
+
+    /// A direction as [`Camera::seen_at`] has points.
+    pub(super) fn turned(&self, direction: &Vector) -> [f64; 3] {
+        [direction.dot(&self.right), -direction.dot(&self.up), direction.dot(&self.forward)]
+    }
+
+    /// Vector from the eye through a place on the picture; its part along the line of sight is one.
+    pub(super) fn ray(&self, x: f64, y: f64) -> Vector {
+        self.forward + (self.right * (x - self.middle[0]) - self.up * (y - self.middle[1])) / self.focal
+    }
+
+    pub(super) fn eye(&self) -> &Vector {
+        &self.eye
+    }
+
+    /// Unit vector towards the light: over the left shoulder.
+    pub(super) fn light(&self) -> Vector {
+        (self.up * 0.75 - self.right * 0.45 - self.forward * 0.65).normalize()
+    }
+
+    /// Scales the camera to a picture that is larger by a factor.
+    pub(super) fn enlarged(&self, factor: f64) -> Camera {
+        Camera { focal: factor * self.focal, middle: self.middle.map(|place| factor * place), ..self.clone() }
+    }
+}
+
+impl std::str::FromStr for View {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<View, String> {
+        let angles = || {
+            let (azimuth, elevation) = text.split_once(',')?;
+            let angle = |text: &str| text.trim().parse::<f64>().ok().filter(|angle| angle.abs() <= 360.0);
+            Some(View::Angles { azimuth: angle(azimuth)?, elevation: angle(elevation)? })
+        };
+        match text {
+            "natural" => Ok(View::Natural),
+            "front" => Ok(View::Front),
+            "side" => Ok(View::Side),
+            "top" => Ok(View::Top),
+            _ => angles().ok_or_else(|| {
+                format!("'{text}' is no view: give natural, front, side, top, or AZIMUTH,ELEVATION in degrees, such as 30,20")
+            }),
+        }
+    }
+}
+
+/// A plane in front of which nothing is shown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cut {
+    /// Axis, 0 to 2.
+    pub axis: usize,
+    /// Place of the plane on the axis, m.
+    pub at: f64,
+}
+
+impl std::str::FromStr for Cut {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Cut, String> {
+        let cut = || {
+            let (axis, at) = text.split_once('=')?;
+            let axis = ["x", "y", "z"].iter().position(|name| *name == axis.trim())?;
+            let at = at.trim().parse::<f64>().ok().filter(|at| at.is_finite())?;
+            Some(Cut { axis, at })
+        };
+        cut().ok_or_else(|| format!("'{text}' is no clipping plane: give an axis and a place in m, such as y=0.02"))
+    }
+}
+
+impl Cut {
+    /// Unit normal towards the side that is taken away: that of the eye.
+    pub(super) fn normal(&self, sight: &Sight<'_>) -> Vector {
+        let side = if sight.camera.eye()[self.axis] >= self.at { 1.0 } else { -1.0 };
+        Vector::ith(self.axis, side)
+    }
+}

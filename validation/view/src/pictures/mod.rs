@@ -1,0 +1,213 @@
+//! Pictures of frames without a screen: grains with light and shade, walls of glass, a colour scale, PNG, APNG and GIF.
+//!
+//! ```text
+//! RunFrame ─> Subject ─> Camera ─> raster (what is seen through a pixel) ─> shade ─> lettering ─> Picture ─> files
+//! ```
+//!
+//! Grains are rays cut with spheres, exact at every pixel; each pixel of a picture is the mean of four.
+
+mod camera;
+mod colours;
+mod files;
+mod lettering;
+mod of_run;
+mod raster;
+mod shade;
+
+pub use camera::{Camera, Cut, Subject, View};
+pub use colours::{MOST_KINDS, PALETTE, Scale, VIRIDIS, telling};
+pub use files::png;
+pub use files::{Animation, PictureError, is_animation, write_png};
+pub(crate) use lettering::ticks;
+pub use of_run::{Content, caption};
+
+use lettering::{Anchor, Sheet, length};
+use makadam_frames::run_frames::{Quantity, RunFrame, Walls};
+use nalgebra::Vector3;
+use raster::Flat;
+use shade::{Colour, PAPER, Surface};
+use std::collections::BTreeMap;
+
+type Vector = Vector3<f64>;
+
+/// Lines and columns that make one of a picture.
+const FINER: usize = 2;
+
+/// Cosine of the angle between two triangles from which on their common edge is drawn.
+const SHARP: f64 = 0.9;
+
+/// Style of a picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Style {
+    /// Width and height, pixels.
+    pub size: [usize; 2],
+    /// From where it is seen.
+    pub view: View,
+    /// A plane in front of which nothing is shown.
+    pub cut: Option<Cut>,
+    /// True if walls are drawn.
+    pub walls: bool,
+}
+
+/// A picture: three bytes per pixel, line after line.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// Pixels of a line.
+    pub width: usize,
+    /// Lines.
+    pub height: usize,
+    /// Red, green and blue.
+    pub bytes: Vec<u8>,
+}
+
+impl Picture {
+    /// The colour of a pixel.
+    pub fn pixel(&self, column: usize, line: usize) -> [u8; 3] {
+        let place = 3 * (line * self.width + column);
+        [self.bytes[place], self.bytes[place + 1], self.bytes[place + 2]]
+    }
+}
+
+/// Frame with camera and clipping plane.
+struct Sight<'a> {
+    frame: &'a RunFrame,
+    camera: &'a Camera,
+    cut: Option<Cut>,
+}
+
+/// A camera that shows a subject in a style.
+pub fn camera(subject: &Subject, frame: &RunFrame, style: &Style) -> Camera {
+    let [width, height] = style.size;
+    let strip = Sheet { colours: &mut [], width, height }.strip();
+    Camera::looking_at(subject, frame, style.view, [width as f64, height as f64], strip as f64)
+}
+
+/// Returns true if pictures of a size have space for the colour scale.
+pub fn has_scale([width, height]: [usize; 2]) -> bool {
+    Sheet { colours: &mut [], width, height }.strip() > 0
+}
+
+/// Most memory that drawing a picture of a size takes, bytes.
+pub fn memory([width, height]: [usize; 2]) -> u64 {
+    let fine = size_of::<raster::Pixel>() + size_of::<Colour>() + size_of::<f32>();
+    let own = size_of::<Colour>() + 3;
+    (width * height * (FINER * FINER * fine + own)) as u64
+}
+
+/// Draws a frame, its grains coloured by a quantity on a scale; the caption stands above it. Once the user has asked to stop, what is drawn
+/// is worth nothing.
+pub fn draw(
+    frame: &RunFrame,
+    quantity: &Quantity,
+    scale: &Scale,
+    camera: &Camera,
+    style: &Style,
+    caption: &str,
+) -> Picture {
+    let [width, height] = style.size;
+    let fine = [FINER * width, FINER * height];
+    let close = camera.enlarged(FINER as f64);
+    let sight = Sight { frame, camera: &close, cut: style.cut };
+    let walls = frame.walls.as_ref().filter(|_| style.walls);
+    let (stone, glass) = walls.map_or((Vec::new(), Vec::new()), |walls| flats(walls, &sight));
+    let raster = raster::draw(&sight, &close, fine, &stone);
+    let colours: Vec<Colour> = quantity.values.iter().map(|value| scale.colour(*value)).collect();
+    let count = frame.grains.radii.len().max(1) as f64;
+    let reach = 3.0 * frame.grains.radii.iter().sum::<f64>() / count;
+    let mut drawn =
+        Surface { raster: &raster, camera: &close, colours: &colours, reach, places: shade::places() }.colours();
+    shade::glaze(&mut drawn, &raster, &close, &glass);
+    if let Some(walls) = walls {
+        shade::edges(&mut drawn, &raster, &close, &edges(walls, &sight), 1.3 * FINER as f64);
+    }
+    let mut mixed = mean(&drawn, width, height);
+    let mut sheet = Sheet { colours: &mut mixed, width, height };
+    let line = sheet.line() as i64;
+    sheet.write(caption, [line, line / 2], Anchor::Left);
+    sheet.write(&sizes(frame), [line, height as i64 - line - line / 2], Anchor::Left);
+    sheet.scale(quantity, scale);
+    let byte = |share: f32| (255.0 * share.clamp(0.0, 1.0)).round() as u8;
+    Picture { width, height, bytes: mixed.iter().flat_map(|colour| colour.map(byte)).collect() }
+}
+
+/// Grains in words: how many, how large.
+pub(crate) fn sizes(frame: &RunFrame) -> String {
+    let radii = &frame.grains.radii;
+    let [least, most] =
+        [radii.iter().copied().fold(f64::INFINITY, f64::min), radii.iter().copied().fold(0.0, f64::max)];
+    let count = radii.len();
+    match (count, most > 1.005 * least) {
+        (0, _) => "no grains".into(),
+        (1, _) => format!("1 grain, diameter {}", length(2.0 * most)),
+        (_, false) => format!("{count} grains, diameter {}", length(2.0 * most)),
+        (_, true) => format!("{count} grains, diameters {} to {}", length(2.0 * least), length(2.0 * most)),
+    }
+}
+
+/// Each pixel the mean of a square of finer ones.
+fn mean(fine: &[Colour], width: usize, height: usize) -> Vec<Colour> {
+    let mut colours = vec![PAPER; width * height];
+    for (place, colour) in colours.iter_mut().enumerate() {
+        let (column, line) = (FINER * (place % width), FINER * (place / width));
+        let parts = (0..FINER * FINER).map(|part| fine[(line + part / FINER) * FINER * width + column + part % FINER]);
+        *colour = parts.fold([0.0; 3], |sum, part| std::array::from_fn(|k| sum[k] + part[k]));
+        colour.iter_mut().for_each(|share| *share /= (FINER * FINER) as f32);
+    }
+    colours
+}
+
+/// The triangles of walls on a picture: those that hide what is behind them, and those that are looked through.
+fn flats(walls: &Walls, sight: &Sight<'_>) -> (Vec<Flat>, Vec<Flat>) {
+    let (mut stone, mut glass) = (Vec::new(), Vec::new());
+    for (triangle, wall) in walls.triangles.iter().zip(&walls.wall) {
+        let corners = triangle.map(|corner| Vector::from(walls.points[corner as usize]));
+        if is_cut_away(&corners, sight) {
+            continue;
+        }
+        let hides = walls.shapes.get(*wall as usize).is_some_and(|shape| *shape == "spheres");
+        let flat = Flat::of(corners, sight.camera);
+        if hides { stone.extend(flat) } else { glass.extend(flat) }
+    }
+    (stone, glass)
+}
+
+/// Returns true if all corners lie in front of the clipping plane.
+fn is_cut_away(corners: &[Vector], sight: &Sight<'_>) -> bool {
+    sight.cut.is_some_and(|cut| {
+        let normal = cut.normal(sight);
+        corners.iter().all(|corner| normal.dot(corner) > cut.at * normal[cut.axis])
+    })
+}
+
+/// Edges of walls that are not hidden by the clipping plane.
+fn edges(walls: &Walls, sight: &Sight<'_>) -> Vec<[Vector; 2]> {
+    let ends = wall_edges(walls).into_iter().map(|ends| ends.map(Vector::from));
+    ends.filter(|ends| !is_cut_away(ends, sight)).collect()
+}
+
+/// A side of a triangle: the number of its wall, and its ends, rounded.
+type Side = (u32, [[i64; 3]; 2]);
+
+/// Ends (m) of the edges of walls: where a surface ends or bends sharply. Walls of spheres have none.
+pub(crate) fn wall_edges(walls: &Walls) -> Vec<[[f64; 3]; 2]> {
+    let size = walls.points.iter().flatten().fold(0.0_f64, |size, place| size.max(place.abs())).max(1e-12);
+    // Faces of a box share no points, only places.
+    let key = |point: &[f64; 3]| point.map(|place| (place / size * 1e6).round() as i64);
+    let mut sides: BTreeMap<Side, (Vec<Vector>, [[f64; 3]; 2])> = BTreeMap::new();
+    for (triangle, &wall) in walls.triangles.iter().zip(&walls.wall) {
+        if walls.shapes.get(wall as usize).is_some_and(|shape| *shape == "spheres") {
+            continue;
+        }
+        let corners = triangle.map(|corner| walls.points[corner as usize]);
+        let [a, b, c] = corners.map(Vector::from);
+        let Some(normal) = (b - a).cross(&(c - a)).try_normalize(0.0) else { continue };
+        for ends in [[0, 1], [1, 2], [2, 0]].map(|side| side.map(|corner: usize| corners[corner])) {
+            let mut places = ends.map(|end| key(&end));
+            places.sort_unstable();
+            sides.entry((wall, places)).or_insert_with(|| (Vec::new(), ends)).0.push(normal);
+        }
+    }
+    let bends = |normals: &[Vector]| normals.iter().any(|other| other.dot(&normals[0]).abs() < SHARP);
+    let edges = sides.into_values().filter(|(normals, _)| normals.len() == 1 || bends(normals));
+    edges.map(|(_, ends)| ends).collect()
+}

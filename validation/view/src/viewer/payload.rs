@@ -1,0 +1,384 @@
+//! Payload of a page: a head with the places of all arrays, and the arrays.
+//!
+//! ```text
+//! bytes of the head (u32), head (JSON), padding to 8 bytes, arrays (little endian), each from a multiple of 8 on
+//! state     frames x grains x 4 u16   x, y, z over the box of all frames, and the first field over its range
+//! others    frames x grains x u16     further fields that change
+//! once      grains x u16              fields that do not
+//! radii     grains x f32              m
+//! contacts  frames x n x 7 u16        both ends over the box, force over the largest of the frame
+//! walls     n x 3 f32                 corners of triangles, and ends of edges, m; once if walls rest
+//! ```
+
+use crate::draw::numbers::plural;
+use crate::pictures::{MOST_KINDS, PALETTE, Scale, Subject, VIRIDIS, telling, wall_edges};
+use makadam_frames::run_frames::{ContactLine, Quantity, RunFolderError, RunFrame, RunFrames, Walls};
+use serde_json::{Value, json};
+use std::collections::HashSet;
+
+/// Largest number of 16 bits.
+const FULL: f64 = 65_535.0;
+
+/// Share of the contacts that bear more than the force at the end of the scale.
+const STRONGEST: f64 = 0.005;
+
+/// Frames per second at which time runs.
+const RATE: f64 = 20.0;
+
+/// Fields that do not change.
+const CONSTANT: [&str; 4] = ["diameter", "mass", "material", "population"];
+
+/// Options of a page.
+#[derive(Clone, Debug)]
+pub struct Wishes {
+    /// The fields that change by which grains can be coloured, the first one at once.
+    pub fields: Vec<String>,
+    /// Each so many frames; as many as fit, if absent.
+    pub every: Option<usize>,
+    /// Most bytes of the payload before compression.
+    pub most_bytes: f64,
+    /// True if force chains are shown.
+    pub contacts: bool,
+    /// True if the initial view shows all grains, also those far from the walls.
+    pub all_grains: bool,
+}
+
+/// Fields that can be chosen on the page next to the one that is shown at once, where none are requested.
+const BESIDE: [&str; 2] = ["speed", "pressure"];
+
+/// Returns the fields by which grains can be coloured: the requested ones, or those that tell most of a frame. None is there twice.
+pub fn fields_of(frame: &RunFrame, requested: Option<&[String]>) -> Vec<String> {
+    let mut fields = requested.map_or_else(|| vec![telling(frame).to_string()], <[String]>::to_vec);
+    if requested.is_none() {
+        let known = frame.quantities();
+        let beside = BESIDE.iter().filter(|name| known.iter().any(|known| known == *name));
+        fields.extend(beside.map(|name| (*name).to_string()));
+    }
+    let mut seen = HashSet::new();
+    fields.retain(|name| seen.insert(name.replace('-', "_")));
+    fields
+}
+
+/// Bytes of a page.
+#[derive(Clone, Debug)]
+pub struct Payload {
+    /// Head and arrays.
+    pub bytes: Vec<u8>,
+    /// Number of frames.
+    pub frames: usize,
+    /// Note on content that was left out; empty if all is there.
+    pub note: String,
+}
+
+/// The arrays behind the head.
+#[derive(Default)]
+struct Arrays {
+    bytes: Vec<u8>,
+}
+
+impl Arrays {
+    /// Adds numbers; where they lie and how many there are.
+    fn add<const SIZE: usize>(&mut self, numbers: impl Iterator<Item = [u8; SIZE]>) -> Value {
+        self.bytes.resize(self.bytes.len().next_multiple_of(8), 0);
+        let offset = self.bytes.len();
+        self.bytes.extend(numbers.flatten());
+        json!([offset, (self.bytes.len() - offset) / SIZE])
+    }
+
+    fn shorts(&mut self, numbers: impl Iterator<Item = u16>) -> Value {
+        self.add(numbers.map(u16::to_le_bytes))
+    }
+
+    fn floats(&mut self, numbers: impl Iterator<Item = f64>) -> Value {
+        self.add(numbers.map(|number| (number as f32).to_le_bytes()))
+    }
+}
+
+/// Ranges over all frames.
+#[derive(Clone, Debug)]
+struct Survey {
+    low: [f64; 3],
+    span: [f64; 3],
+    /// Least and largest value of each field that changes.
+    ranges: Vec<[f64; 2]>,
+    /// Values of some frames, for the ends of the colour scale.
+    samples: Vec<Vec<f64>>,
+    grains: usize,
+}
+
+/// Reads the frames of a run and puts what is shown of them together. `progress` is told the share that is done.
+///
+/// # Errors
+/// [`RunFolderError`] if a frame cannot be read or has none of the fields.
+pub fn payload(run: &RunFrames, wishes: &Wishes, progress: &dyn Fn(f64)) -> Result<Payload, RunFolderError> {
+    let last = run.read(run.count() - 1)?;
+    let asked: Vec<String> = wishes.fields.iter().map(|name| name.replace('-', "_")).collect();
+    asked.iter().try_for_each(|field| run.field(&last, field).map(|_| ()))?;
+    // What does not change is there without being asked for.
+    let fields: Vec<String> = asked.iter().filter(|name| !CONSTANT.contains(&name.as_str())).cloned().collect();
+    let (numbers, contacts, note) = choose(run, &last, wishes, fields.len());
+    let survey = survey(run, &numbers, &fields, contacts, &|share| progress(0.5 * share))?;
+    let mut arrays = Arrays::default();
+    let mut frames = Vec::new();
+    let mut walls: Vec<Value> = Vec::new();
+    let mut seen: Option<Walls> = None;
+    for (place, &number) in numbers.iter().enumerate() {
+        let frame = run.read(number)?;
+        let quantities: Vec<Quantity> =
+            fields.iter().map(|field| run.field(&frame, field)).collect::<Result<_, _>>()?;
+        let first = quantities.first();
+        let state = frame.grains.positions.iter().enumerate().flat_map(|(grain, position)| {
+            let value = first.map_or(0, |quantity| share(quantity.values[grain], survey.ranges[0]));
+            let [x, y, z] = survey.place(position);
+            [x, y, z, value]
+        });
+        let state = arrays.shorts(state);
+        let others: Vec<Value> = (quantities.iter().zip(&survey.ranges).skip(1))
+            .map(|(quantity, range)| arrays.shorts(quantity.values.iter().map(|value| share(*value, *range))))
+            .collect();
+        let shown = match &frame.walls {
+            None => Value::Null,
+            Some(here) => {
+                if seen.as_ref() != Some(here) {
+                    walls.push(surfaces(here, &mut arrays));
+                    seen = Some(here.clone());
+                }
+                json!(walls.len() - 1)
+            }
+        };
+        let lines = frame.contacts.as_ref().filter(|_| contacts).map(|lines| {
+            let most_force = strongest(lines);
+            arrays.shorts(strong(lines).flat_map(|line| {
+                let [[a, b, c], [d, e, f]] = line.ends.map(|end| survey.place(&end));
+                [a, b, c, d, e, f, share(line.normal_force, [0.0, most_force])]
+            }))
+        });
+        frames.push(json!({ "time": frame.time, "state": state, "others": others, "walls": shown, "contacts": lines }));
+        progress(0.5 + 0.5 * (place + 1) as f64 / numbers.len() as f64);
+    }
+    let radii = arrays.floats(last.grains.radii.iter().copied());
+    let mut listed: Vec<Value> = Vec::new();
+    for (number, name) in fields.iter().enumerate() {
+        let quantity = run.field(&last, name)?;
+        listed.push(field(&quantity, &survey.samples[number], survey.ranges[number], json!({ "number": number })));
+    }
+    for name in CONSTANT {
+        let Some(quantity) = last.quantity(name) else { continue };
+        let range = range_of(&quantity.values);
+        let scale = Scale::of(&quantity.title, &quantity.values);
+        let numbers: Vec<u16> = match &scale {
+            Scale::Kinds(kinds) => {
+                let kind = |value: &f64| kinds.iter().position(|kind| *kind == *value as i64).unwrap_or(0) as u16;
+                quantity.values.iter().map(kind).collect()
+            }
+            Scale::Range(_) => quantity.values.iter().map(|value| share(*value, range)).collect(),
+        };
+        let once = arrays.shorts(numbers.into_iter());
+        listed.push(field(&quantity, &quantity.values, range, json!({ "once": once })));
+    }
+    let chosen = asked.first().map(|name| name.replace('_', " "));
+    let chosen = listed.iter().position(|field| field["title"].as_str() == chosen.as_deref()).unwrap_or(0);
+    let head = json!({
+        "chosen": chosen,
+        "scene": run.scene(),
+        "about": about(&last, numbers.len()),
+        "note": note,
+        "low": survey.low,
+        "span": survey.span,
+        "rate": RATE,
+        "radii": radii,
+        "thick": last.grains.radii.iter().sum::<f64>() / last.grains.radii.len().max(1) as f64,
+        "fields": listed,
+        "viridis": VIRIDIS,
+        "palette": PALETTE,
+        "eye": Subject::of(std::iter::once(&last), wishes.all_grains).outlook(&last),
+        "frames": frames,
+        "walls": walls,
+    });
+    Ok(Payload { bytes: assemble(head, &arrays.bytes), frames: numbers.len(), note })
+}
+
+/// Head and arrays in one.
+fn assemble(mut head: Value, arrays: &[u8]) -> Vec<u8> {
+    // Where the arrays begin stands in the head, as long as any such number.
+    head["start"] = json!(0);
+    let length = head.to_string().len() + 16;
+    let start = (4 + length).next_multiple_of(8);
+    head["start"] = json!(start);
+    let mut text = head.to_string();
+    text.extend(std::iter::repeat_n(' ', length - text.len()));
+    let mut bytes = (length as u32).to_le_bytes().to_vec();
+    bytes.extend(text.as_bytes());
+    bytes.resize(start, 0);
+    bytes.extend(arrays);
+    bytes
+}
+
+/// The head and the arrays of a payload.
+///
+/// # Errors
+/// What is wrong with it.
+pub fn unpack(bytes: &[u8]) -> Result<(Value, &[u8]), String> {
+    let length = bytes.first_chunk().map(|bytes| u32::from_le_bytes(*bytes) as usize).ok_or("it is empty")?;
+    let head: Value = serde_json::from_slice(bytes.get(4..4 + length).ok_or("its head is cut off")?)
+        .map_err(|error| format!("its head is no JSON: {error}"))?;
+    let start = head["start"].as_u64().ok_or("it does not say where arrays begin")? as usize;
+    Ok((head, bytes.get(start..).ok_or("it has no arrays")?))
+}
+
+/// Which frames are shown, whether contacts are, and what was left out.
+fn choose(run: &RunFrames, last: &RunFrame, wishes: &Wishes, fields: usize) -> (Vec<usize>, bool, String) {
+    let grains = last.grains.radii.len() as f64 * (6 + 2 * fields.max(1)) as f64;
+    let strong = last.contacts.as_ref().map_or(0.0, |lines| 0.5 * 14.0 * lines.len() as f64);
+    let walls = last.walls.as_ref().map_or(0.0, |walls| 36.0 * walls.triangles.len() as f64);
+    let count = |every: usize| run.count().div_ceil(every) as f64;
+    let mut note = Vec::new();
+    let every = wishes.every.unwrap_or_else(|| {
+        let fit = (1..=run.count()).find(|every| count(*every) * (grains + walls) <= wishes.most_bytes);
+        fit.unwrap_or(run.count())
+    });
+    let contacts =
+        wishes.contacts && last.contacts.is_some() && count(every) * (grains + walls + strong) <= wishes.most_bytes;
+    if wishes.contacts && last.contacts.is_some() && !contacts {
+        note.push("Force chains are left out: the file would be too large (--megabytes).".to_string());
+    }
+    if every > 1 {
+        note.push(format!("One frame in {every} is shown."));
+    }
+    // The last frame is always there.
+    let mut numbers: Vec<usize> = (0..run.count()).rev().step_by(every).collect();
+    numbers.reverse();
+    (numbers, contacts, note.join(" "))
+}
+
+fn survey(
+    run: &RunFrames,
+    numbers: &[usize],
+    fields: &[String],
+    contacts: bool,
+    progress: &dyn Fn(f64),
+) -> Result<Survey, RunFolderError> {
+    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    let mut survey = Survey {
+        low: [0.0; 3],
+        span: [1.0; 3],
+        ranges: vec![[f64::INFINITY, f64::NEG_INFINITY]; fields.len()],
+        samples: vec![Vec::new(); fields.len()],
+        grains: 0,
+    };
+    let step = numbers.len().div_ceil(9).max(1);
+    for (place, &number) in numbers.iter().enumerate() {
+        let frame = run.read(number)?;
+        survey.grains = survey.grains.max(frame.grains.radii.len());
+        let ends = frame.contacts.iter().flatten().flat_map(|line| line.ends).filter(|_| contacts);
+        for position in frame.grains.positions.iter().copied().chain(ends) {
+            for axis in 0..3 {
+                low[axis] = low[axis].min(position[axis]);
+                high[axis] = high[axis].max(position[axis]);
+            }
+        }
+        for (number, name) in fields.iter().enumerate() {
+            let values = run.field(&frame, name)?.values;
+            let [least, most] = range_of(&values);
+            let range = &mut survey.ranges[number];
+            *range = [range[0].min(least), range[1].max(most)];
+            if place % step == 0 || place + 1 == numbers.len() {
+                survey.samples[number].extend(values);
+            }
+        }
+        progress((place + 1) as f64 / numbers.len() as f64);
+    }
+    if survey.grains > 0 {
+        survey.low = low;
+        survey.span = std::array::from_fn(|axis| (high[axis] - low[axis]).max(1e-9));
+    }
+    survey
+        .ranges
+        .iter_mut()
+        .filter(|[low, high]| low >= high)
+        .for_each(|range| *range = [range[0].min(0.0), range[0].min(0.0) + 1.0]);
+    Ok(survey)
+}
+
+impl Survey {
+    /// A place over the box of all frames.
+    fn place(&self, position: &[f64; 3]) -> [u16; 3] {
+        std::array::from_fn(|axis| share(position[axis], [self.low[axis], self.low[axis] + self.span[axis]]))
+    }
+}
+
+/// Contacts that are parts of chains: those that bear at least the mean force of their frame (F. Radjai, D. E. Wolf, M. Jean and
+/// J.-J. Moreau, Bimodal character of stress transmission in granular packings, Physical Review Letters 80 (1998), 61-64).
+fn strong(lines: &[ContactLine]) -> impl Iterator<Item = &ContactLine> {
+    let mean = lines.iter().map(|line| line.normal_force).sum::<f64>() / lines.len().max(1) as f64;
+    lines.iter().filter(move |line| line.normal_force >= mean && line.normal_force > 0.0)
+}
+
+/// The force that hardly any contact of a frame exceeds, N.
+fn strongest(lines: &[ContactLine]) -> f64 {
+    let mut sorted: Vec<f64> = lines.iter().map(|line| line.normal_force).collect();
+    sorted.sort_by(f64::total_cmp);
+    let place = ((1.0 - STRONGEST) * sorted.len() as f64) as usize;
+    sorted.get(place.min(sorted.len().saturating_sub(1))).copied().filter(|force| *force > 0.0).unwrap_or(1.0)
+}
+
+/// Returns the place of a value in a range, in 16 bits.
+fn share(value: f64, [low, high]: [f64; 2]) -> u16 {
+    let share = (value - low) / (high - low);
+    if share.is_finite() { (FULL * share.clamp(0.0, 1.0)).round() as u16 } else { 0 }
+}
+
+fn range_of(values: &[f64]) -> [f64; 2] {
+    let finite = values.iter().copied().filter(|value| value.is_finite());
+    let [low, high] =
+        finite.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)]);
+    match low < high {
+        true => [low, high],
+        false if low.is_finite() => [low, low + low.abs().max(1e-12)],
+        false => [0.0, 1.0],
+    }
+}
+
+/// A field as the page lists it: its name, its unit, the ends of its range and of its colour scale, ticks.
+fn field(quantity: &Quantity, samples: &[f64], range: [f64; 2], mut listed: Value) -> Value {
+    listed["title"] = json!(quantity.title);
+    listed["range"] = json!(range);
+    match Scale::of(&quantity.title, samples) {
+        Scale::Kinds(kinds) => {
+            let name = |kind: &i64| {
+                let named = usize::try_from(*kind).ok().and_then(|kind| quantity.names.get(kind)).cloned();
+                named.unwrap_or_else(|| if *kind < 0 { "listed".into() } else { kind.to_string() })
+            };
+            let names: Vec<String> = kinds.iter().take(MOST_KINDS).map(name).collect();
+            listed["kinds"] = json!(names);
+            listed["unit"] = json!("");
+            listed["shown"] = json!([0.0, 1.0]);
+            listed["ticks"] = json!([]);
+        }
+        Scale::Range([low, high]) => {
+            let (unit, ticks) = crate::pictures::ticks(quantity.unit, [low, high]);
+            let ticks: Vec<Value> = ticks.into_iter().map(|(at, text)| json!({ "at": at, "text": text })).collect();
+            listed["unit"] = json!(unit);
+            listed["shown"] = json!([low, high].map(|end| (end - range[0]) / (range[1] - range[0])));
+            listed["range"] = json!([low, high]);
+            listed["stored"] = json!(range);
+            listed["ticks"] = json!(ticks);
+        }
+    }
+    listed
+}
+
+fn surfaces(walls: &Walls, arrays: &mut Arrays) -> Value {
+    let is_stone = |wall: u32| walls.shapes.get(wall as usize).is_some_and(|shape| *shape == "spheres");
+    let mut corners = |stone: bool| {
+        let of_kind = walls.triangles.iter().zip(&walls.wall).filter(|(_, wall)| is_stone(**wall) == stone);
+        arrays.floats(of_kind.flat_map(|(corners, _)| corners.iter().flat_map(|corner| walls.points[*corner as usize])))
+    };
+    let (glass, stone) = (corners(false), corners(true));
+    let edges = arrays.floats(wall_edges(walls).into_iter().flatten().flatten());
+    json!({ "glass": glass, "stone": stone, "edges": edges })
+}
+
+fn about(frame: &RunFrame, frames: usize) -> String {
+    format!("{}; {}", crate::pictures::sizes(frame), plural(frames, "frame"))
+}
