@@ -1,4 +1,4 @@
-//! The same scene in Makadam, YADE, LIGGGHTS and LAMMPS, one measurement code, and a verdict; published laws and stress tests
+//! Comparison of codes: one scene in Makadam, YADE, LIGGGHTS and LAMMPS, one measurement code, and a verdict; published laws and stress tests
 //! besides.
 
 pub mod codes;
