@@ -4,18 +4,17 @@ use super::coefficients::{LaneMaterial, OnSurfaces};
 use super::{StepContext, write_contacts};
 use crate::contact::ContactGeometry;
 use crate::detect::{AngularImpulse, Impulse};
-use crate::effects::Effects;
 use crate::effects::compliance::effective_radius;
 use crate::effects::impact::Impact;
-use crate::effects::resistance::bearable;
+use crate::effects::resistance::TorqueLanes;
 use crate::effects::restitution::{at_speed, impact_on_the_way};
-use crate::groups::{
-    ContactLanes, ContactLayout, ImpactLanes, ImpactMemory, PairGroup, Sources, Tangential, TorqueLanes, with_pairs,
-};
+use crate::effects::term::{ContactTerm, Tangential, TorqueTerm};
+use crate::groups::{ContactLayout, Effects, ImpactLanes, ImpactMemory, PairGroup, Sources, with_pairs};
 use crate::lanes::{
-    Eight, Kernel, Lanes, Number, PREFETCH, Slots, dot, minus, prefetch_lines, prefetch_places, prefetch_range,
+    Eight, Kernel, Lanes, PREFETCH, Slots, dot, minus, prefetch_lines, prefetch_places, prefetch_range,
 };
 use crate::partition::{PlannedTask, TaskGroups};
+use crate::sweep::kernel::Contact;
 use nalgebra::Vector3;
 use std::marker::PhantomData;
 
@@ -235,7 +234,8 @@ impl<E: Effects> Kernel for FillTorques<'_, E> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let StepContext { world, candidates, walls: placed, constants, .. } = self.context;
-        let share = constants.warm_start;
+        let started =
+            |AngularImpulse(impulse): AngularImpulse| impulse.map(|component| component * constants.warm_start);
         let TaskGroups { pairs, pair_sources, pair_torques, walls, wall_sources, wall_torques, .. } = self.groups;
         for ((group, sources), torques) in E::Tangential::of(pairs).iter().zip(pair_sources).zip(pair_torques) {
             *torques = TorqueLanes::default();
@@ -244,11 +244,9 @@ impl<E: Effects> Kernel for FillTorques<'_, E> {
                 let (a, b) = (world.spheres[i].radius, world.spheres[j].radius);
                 let material = world.table.between_grains(world.materials[i], world.materials[j]);
                 let effective_radius = effective_radius(a, b);
-                torques.rolling_lever.0[lane] = material.rolling_friction * effective_radius;
-                torques.twisting_lever.0[lane] = material.twisting_friction * effective_radius;
-                torques.remember(lane, self.pairs.get(candidate as u32), share);
+                torques.fill(lane, material, effective_radius, started(self.pairs.get(candidate as u32)));
             }
-            start::<L, E, _>(torques, &group.contacts);
+            start::<L, E>(torques, &Contact::<L, E>::read(&group.contacts, L::load));
         }
         for ((group, sources), lanes) in walls.iter().zip(wall_sources).zip(wall_torques) {
             *lanes = Default::default();
@@ -256,38 +254,20 @@ impl<E: Effects> Kernel for FillTorques<'_, E> {
                 let (grain, surface) = (group.body[lane] as usize, candidates.walls[candidate].surface);
                 let material = world.wall_material(grain, surface);
                 let radius = world.spheres[grain].radius;
-                let torques = &mut lanes.torques;
-                torques.rolling_lever.0[lane] = material.rolling_friction * radius;
-                torques.twisting_lever.0[lane] = material.twisting_friction * radius;
-                torques.remember(lane, self.walls.get(candidate as u32), share);
+                lanes.torques.fill(lane, material, radius, started(self.walls.get(candidate as u32)));
                 for (axis, spin) in placed.face(surface).spin().iter().enumerate() {
                     lanes.wall_spin[axis].0[lane] = *spin;
                 }
             }
-            start::<L, E, _>(&mut lanes.torques, &group.contacts);
+            start::<L, E>(&mut lanes.torques, &Contact::<L, E>::read(&group.contacts, L::load));
         }
     }
 }
 
-impl TorqueLanes {
-    fn remember(&mut self, lane: usize, AngularImpulse(impulse): AngularImpulse, share: f64) {
-        for (own, component) in self.impulse.iter_mut().zip(impulse) {
-            own.0[lane] = component * share;
-        }
-    }
-}
-
-/// Impulse of the last step, as far as the contact can carry it with the normal impulse that it starts from. A contact that has just
-/// closed starts from none, whatever it bore when it opened.
+/// Has the torques of eight contacts start from what these can bear of the last step's.
 #[inline(always)]
-fn start<L: Lanes, E: Effects, T>(torques: &mut TorqueLanes, contacts: &ContactLanes<Eight, T>) {
-    let load = |number: &Eight| L::load(number);
-    let (normal, normal_impulse) = (contacts.normal.each_ref().map(load), load(&contacts.impulse_normal));
-    let bears = <L as Number>::zero().below(normal_impulse);
-    let [rolling_cap, twisting_cap] =
-        [&torques.rolling_lever, &torques.twisting_lever].map(|lever| load(lever) * normal_impulse);
-    let borne = bearable::<E, L>(torques.impulse.each_ref().map(load), normal, rolling_cap, twisting_cap);
-    for (component, impulse) in borne.into_iter().zip(&mut torques.impulse) {
-        L::select(bears, component, <L as Number>::zero()).store(impulse);
-    }
+fn start<L: Lanes, E: Effects>(torques: &mut TorqueLanes, contact: &Contact<L, E>) {
+    let mut term = E::Torque::<L>::read(torques, L::load);
+    term.start((contact.normal, contact.impulse_normal));
+    term.write(torques, L::store);
 }

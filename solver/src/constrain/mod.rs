@@ -9,12 +9,12 @@ mod touch;
 
 use crate::contact::ContactGeometry;
 use crate::detect::{CandidateList, Candidates, ImpulsesOfTask, WallCandidate};
+use crate::effects::EffectSet;
 use crate::effects::compliance::{NormalContact, NormalScheme};
 use crate::effects::friction::slip_speed;
 use crate::effects::impact::{Decision, Impact, bears};
-use crate::effects::spring::tangential_compliance;
-use crate::effects::{EffectSet, with_effects};
-use crate::groups::{ContactLanes, ImpactLanes, Tangential, WallGroup, with_pairs};
+use crate::effects::term::{Tangential, TermStart};
+use crate::groups::{ContactLanes, ImpactLanes, WallGroup, with_effects, with_pairs};
 use crate::lanes::{Available, Eight, Lanes, Number, Quad, Slots, TaskSlots, dot, minus, times};
 use crate::partition::{
     ByBodies, ByNumber, DrivenContact, FindWaits, LaneAssigner, Layout, PlannedTask, Taken, TakenGroups, TaskGroups,
@@ -257,7 +257,7 @@ impl StepContext<'_> {
 /// Constraint data and starting impulses of eight contacts, given their velocities along the normals (m/s) and the sums of their
 /// inverse masses (1/kg); what they are to remember of their impacts.
 ///
-/// The remembered tangential impulse is projected onto the new tangent plane. There it is also the load of the spring, if there is one.
+/// The remembered tangential impulse is projected onto the new tangent plane.
 #[inline(always)]
 fn write_contacts<L: Lanes, T: Tangential>(
     contacts: &mut ContactLanes<Eight, T>,
@@ -279,16 +279,9 @@ fn write_contacts<L: Lanes, T: Tangential>(
     let [impulse, x, y, z] = remembered;
     let along = dot(normal, [x, y, z]);
     let across = minus([x, y, z], times(normal, along));
-    if let Some(tangential) = contacts.tangential.lanes_mut() {
-        across.into_iter().zip(&mut tangential.impulse).for_each(|(component, lanes)| (component * share).store(lanes));
-        material.friction.store(&mut tangential.coefficient);
-    }
-    if let (Some(ratio), Some(spring)) = (material.stiffness_ratio, contacts.tangential.spring_mut()) {
-        let compliance = tangential_compliance(&constraint, ratio, scheme.step);
-        let held = L::select(bears, compliance, <L as Number>::zero());
-        compliance.store(&mut spring.compliance);
-        across.into_iter().zip(&mut spring.bias).for_each(|(component, lanes)| (component * held).store(lanes));
-    }
+    let (friction, stiffness_ratio, step) = (material.friction, material.stiffness_ratio, scheme.step);
+    let start = TermStart { constraint: &constraint, bears, borne: across, share, friction, stiffness_ratio, step };
+    contacts.tangential.fill(&start, L::store);
     normal.into_iter().zip(&mut contacts.normal).for_each(|(component, lanes)| component.store(lanes));
     (impulse * share).store(&mut contacts.impulse_normal);
     constraint.bias.store(&mut contacts.bias);

@@ -19,7 +19,8 @@
 //! becomes that of two coefficients.
 
 use super::catalogue::{Absent, Call, Ceiling, Change, Coefficient, Combination, Effect, Meeting, change_coefficients};
-use crate::lanes::{Number, dot};
+use super::term::{Bearing, ContactTerm, Tangential, TangentialTerm, TermStart};
+use crate::lanes::{Eight, Number, dot, times};
 use crate::scene::{ContactCoefficients, Material, PairRule};
 
 /// Coulomb friction.
@@ -127,4 +128,88 @@ pub fn disc_shrinkage<N: Number>(impulse: [N; 3], radius: N) -> N {
     let inside = square.at_most(radius * radius);
     // Where it lies inside, the quotient may be 0/0; the selection leaves it out.
     N::select(inside, N::splat(1.0), radius / square.sqrt())
+}
+
+/// Friction coefficients and tangential impulses: of eight contacts in memory, of sixteen in single precision, or in a kernel.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C, align(64))]
+pub struct FrictionLanes<S = Eight> {
+    /// Friction coefficients.
+    pub coefficient: S,
+    /// Tangential impulses on the second body, or on the wall, N s.
+    pub impulse: [S; 3],
+}
+
+impl<S: Copy + Default> Tangential<S> for FrictionLanes<S> {
+    #[inline(always)]
+    fn lanes(&self) -> Option<&FrictionLanes<S>> {
+        Some(self)
+    }
+
+    #[inline(always)]
+    fn lanes_mut(&mut self) -> Option<&mut FrictionLanes<S>> {
+        Some(self)
+    }
+
+    #[inline(always)]
+    fn fill<N: Number>(&mut self, start: &TermStart<'_, N>, number: impl Fn(N, &mut S)) {
+        for (component, lanes) in start.borne.into_iter().zip(&mut self.impulse) {
+            number(component * start.share, lanes);
+        }
+        number(start.friction, &mut self.coefficient);
+    }
+}
+
+impl<S> Tangential<S> for () {
+    #[inline(always)]
+    fn lanes(&self) -> Option<&FrictionLanes<S>> {
+        None
+    }
+
+    #[inline(always)]
+    fn lanes_mut(&mut self) -> Option<&mut FrictionLanes<S>> {
+        None
+    }
+
+    #[inline(always)]
+    fn fill<N: Number>(&mut self, _: &TermStart<'_, N>, _: impl Fn(N, &mut S)) {}
+}
+
+/// Friction in a kernel, or none: then the impulse is left as it is.
+#[derive(Clone, Copy)]
+pub struct Coulomb<N, const ACTS: bool>(FrictionLanes<N>);
+
+impl<N: Number, const ACTS: bool> ContactTerm<N> for Coulomb<N, ACTS> {
+    const ACTS: bool = ACTS;
+
+    #[inline(always)]
+    fn impulse(&self) -> [N; 3] {
+        self.0.impulse
+    }
+
+    #[inline(always)]
+    fn set_impulse(&mut self, impulse: [N; 3]) {
+        self.0.impulse = impulse;
+    }
+
+    #[inline(always)]
+    fn bearable(&self, impulse: [N; 3], (_, normal_impulse): Bearing<N>) -> [N; 3] {
+        times(impulse, disc_shrinkage(impulse, self.0.coefficient * normal_impulse))
+    }
+}
+
+impl<N: Number, const ACTS: bool> TangentialTerm<N> for Coulomb<N, ACTS> {
+    #[inline(always)]
+    fn read<S, T: Tangential<S>>(lanes: &T, number: impl Fn(&S) -> N) -> Self {
+        let none = FrictionLanes { coefficient: N::zero(), impulse: [N::zero(); 3] };
+        Coulomb(lanes.lanes().map_or(none, |lanes| FrictionLanes {
+            coefficient: number(&lanes.coefficient),
+            impulse: lanes.impulse.each_ref().map(&number),
+        }))
+    }
+
+    #[inline(always)]
+    fn coefficient(&self) -> N {
+        self.0.coefficient
+    }
 }

@@ -15,70 +15,12 @@ pub mod resistance;
 pub mod restitution;
 pub mod size_spread;
 pub mod spring;
+pub mod term;
 pub mod vibration;
 
-use crate::groups::{ContactLayout, FrictionLanes, SpringLanes};
 use crate::scene::ContactCoefficients;
 use catalogue::Trigger;
 pub use catalogue::{CATALOGUE, Effect};
-
-/// Effects that a kernel is compiled with. An effect that is off leaves no instruction in it.
-pub(crate) trait Effects {
-    /// Coulomb friction; without it grains do not spin.
-    const FRICTION: bool;
-    /// Rolling resistance.
-    const ROLLING: bool;
-    /// Twisting resistance.
-    const TWISTING: bool;
-    /// True if contacts bear torques.
-    const TORQUES: bool = Self::ROLLING || Self::TWISTING;
-    /// The tangential spring.
-    const SPRING: bool;
-    /// Tangential part of lane groups.
-    type Tangential: ContactLayout;
-}
-
-/// One choice of effects.
-pub(crate) struct Compiled<const FRICTION: bool, const ROLLING: bool, const TWISTING: bool, const SPRING: bool>;
-
-impl<const ROLLING: bool, const TWISTING: bool> Effects for Compiled<true, ROLLING, TWISTING, false> {
-    const FRICTION: bool = true;
-    const ROLLING: bool = ROLLING;
-    const TWISTING: bool = TWISTING;
-    const SPRING: bool = false;
-    type Tangential = FrictionLanes;
-}
-
-impl<const ROLLING: bool, const TWISTING: bool> Effects for Compiled<true, ROLLING, TWISTING, true> {
-    const FRICTION: bool = true;
-    const ROLLING: bool = ROLLING;
-    const TWISTING: bool = TWISTING;
-    const SPRING: bool = true;
-    type Tangential = SpringLanes;
-}
-
-impl Effects for Compiled<false, false, false, false> {
-    const FRICTION: bool = false;
-    const ROLLING: bool = false;
-    const TWISTING: bool = false;
-    const SPRING: bool = false;
-    type Tangential = ();
-}
-
-/// Smooth grains.
-pub(crate) type Frictionless = Compiled<false, false, false, false>;
-/// Coulomb friction alone.
-pub(crate) type Frictional = Compiled<true, false, false, false>;
-/// Friction and rolling resistance.
-pub(crate) type Rolling = Compiled<true, true, false, false>;
-/// Friction and twisting resistance.
-pub(crate) type Twisting = Compiled<true, false, true, false>;
-/// All three.
-pub(crate) type RollingTwisting = Compiled<true, true, true, false>;
-/// Friction with a tangential spring.
-pub(crate) type Sprung = Compiled<true, false, false, true>;
-/// Friction with a tangential spring and both resistances, of which one may be zero: few scenes have them, and each kernel takes time to compile.
-pub(crate) type SprungTorques = Compiled<true, true, true, true>;
 
 /// The effects of contacts that a scene calls for, as far as kernels, memory or passes depend on them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -198,54 +140,3 @@ impl EffectSet {
         }
     }
 }
-
-/// Evaluates an expression with `$effects` as the type that is compiled for the choice.
-macro_rules! with_effects {
-    ($set:expr, $effects:ident => $body:expr) => {{
-        use $crate::effects::{Rolling, RollingTwisting, SprungTorques, Twisting, with_tangential};
-        let set = $set;
-        match (set.rolling(), set.twisting()) {
-            _ if set.spring() && set.torques() => {
-                type $effects = SprungTorques;
-                $body
-            }
-            (true, true) => {
-                type $effects = RollingTwisting;
-                $body
-            }
-            (true, false) => {
-                type $effects = Rolling;
-                $body
-            }
-            (false, true) => {
-                type $effects = Twisting;
-                $body
-            }
-            (false, false) => with_tangential!(set, $effects => $body),
-        }
-    }};
-}
-
-/// Evaluates an expression for work on forces alone, which knows nothing of torques: contacts have a tangential part or have none.
-macro_rules! with_tangential {
-    ($set:expr, $effects:ident => $body:expr) => {{
-        use $crate::effects::{Frictional, Frictionless, Sprung};
-        match $set.tangential() {
-            true if $set.spring() => {
-                type $effects = Sprung;
-                $body
-            }
-            true => {
-                type $effects = Frictional;
-                $body
-            }
-            false => {
-                type $effects = Frictionless;
-                $body
-            }
-        }
-    }};
-}
-
-pub(crate) use with_effects;
-pub(crate) use with_tangential;

@@ -15,10 +15,11 @@
 //! the smaller torque that it takes, without a spring that would have to be tuned. Rolling and twisting are apart: the inertia
 //! of a sphere is the same about every axis, so neither changes the other, nor the velocity at the contact along the normal.
 
-use super::Effects;
 use super::catalogue::{Absent, Change, Coefficient, Effect, change_coefficients};
 use super::friction::disc_shrinkage;
-use crate::lanes::{Number, dot, minus, plus, times};
+use super::term::{Bearing, ContactTerm, TorqueTerm};
+use crate::lanes::{Eight, Number, dot, minus, plus, times};
+use crate::scene::ContactCoefficients;
 
 /// Descriptor of a resistance to turning by the coefficient of a key.
 macro_rules! resistance {
@@ -62,22 +63,72 @@ pub static ROLLING: Effect =
 pub static TWISTING: Effect =
     resistance!("twisting resistance", twisting_friction, twisting, "grains twist without a torque");
 
-/// Projects an angular impulse onto what a contact can bear; `rolling_cap` and `twisting_cap` in N m s.
-#[inline(always)]
-pub(crate) fn bearable<E: Effects, N: Number>(
-    impulse: [N; 3],
-    normal: [N; 3],
-    rolling_cap: N,
-    twisting_cap: N,
-) -> [N; 3] {
-    let along = dot(normal, impulse);
-    let across = minus(impulse, times(normal, along));
-    let mut borne = [N::zero(); 3];
-    if E::ROLLING {
-        borne = times(across, disc_shrinkage(across, rolling_cap));
+/// Levers and angular impulses: of eight contacts in memory, or in a kernel.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C, align(64))]
+pub struct TorqueLanes<S = Eight> {
+    /// Largest rolling torque over the normal force, m.
+    pub rolling_lever: S,
+    /// Largest twisting torque over the normal force, m.
+    pub twisting_lever: S,
+    /// Angular impulses on the second body, or on the wall, N m s.
+    pub impulse: [S; 3],
+}
+
+impl TorqueLanes {
+    /// Sets a lane up for a step, given the coefficients of its contact, the effective radius (m) and the angular impulse to start from.
+    pub(crate) fn fill(&mut self, lane: usize, contact: &ContactCoefficients, effective_radius: f64, start: [f64; 3]) {
+        self.rolling_lever.0[lane] = contact.rolling_friction * effective_radius;
+        self.twisting_lever.0[lane] = contact.twisting_friction * effective_radius;
+        self.impulse.iter_mut().zip(start).for_each(|(own, component)| own.0[lane] = component);
     }
-    if E::TWISTING {
-        borne = plus(borne, times(normal, along.larger(-twisting_cap).smaller(twisting_cap)));
+
+    /// Angular impulse of the contact in a lane, N m s.
+    pub fn angular_impulse(&self, lane: usize) -> [f64; 3] {
+        std::array::from_fn(|axis| self.impulse[axis].0[lane])
     }
-    borne
+}
+
+/// The resistances that a kernel is compiled with, of which one or both may be left out.
+#[derive(Clone, Copy)]
+pub(crate) struct Resistance<N, const ROLLING: bool, const TWISTING: bool>(TorqueLanes<N>);
+
+impl<N: Number, const ROLLING: bool, const TWISTING: bool> ContactTerm<N> for Resistance<N, ROLLING, TWISTING> {
+    const ACTS: bool = ROLLING || TWISTING;
+
+    #[inline(always)]
+    fn impulse(&self) -> [N; 3] {
+        self.0.impulse
+    }
+
+    #[inline(always)]
+    fn set_impulse(&mut self, impulse: [N; 3]) {
+        self.0.impulse = impulse;
+    }
+
+    #[inline(always)]
+    fn bearable(&self, impulse: [N; 3], (normal, normal_impulse): Bearing<N>) -> [N; 3] {
+        let along = dot(normal, impulse);
+        let across = minus(impulse, times(normal, along));
+        let mut borne = [N::zero(); 3];
+        if ROLLING {
+            borne = times(across, disc_shrinkage(across, self.0.rolling_lever * normal_impulse));
+        }
+        if TWISTING {
+            let cap = self.0.twisting_lever * normal_impulse;
+            borne = plus(borne, times(normal, along.larger(-cap).smaller(cap)));
+        }
+        borne
+    }
+}
+
+impl<N: Number, const ROLLING: bool, const TWISTING: bool> TorqueTerm<N> for Resistance<N, ROLLING, TWISTING> {
+    #[inline(always)]
+    fn read(lanes: &TorqueLanes, number: impl Fn(&Eight) -> N) -> Self {
+        Resistance(TorqueLanes {
+            rolling_lever: number(&lanes.rolling_lever),
+            twisting_lever: number(&lanes.twisting_lever),
+            impulse: lanes.impulse.each_ref().map(number),
+        })
+    }
 }

@@ -8,14 +8,15 @@ mod single;
 mod torques;
 
 use crate::detect::{AngularImpulse, Impulse, ImpulsesOfTask};
-use crate::effects::{EffectSet, Effects, Frictionless, with_effects};
+use crate::effects::EffectSet;
+use crate::effects::resistance::TorqueLanes;
+use crate::effects::spring::SpringLanes;
+use crate::effects::term::{ContactTerm, Tangential, TorqueTerm};
 use crate::groups::{
-    ContactLanes, ContactLayout, ImpactLanes, ImpactMemory, PairGroup, Sources, Tangential, TorqueLanes, WallGroup,
-    WallTorqueLanes, with_pairs,
+    ContactLanes, ContactLayout, Effects, Frictionless, ImpactLanes, ImpactMemory, PairGroup, Sources, WallGroup,
+    WallTorqueLanes, with_effects, with_pairs,
 };
-use crate::lanes::{
-    Available, Eight, Kernel, LANES, Lanes, Number, PREFETCH, TaskSlots, cross, prefetch_places, times,
-};
+use crate::lanes::{Available, Eight, Kernel, LANES, Lanes, PREFETCH, TaskSlots, cross, prefetch_places, times};
 use crate::partition::{ByBodies, ByNumber, ByPlace, Plan, SingleCopy, TaskGroups, TaskShares, overlapped};
 use crate::schedule::{Phase, Team};
 use crate::world::Body;
@@ -26,7 +27,7 @@ use residual::{MeasuredLevel, with_level};
 pub use residual::{Residual, Residuals};
 use std::marker::PhantomData;
 
-pub(crate) use torques::Torque;
+pub(crate) use torques::{relax_pair, relax_wall};
 
 /// The relaxation that a scene calls for, on the instruction set that was chosen.
 #[derive(Clone, Copy, Debug)]
@@ -123,10 +124,10 @@ impl<E: Effects, G: MeasuredLevel> Kernel for Sweep<'_, E, G> {
         let prescribed = self.groups.prescribed_walls();
         for (number, group) in self.groups.walls[..prescribed].iter_mut().enumerate() {
             let mut grain = Bodies::<L>::load::<E>(self.bodies.to_read(), &group.body);
-            let mut contact = Contact::read(&group.contacts, L::load);
+            let mut contact = Contact::<L, E>::read(&group.contacts, L::load);
             let wall_velocity = group.wall_velocity.each_ref().map(L::load);
-            let push = contact.relax_wall::<E, G>(&grain, wall_velocity, factor, &mut residual);
-            contact.write::<E, _, _>(&mut group.contacts, L::store);
+            let push = contact.relax_wall::<G>(&grain, wall_velocity, factor, &mut residual);
+            contact.write(&mut group.contacts, L::store);
             if !E::TORQUES {
                 push_each::<L, E>(self.bodies, &group.body, -1.0, push);
                 continue;
@@ -134,10 +135,10 @@ impl<E: Effects, G: MeasuredLevel> Kernel for Sweep<'_, E, G> {
             // The torque of the contact, at the spin that the impulse has left.
             grain.push::<E>(-1.0, push[0], push[1]);
             let WallTorqueLanes { wall_spin, torques } = &mut self.groups.wall_torques[number];
-            let mut torque = Torque::read(torques, L::load);
+            let mut torque = E::Torque::<L>::read(torques, L::load);
             let bearing = (contact.normal, contact.impulse_normal);
             let wall_spin = wall_spin.each_ref().map(L::load);
-            torque.relax_wall::<E, G>(bearing, &mut grain, wall_spin, factor, &mut residual);
+            relax_wall::<G, L>(&mut torque, bearing, &mut grain, wall_spin, factor, &mut residual);
             torque.write(torques, L::store);
             grain.store::<E>(self.bodies, &group.body);
         }
@@ -159,7 +160,7 @@ impl<E: Effects> Kernel for Start<'_, E> {
                 prefetch_places(self.bodies.as_ptr(), &ahead.second);
             }
             // Impulses of the last step, with their levers.
-            let contact = Contact::read(&group.contacts, L::load);
+            let contact = Contact::<L, E>::read(&group.contacts, L::load);
             let impulse = contact.impulse();
             let lever = cross(contact.normal, impulse);
             if !E::TORQUES {
@@ -171,14 +172,14 @@ impl<E: Effects> Kernel for Start<'_, E> {
             first.push::<E>(-1.0, impulse, lever);
             second.push::<E>(1.0, impulse, lever);
             // Angular impulses of the last step.
-            let angular_impulse = Torque::read(&self.groups.pair_torques[number], L::load).impulse;
+            let angular_impulse = E::Torque::<L>::read(&self.groups.pair_torques[number], L::load).impulse();
             first.turn(-1.0, angular_impulse);
             second.turn(1.0, angular_impulse);
             first.store::<E>(self.bodies, &group.first);
             second.store::<E>(self.bodies, &group.second);
         }
         for (number, group) in self.groups.walls.iter().enumerate() {
-            let contact = Contact::read(&group.contacts, L::load);
+            let contact = Contact::<L, E>::read(&group.contacts, L::load);
             let impulse = contact.impulse();
             let lever = cross(contact.normal, impulse);
             if !E::TORQUES {
@@ -187,7 +188,7 @@ impl<E: Effects> Kernel for Start<'_, E> {
             }
             let mut grain = Bodies::<L>::load::<E>(self.bodies.to_read(), &group.body);
             grain.push::<E>(-1.0, impulse, lever);
-            grain.turn(-1.0, Torque::read(&self.groups.wall_torques[number].torques, L::load).impulse);
+            grain.turn(-1.0, E::Torque::<L>::read(&self.groups.wall_torques[number].torques, L::load).impulse());
             grain.store::<E>(self.bodies, &group.body);
         }
     }
@@ -224,41 +225,36 @@ impl Kernel for Remember<'_> {
     fn run<L: Lanes>(self) {
         let TaskGroups { pairs, pair_sources, pair_impacts, walls, wall_sources, wall_impacts, .. } = self.groups;
         with_pairs!(pairs, pairs => for (group, sources) in pairs.iter().zip(pair_sources) {
-            remember::<L, _>(&group.contacts, sources, self.impulses.pairs, self.springs);
+            remember::<L, _>(&group.contacts, &group.contacts.tangential, sources, self.impulses.pairs);
         });
         for (group, sources) in walls.iter().zip(wall_sources) {
-            remember::<L, _>(&group.contacts, sources, self.impulses.walls, self.springs);
+            let SpringLanes { friction, .. } = &group.contacts.tangential;
+            match self.springs {
+                true => remember::<L, _>(&group.contacts, &group.contacts.tangential, sources, self.impulses.walls),
+                false => remember::<L, _>(&group.contacts, friction, sources, self.impulses.walls),
+            }
         }
         remember_impacts(pair_impacts, pair_sources, self.impulses.pair_impacts);
         remember_impacts(wall_impacts, wall_sources, self.impulses.wall_impacts);
     }
 }
 
-/// Keeps the impulses of a lane group; see [`Relaxation::remember`]. What an impact bore that was over within the step is no load of a
-/// spring.
+/// Keeps the impulses of a lane group, of which one term bears what lies across the normals; see [`Relaxation::remember`].
 #[inline(always)]
 fn remember<L: Lanes, T: Tangential>(
-    contacts: &ContactLanes<Eight, T>,
+    contacts: &ContactLanes<Eight, impl Tangential>,
+    term: &T,
     sources: &Sources,
     impulses: TaskSlots<'_, Impulse>,
-    springs: bool,
 ) {
-    let spring = if springs { contacts.tangential.spring() } else { None };
     if sources.is_full() {
         // All lanes at once.
-        let contact = Contact::read(contacts, L::load);
-        let mut tangential = contact.impulse_tangential;
-        if let Some(spring) = spring {
-            let springy = <L as Number>::zero().below(L::load(&spring.compliance));
-            tangential = tangential.map(|component| L::select(springy, component, <L as Number>::zero()));
-        }
-        let [x, y, z] = tangential;
-        impulses.store_quads(&sources.or(u32::MAX), [contact.impulse_normal, x, y, z]);
+        let [x, y, z] = term.remembered(L::load);
+        impulses.store_quads(&sources.or(u32::MAX), [L::load(&contacts.impulse_normal), x, y, z]);
     } else {
         // Padding lanes have no candidate.
         for (lane, candidate) in sources.occupied() {
-            let springy = spring.is_none_or(|spring| spring.compliance.0[lane] > 0.0);
-            let tangential = if springy { contacts.tangential_impulse(lane) } else { [0.0; 3] };
+            let tangential = term.remembered(|eight| eight.0[lane]);
             impulses.set(candidate as u32, Impulse { normal: contacts.normal_impulse(lane), tangential });
         }
     }

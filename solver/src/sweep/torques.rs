@@ -2,22 +2,9 @@
 
 use super::kernel::Bodies;
 use super::residual::{LaneResidual, MeasuredLevel};
-use crate::effects::Effects;
-use crate::effects::resistance::bearable;
-use crate::groups::TorqueLanes;
+use crate::effects::term::{Bearing, TorqueTerm};
 use crate::lanes::{Number, minus, plus, times};
 use crate::world::INVERSE_INERTIA;
-
-/// Levers and angular impulse of one contact, or of eight.
-#[derive(Clone, Copy)]
-pub(crate) struct Torque<N> {
-    /// Largest rolling torque over the normal force, m.
-    pub rolling_lever: N,
-    /// Largest twisting torque over the normal force, m.
-    pub twisting_lever: N,
-    /// Angular impulse on the second side, N m s.
-    pub impulse: [N; 3],
-}
 
 impl<N: Number> Bodies<N> {
     /// Angular velocity, rad/s.
@@ -40,78 +27,52 @@ impl<N: Number> Bodies<N> {
     }
 }
 
-impl<N: Number> Torque<N> {
-    /// Reads a torque, number by number.
-    #[inline(always)]
-    pub fn read(torques: &TorqueLanes, number: impl Fn(&crate::lanes::Eight) -> N) -> Self {
-        Self {
-            rolling_lever: number(&torques.rolling_lever),
-            twisting_lever: number(&torques.twisting_lever),
-            impulse: torques.impulse.each_ref().map(&number),
-        }
+/// Relaxes the torque of a contact and returns the change of its angular impulse. Residuals are surface velocities, m/s.
+#[inline(always)]
+pub(super) fn relax<G: MeasuredLevel, N: Number>(
+    torque: &mut impl TorqueTerm<N>,
+    bearing: Bearing<N>,
+    spin: [N; 3],
+    (operator, inverse_radius): (N, N),
+    relaxation: N,
+    residual: &mut LaneResidual<N>,
+) -> [N; 3] {
+    let change = torque.relax(bearing, spin, operator, relaxation);
+    if G::ANY {
+        residual.add_turning::<G>(times(change, operator / inverse_radius));
     }
+    change
+}
 
-    /// Writes its impulse back.
-    #[inline(always)]
-    pub fn write(&self, torques: &mut TorqueLanes, number: impl Fn(N, &mut crate::lanes::Eight)) {
-        for axis in 0..3 {
-            number(self.impulse[axis], &mut torques.impulse[axis]);
-        }
-    }
+/// Relaxes the torque of a contact of two grains.
+#[inline(always)]
+pub(crate) fn relax_pair<G: MeasuredLevel, N: Number>(
+    torque: &mut impl TorqueTerm<N>,
+    bearing: Bearing<N>,
+    [first, second]: [&mut Bodies<N>; 2],
+    relaxation: N,
+    residual: &mut LaneResidual<N>,
+) {
+    let spin = minus(second.spin(), first.spin());
+    let operator = torque.operator(first.inverse_inertia() + second.inverse_inertia());
+    let inverse_radius = first.inverse_radius.larger(second.inverse_radius);
+    let change = relax::<G, N>(torque, bearing, spin, (operator, inverse_radius), relaxation, residual);
+    first.turn(-1.0, change);
+    second.turn(1.0, change);
+}
 
-    /// The one-contact solution: updates the impulse and returns the change. Residuals are surface velocities, m/s.
-    #[inline(always)]
-    pub(super) fn relax<E: Effects, G: MeasuredLevel>(
-        &mut self,
-        (normal, normal_impulse): ([N; 3], N),
-        spin: [N; 3],
-        operator: N,
-        inverse_radius: N,
-        relaxation: N,
-        residual: &mut LaneResidual<N>,
-    ) -> [N; 3] {
-        let target = minus(self.impulse, times(spin, relaxation / operator));
-        let (rolling_cap, twisting_cap) = (self.rolling_lever * normal_impulse, self.twisting_lever * normal_impulse);
-        let borne = bearable::<E, N>(target, normal, rolling_cap, twisting_cap);
-        let change = minus(borne, self.impulse);
-        self.impulse = borne;
-        if G::ANY {
-            residual.add_turning::<G>(times(change, operator / inverse_radius));
-        }
-        change
-    }
-
-    /// Relaxes the torque of a contact of two grains; `contact` is its normal and normal impulse.
-    #[inline(always)]
-    pub fn relax_pair<E: Effects, G: MeasuredLevel>(
-        &mut self,
-        contact: ([N; 3], N),
-        first: &mut Bodies<N>,
-        second: &mut Bodies<N>,
-        relaxation: N,
-        residual: &mut LaneResidual<N>,
-    ) {
-        let spin = minus(second.spin(), first.spin());
-        let operator = first.inverse_inertia() + second.inverse_inertia();
-        let inverse_radius = first.inverse_radius.larger(second.inverse_radius);
-        let change = self.relax::<E, G>(contact, spin, operator, inverse_radius, relaxation, residual);
-        first.turn(-1.0, change);
-        second.turn(1.0, change);
-    }
-
-    /// Relaxes the torque of a contact of a grain with a wall that turns with `wall_spin` (rad/s).
-    #[inline(always)]
-    pub fn relax_wall<E: Effects, G: MeasuredLevel>(
-        &mut self,
-        contact: ([N; 3], N),
-        grain: &mut Bodies<N>,
-        wall_spin: [N; 3],
-        relaxation: N,
-        residual: &mut LaneResidual<N>,
-    ) {
-        let spin = minus(wall_spin, grain.spin());
-        let operator = grain.inverse_inertia();
-        let change = self.relax::<E, G>(contact, spin, operator, grain.inverse_radius, relaxation, residual);
-        grain.turn(-1.0, change);
-    }
+/// Relaxes the torque of a contact of a grain with a wall that turns with `wall_spin` (rad/s).
+#[inline(always)]
+pub(crate) fn relax_wall<G: MeasuredLevel, N: Number>(
+    torque: &mut impl TorqueTerm<N>,
+    bearing: Bearing<N>,
+    grain: &mut Bodies<N>,
+    wall_spin: [N; 3],
+    relaxation: N,
+    residual: &mut LaneResidual<N>,
+) {
+    let spin = minus(wall_spin, grain.spin());
+    let operator = torque.operator(grain.inverse_inertia());
+    let change = relax::<G, N>(torque, bearing, spin, (operator, grain.inverse_radius), relaxation, residual);
+    grain.turn(-1.0, change);
 }
