@@ -8,14 +8,14 @@ mod fill;
 mod touch;
 
 use crate::contact::ContactGeometry;
-use crate::detect::{CandidateList, Candidates, ImpulsesOfTask, WallCandidate};
+use crate::detect::{CandidateList, Candidates, MemoryOfTask, WallCandidate};
 use crate::effects::EffectSet;
-use crate::effects::compliance::{NormalContact, NormalScheme};
 use crate::effects::friction::slip_speed;
 use crate::effects::impact::{Decision, Impact, bears};
 use crate::effects::term::{Tangential, TermStart};
 use crate::groups::{ContactLanes, ImpactLanes, WallGroup, with_effects, with_pairs};
 use crate::lanes::{Available, Eight, Lanes, Number, Quad, Slots, TaskSlots, dot, minus, times};
+use crate::laws::compliance::{NormalContact, NormalScheme};
 use crate::partition::{
     ByBodies, ByNumber, DrivenContact, FindWaits, LaneAssigner, Layout, PlannedTask, Taken, TakenGroups, TaskGroups,
 };
@@ -77,10 +77,10 @@ struct StepContext<'a> {
     material: Option<&'a ContactMaterial>,
 }
 
-/// A task, what its candidates bore, and for each block of its pairs which of them did.
+/// A task, what its pairs and its contacts with walls bore, and for each block of its pairs which of them did.
 struct Own<'a> {
     task: &'a PlannedTask,
-    impulses: ImpulsesOfTask<'a>,
+    memory: [MemoryOfTask<'a>; 2],
     borne: &'a mut [u8],
 }
 
@@ -147,7 +147,7 @@ impl Constrainer {
             let begin = |_| base.store(end.load(Ordering::Relaxed), Ordering::Relaxed);
             layout.plan.run_stages(team, Phase::Constrain, begin, shares, |_, task, share| {
                 let ((bodies, taken), groups, (impulses, borne)) = share;
-                let own = Own { task, impulses: impulses.into(), borne };
+                let own = Own { task, memory: impulses.map(MemoryOfTask::from), borne };
                 let first = (base.load(Ordering::Relaxed), taken);
                 end.fetch_max(context.lay_out(own, first, groups, set), Ordering::Relaxed);
                 relaxation.start(bodies, groups);
@@ -214,20 +214,20 @@ impl StepContext<'_> {
         groups: &mut TaskGroups,
         set: Available,
     ) -> u32 {
-        let Own { task, impulses: remembered, borne } = own;
+        let Own { task, memory: [of_pairs, of_walls], borne } = own;
         let dummies = self.world.dummies_of(task.home as usize);
         let (assigner, periodic) = (LaneAssigner::new(taken, base, task.pairs.len()), self.world.period.any());
-        let (impulses, known) = (remembered.pairs, remembered.pair_impacts);
+        let (impulses, known) = (of_pairs.impulses, of_pairs.impacts);
         let mut next = if periodic {
             set.run(AssignPairs::<true> { context: self, task, dummies, assigner, groups, impulses, known, borne })
         } else {
             set.run(AssignPairs::<false> { context: self, task, dummies, assigner, groups, impulses, known, borne })
         };
         groups.restart_walls(dummies);
-        next = self.assign_walls(task, false, LaneAssigner::new(taken, next, 0), groups, &remembered);
+        next = self.assign_walls(task, false, LaneAssigner::new(taken, next, 0), groups, &of_walls);
         if !self.world.drives.is_empty() {
             let prescribed = groups.wall_groups();
-            next = self.assign_walls(task, true, LaneAssigner::new(taken, next, 0), groups, &remembered);
+            next = self.assign_walls(task, true, LaneAssigner::new(taken, next, 0), groups, &of_walls);
             groups.driven_walls = groups.wall_groups() - prescribed;
         }
         groups.finish(self.effects, self.drifts);
@@ -238,13 +238,13 @@ impl StepContext<'_> {
             true => set.run(FillPairs::<true, _> { context, task, pairs, sources, impacts, impulses, known_impacts }),
             false => set.run(FillPairs::<false, _> { context, task, pairs, sources, impacts, impulses, known_impacts }),
         });
-        let (impulses, known_impacts) = (remembered.walls.to_read(), remembered.wall_impacts.to_read());
+        let (impulses, known_impacts) = (of_walls.impulses.to_read(), of_walls.impacts.to_read());
         set.run(FillWalls { context, groups, impulses, known_impacts });
         if self.effects.cohesion() {
             self.fill_pulls(groups);
         }
         if self.effects.torques() {
-            let (pairs, walls) = (remembered.pair_torques.to_read(), remembered.wall_torques.to_read());
+            let (pairs, walls) = (of_pairs.torques.to_read(), of_walls.torques.to_read());
             with_effects!(self.effects, E => {
                 let effects = PhantomData::<E>;
                 set.run(FillTorques { context: self, groups, pairs, walls, effects })

@@ -19,25 +19,50 @@ pub mod term;
 pub mod vibration;
 
 use crate::scene::ContactCoefficients;
-use catalogue::Trigger;
-pub use catalogue::{CATALOGUE, Effect};
+pub use catalogue::Effect;
+pub use cohesion::COHESION;
+pub use compliance::{COMPLIANCE, VISCOSITY};
+pub use drive::DRIVEN_WALLS;
+pub use friction::{FRICTION, KINETIC_FRICTION, SPIN};
+pub use gravity::{CHANGING_GRAVITY, GRAVITY};
+pub use period::PERIODIC_AXES;
+pub use resistance::{ROLLING, TWISTING};
+pub use restitution::{FALLING_RESTITUTION, RESTITUTION};
+pub use size_spread::SIZE_SPREAD;
+pub use spring::TANGENTIAL_SPRING;
+pub use vibration::WALL_MOTION;
 
-/// The effects of contacts that a scene calls for, as far as kernels, memory or passes depend on them.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct EffectSet {
-    friction: bool,
-    rolling: bool,
-    twisting: bool,
-    cohesion: bool,
-    falling_restitution: bool,
-    kinetic_friction: bool,
-    spring: bool,
-}
+/// All effects, in the order in which a step meets them. A coefficient stands behind those that bound it.
+pub static CATALOGUE: [&Effect; 17] = [
+    &GRAVITY,
+    &CHANGING_GRAVITY,
+    &WALL_MOTION,
+    &DRIVEN_WALLS,
+    &SIZE_SPREAD,
+    &PERIODIC_AXES,
+    &COMPLIANCE,
+    &VISCOSITY,
+    &RESTITUTION,
+    &FALLING_RESTITUTION,
+    &FRICTION,
+    &KINETIC_FRICTION,
+    &TANGENTIAL_SPRING,
+    &SPIN,
+    &COHESION,
+    &ROLLING,
+    &TWISTING,
+];
 
-/// Reads a member of an [`EffectSet`].
+/// Declares [`EffectSet`] with its members.
 macro_rules! members {
     ($($(#[$about:meta])* $member:ident;)*) => {
+        /// The effects of contacts that a scene calls for, as far as kernels, memory or passes depend on them.
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+        pub struct EffectSet { $($member: bool),* }
+
         impl EffectSet {
+            const NONE: EffectSet = EffectSet { $($member: false),* };
+
             $($(#[$about])* #[inline(always)] pub fn $member(&self) -> bool { self.$member })*
         }
     };
@@ -72,22 +97,12 @@ impl EffectSet {
         EffectSet { friction: true, rolling: true, twisting: true, spring: true, ..EffectSet::NONE },
     ];
 
-    const NONE: EffectSet = EffectSet {
-        friction: false,
-        rolling: false,
-        twisting: false,
-        cohesion: false,
-        falling_restitution: false,
-        kinetic_friction: false,
-        spring: false,
-    };
-
     /// Union of the effects of these contacts.
     pub fn of<'a>(contacts: impl Iterator<Item = &'a ContactCoefficients>) -> EffectSet {
         let mut set = EffectSet::NONE;
         for contact in contacts {
             for effect in CATALOGUE {
-                if let (Some(member), Trigger::Contacts { acts, .. }) = (effect.member, &effect.trigger) {
+                if let (Some(member), catalogue::Trigger::Contacts { acts, .. }) = (effect.member, &effect.trigger) {
                     *member(&mut set) |= acts(contact);
                 }
             }

@@ -15,15 +15,15 @@
 //! the smaller torque that it takes, without a spring that would have to be tuned. Rolling and twisting are apart: the inertia
 //! of a sphere is the same about every axis, so neither changes the other, nor the velocity at the contact along the normal.
 
-use super::catalogue::{Absent, Change, Coefficient, Effect, change_coefficients};
+use super::catalogue::{Change, Effect, change_coefficients};
 use super::friction::disc_shrinkage;
 use super::term::{Bearing, ContactTerm, TorqueTerm};
 use crate::lanes::{Eight, Number, dot, minus, plus, times};
-use crate::scene::ContactCoefficients;
+use crate::scene::{ContactCoefficients, coefficients};
 
 /// Descriptor of a resistance to turning by the coefficient of a key.
 macro_rules! resistance {
-    ($name:literal, $coefficient:ident, $member:ident, $without:literal) => {
+    ($name:literal, $entry:ident, $coefficient:ident, $member:ident, $without:literal) => {
         Effect {
             off: Change::off(|scene| {
                 change_coefficients(scene, |one| one.$coefficient = 0.0, |rule| rule.$coefficient = None)
@@ -35,33 +35,17 @@ macro_rules! resistance {
                 },
             }),
             member: Some(|set| &mut set.$member),
-            ..Effect::of_contacts(
-                $name,
-                &[Coefficient {
-                    absent: Absent::Value(0.0),
-                    off: Some(0.0),
-                    ..Coefficient::new(
-                        stringify!($coefficient),
-                        "(no unit)",
-                        [0.0, 1e9],
-                        |one| Some(one.$coefficient),
-                        |rule| rule.$coefficient,
-                    )
-                }],
-                |pair, contact| contact.$coefficient = pair.value(|rule| rule.$coefficient, |one| one.$coefficient),
-                |contact| contact.$coefficient > 0.0,
-                $without,
-            )
+            ..Effect::of_contacts($name, coefficients::$entry, |contact| contact.$coefficient > 0.0, $without)
         }
     };
 }
 
 /// Resistance to rolling.
 pub static ROLLING: Effect =
-    resistance!("rolling resistance", rolling_friction, rolling, "grains roll without a torque");
+    resistance!("rolling resistance", ROLLING, rolling_friction, rolling, "grains roll without a torque");
 /// Resistance to twisting.
 pub static TWISTING: Effect =
-    resistance!("twisting resistance", twisting_friction, twisting, "grains twist without a torque");
+    resistance!("twisting resistance", TWISTING, twisting_friction, twisting, "grains twist without a torque");
 
 /// Levers and angular impulses: of eight contacts in memory, or in a kernel.
 #[derive(Clone, Copy, Debug, Default)]
@@ -89,34 +73,24 @@ impl TorqueLanes {
     }
 }
 
-/// The resistances that a kernel is compiled with, of which one or both may be left out.
+/// The resistances that a kernel is compiled with, of which one or both may be left out, by their levers (m).
 #[derive(Clone, Copy)]
-pub(crate) struct Resistance<N, const ROLLING: bool, const TWISTING: bool>(TorqueLanes<N>);
+pub struct Resistance<N, const ROLLING: bool, const TWISTING: bool>(N, N);
 
 impl<N: Number, const ROLLING: bool, const TWISTING: bool> ContactTerm<N> for Resistance<N, ROLLING, TWISTING> {
     const ACTS: bool = ROLLING || TWISTING;
 
     #[inline(always)]
-    fn impulse(&self) -> [N; 3] {
-        self.0.impulse
-    }
-
-    #[inline(always)]
-    fn set_impulse(&mut self, impulse: [N; 3]) {
-        self.0.impulse = impulse;
-    }
-
-    #[inline(always)]
     fn bearable(&self, impulse: [N; 3], (normal, normal_impulse): Bearing<N>) -> [N; 3] {
+        let (rolling_cap, twisting_cap) = (self.0 * normal_impulse, self.1 * normal_impulse);
         let along = dot(normal, impulse);
         let across = minus(impulse, times(normal, along));
         let mut borne = [N::zero(); 3];
         if ROLLING {
-            borne = times(across, disc_shrinkage(across, self.0.rolling_lever * normal_impulse));
+            borne = times(across, disc_shrinkage(across, rolling_cap));
         }
         if TWISTING {
-            let cap = self.0.twisting_lever * normal_impulse;
-            borne = plus(borne, times(normal, along.larger(-cap).smaller(cap)));
+            borne = plus(borne, times(normal, along.larger(-twisting_cap).smaller(twisting_cap)));
         }
         borne
     }
@@ -125,10 +99,6 @@ impl<N: Number, const ROLLING: bool, const TWISTING: bool> ContactTerm<N> for Re
 impl<N: Number, const ROLLING: bool, const TWISTING: bool> TorqueTerm<N> for Resistance<N, ROLLING, TWISTING> {
     #[inline(always)]
     fn read(lanes: &TorqueLanes, number: impl Fn(&Eight) -> N) -> Self {
-        Resistance(TorqueLanes {
-            rolling_lever: number(&lanes.rolling_lever),
-            twisting_lever: number(&lanes.twisting_lever),
-            impulse: lanes.impulse.each_ref().map(number),
-        })
+        Resistance(number(&lanes.rolling_lever), number(&lanes.twisting_lever))
     }
 }

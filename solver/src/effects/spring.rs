@@ -24,28 +24,11 @@
 //! within it. It is rigid across the normal too, and what it bore is no load of the spring.
 
 use super::catalogue::{Call, Change, Effect};
-use super::compliance::NormalConstraint;
 use super::friction::{Coulomb, FRICTION, FrictionLanes};
 use super::term::{Bearing, ContactTerm, Tangential, TangentialTerm, TermStart};
 use crate::lanes::{Eight, Number, dot, minus, plus, times};
-use crate::scene::{DocumentPath, Material};
-use serde::{Deserialize, Serialize};
-
-/// Law of a sticking contact across its normal.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
-pub enum TangentialLaw {
-    /// No compliance.
-    #[default]
-    Rigid,
-    /// Spring capped by Coulomb's law; requires a compliant normal contact, Gauss-Seidel and double precision.
-    Spring {
-        /// Stiffness over that of the normal contact; default: Mindlin's, from Poisson's ratios.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        stiffness_ratio: Option<f64>,
-    },
-}
+use crate::laws::compliance::NormalConstraint;
+use crate::scene::{DocumentPath, Material, TangentialLaw};
 
 /// The tangential spring.
 pub static TANGENTIAL_SPRING: Effect = Effect {
@@ -154,16 +137,6 @@ impl<N: Number> ContactTerm<N> for Sprung<N> {
     const ACTS: bool = true;
 
     #[inline(always)]
-    fn impulse(&self) -> [N; 3] {
-        self.0.impulse()
-    }
-
-    #[inline(always)]
-    fn set_impulse(&mut self, impulse: [N; 3]) {
-        self.0.set_impulse(impulse);
-    }
-
-    #[inline(always)]
     fn bearable(&self, impulse: [N; 3], bearing: Bearing<N>) -> [N; 3] {
         self.0.bearable(impulse, bearing)
     }
@@ -174,14 +147,14 @@ impl<N: Number> ContactTerm<N> for Sprung<N> {
     }
 
     #[inline(always)]
-    fn residual(&self, velocity: [N; 3]) -> [N; 3] {
-        plus(velocity, minus(times(self.impulse(), self.1.compliance), self.1.bias))
+    fn residual(&self, velocity: [N; 3], impulse: [N; 3]) -> [N; 3] {
+        plus(velocity, minus(times(impulse, self.1.compliance), self.1.bias))
     }
 }
 
 impl<N: Number> TangentialTerm<N> for Sprung<N> {
     #[inline(always)]
-    fn read<S, T: Tangential<S>>(lanes: &T, number: impl Fn(&S) -> N) -> Self {
+    fn read<S>(lanes: &impl Tangential<S>, number: impl Fn(&S) -> N) -> Self {
         let none = SpringTerms { compliance: N::zero(), bias: [N::zero(); 3] };
         let spring = lanes.spring().map_or(none, |terms| SpringTerms {
             compliance: number(&terms.compliance),

@@ -9,11 +9,11 @@
 //!
 //! and counts with `S (P' - P)` among the residuals of a sweep. Sweeps, set-up and memory call terms by the traits here alone.
 
-use super::compliance::NormalConstraint;
 use super::friction::FrictionLanes;
 use super::resistance::TorqueLanes;
 use super::spring::SpringTerms;
 use crate::lanes::{Eight, Number, minus, times};
+use crate::laws::compliance::NormalConstraint;
 
 /// Normal and normal impulse (N s) of a contact, or of eight.
 pub type Bearing<N> = ([N; 3], N);
@@ -22,12 +22,6 @@ pub type Bearing<N> = ([N; 3], N);
 pub trait ContactTerm<N: Number>: Copy {
     /// True if it bears anything; else nothing is compiled for it.
     const ACTS: bool;
-
-    /// Impulse on the second side, N s or N m s.
-    fn impulse(&self) -> [N; 3];
-
-    /// Replaces the impulse.
-    fn set_impulse(&mut self, impulse: [N; 3]);
 
     /// The part of an impulse that the contact can bear.
     fn bearable(&self, impulse: [N; 3], bearing: Bearing<N>) -> [N; 3];
@@ -38,60 +32,78 @@ pub trait ContactTerm<N: Number>: Copy {
         rigid
     }
 
-    /// Residual of sticking, given the velocity that sticking brings to zero.
+    /// Residual of sticking, given the velocity that sticking brings to zero, and the impulse.
     #[inline(always)]
-    fn residual(&self, velocity: [N; 3]) -> [N; 3] {
+    fn residual(&self, velocity: [N; 3], _impulse: [N; 3]) -> [N; 3] {
         velocity
-    }
-
-    /// The one-contact solution: updates the impulse and returns the change.
-    #[inline(always)]
-    fn relax(&mut self, bearing: Bearing<N>, velocity: [N; 3], operator: N, relaxation: N) -> [N; 3] {
-        let before = self.impulse();
-        let target = minus(before, times(self.residual(velocity), relaxation / operator));
-        let borne = self.bearable(target, bearing);
-        self.set_impulse(borne);
-        minus(borne, before)
-    }
-
-    /// Starts from the impulse of the last step, as far as the contact can bear it now. A contact that has just closed starts from none,
-    /// whatever it bore when it opened.
-    #[inline(always)]
-    fn start(&mut self, bearing: Bearing<N>) {
-        let bears = N::zero().below(bearing.1);
-        let borne = self.bearable(self.impulse(), bearing);
-        self.set_impulse(borne.map(|component| N::select(bears, component, N::zero())));
     }
 }
 
-/// A term across the normal, in a kernel.
+/// A term across the normal.
 pub trait TangentialTerm<N: Number>: ContactTerm<N> {
     /// Reads it, number by number, from lanes that may hold more.
-    fn read<S, T: Tangential<S>>(lanes: &T, number: impl Fn(&S) -> N) -> Self;
+    fn read<S>(lanes: &impl Tangential<S>, number: impl Fn(&S) -> N) -> Self;
 
     /// Friction coefficient.
     fn coefficient(&self) -> N;
-
-    /// Writes its impulse back.
-    #[inline(always)]
-    fn write<S, T: Tangential<S>>(&self, lanes: &mut T, number: impl Fn(N, &mut S)) {
-        if Self::ACTS
-            && let Some(lanes) = lanes.lanes_mut()
-        {
-            self.impulse().into_iter().zip(&mut lanes.impulse).for_each(|(component, to)| number(component, to));
-        }
-    }
 }
 
-/// A term of torques, in a kernel.
+/// A term of torques.
 pub trait TorqueTerm<N: Number>: ContactTerm<N> {
     /// Reads it, number by number.
     fn read(lanes: &TorqueLanes, number: impl Fn(&Eight) -> N) -> Self;
+}
 
-    /// Writes its impulse back.
+/// A term, and the impulse on the second side that it bears, N s or N m s.
+#[derive(Clone, Copy)]
+pub struct Borne<N, T> {
+    pub(crate) impulse: [N; 3],
+    pub(crate) term: T,
+}
+
+impl<N: Number, T: ContactTerm<N>> Borne<N, T> {
+    /// The one-contact solution: updates the impulse and returns the change.
     #[inline(always)]
-    fn write(&self, lanes: &mut TorqueLanes, number: impl Fn(N, &mut Eight)) {
-        self.impulse().into_iter().zip(&mut lanes.impulse).for_each(|(component, to)| number(component, to));
+    pub(crate) fn relax(&mut self, bearing: Bearing<N>, velocity: [N; 3], operator: N, relaxation: N) -> [N; 3] {
+        let before = self.impulse;
+        let residual = self.term.residual(velocity, before);
+        let target = minus(before, times(residual, relaxation / operator));
+        self.impulse = self.term.bearable(target, bearing);
+        minus(self.impulse, before)
+    }
+
+    /// Keeps what the contact can bear of the impulse of the last step. A contact that has just closed starts from none, whatever it bore
+    /// when it opened.
+    #[inline(always)]
+    pub(crate) fn start(&mut self, bearing: Bearing<N>) {
+        let bears = N::zero().below(bearing.1);
+        let borne = self.term.bearable(self.impulse, bearing);
+        self.impulse = borne.map(|component| N::select(bears, component, N::zero()));
+    }
+}
+
+impl<N: Number, T: TangentialTerm<N>> Borne<N, T> {
+    /// Reads a term across the normal, number by number.
+    #[inline(always)]
+    pub(crate) fn across<S>(lanes: &impl Tangential<S>, number: impl Fn(&S) -> N) -> Self {
+        let impulse = lanes.lanes().map_or([N::zero(); 3], |lanes| lanes.impulse.each_ref().map(&number));
+        Borne { impulse, term: T::read(lanes, number) }
+    }
+}
+
+impl<N: Number, T: TorqueTerm<N>> Borne<N, T> {
+    /// Reads a term of torques, number by number.
+    #[inline(always)]
+    pub(crate) fn angular(lanes: &TorqueLanes, number: impl Fn(&Eight) -> N) -> Self {
+        Borne { impulse: lanes.impulse.each_ref().map(&number), term: T::read(lanes, number) }
+    }
+}
+
+impl<N: Copy, T> Borne<N, T> {
+    /// Writes the impulse back.
+    #[inline(always)]
+    pub(crate) fn write<S>(&self, lanes: &mut [S; 3], number: impl Fn(N, &mut S)) {
+        self.impulse.into_iter().zip(lanes).for_each(|(component, to)| number(component, to));
     }
 }
 
@@ -117,10 +129,16 @@ pub struct TermStart<'a, N: Number> {
 /// are smooth.
 pub trait Tangential<S = Eight>: Copy + Default {
     /// Coefficients and impulses, if there are any.
-    fn lanes(&self) -> Option<&FrictionLanes<S>>;
+    #[inline(always)]
+    fn lanes(&self) -> Option<&FrictionLanes<S>> {
+        None
+    }
 
     /// Coefficients and impulses, mutable.
-    fn lanes_mut(&mut self) -> Option<&mut FrictionLanes<S>>;
+    #[inline(always)]
+    fn lanes_mut(&mut self) -> Option<&mut FrictionLanes<S>> {
+        None
+    }
 
     /// The springs, if there are any.
     #[inline(always)]
@@ -129,7 +147,8 @@ pub trait Tangential<S = Eight>: Copy + Default {
     }
 
     /// Sets it up for a step.
-    fn fill<N: Number>(&mut self, start: &TermStart<'_, N>, number: impl Fn(N, &mut S));
+    #[inline(always)]
+    fn fill<N: Number>(&mut self, _start: &TermStart<'_, N>, _number: impl Fn(N, &mut S)) {}
 
     /// Impulses that the next step goes on from, N s.
     #[inline(always)]
@@ -137,3 +156,5 @@ pub trait Tangential<S = Eight>: Copy + Default {
         self.lanes().map_or([N::zero(); 3], |lanes| lanes.impulse.each_ref().map(number))
     }
 }
+
+impl<S> Tangential<S> for () {}

@@ -28,70 +28,47 @@ impl<T: ContactLayout, const ROLLING: bool, const TWISTING: bool> Effects for Co
     type Torque<N: Number> = Resistance<N, ROLLING, TWISTING>;
 }
 
-/// Smooth grains.
 pub(crate) type Frictionless = Compiled<(), false, false>;
-/// Coulomb friction alone.
 pub(crate) type Frictional = Compiled<FrictionLanes, false, false>;
-/// Friction and rolling resistance.
 pub(crate) type Rolling = Compiled<FrictionLanes, true, false>;
-/// Friction and twisting resistance.
 pub(crate) type Twisting = Compiled<FrictionLanes, false, true>;
-/// All three.
 pub(crate) type RollingTwisting = Compiled<FrictionLanes, true, true>;
-/// Friction with a tangential spring.
 pub(crate) type Sprung = Compiled<SpringLanes, false, false>;
-/// Friction with a tangential spring and both resistances, of which one may be zero: few scenes have them, and each kernel takes time to compile.
+/// With a spring both resistances go together, of which one may be zero: few scenes have them, and each kernel takes time to compile.
 pub(crate) type SprungTorques = Compiled<SpringLanes, true, true>;
 
 /// Evaluates an expression with `$effects` as the type that is compiled for the choice.
 macro_rules! with_effects {
     ($set:expr, $effects:ident => $body:expr) => {{
-        use $crate::groups::{Rolling, RollingTwisting, SprungTorques, Twisting, with_tangential};
         let set = $set;
-        match (set.rolling(), set.twisting()) {
-            _ if set.spring() && set.torques() => {
-                type $effects = SprungTorques;
-                $body
-            }
-            (true, true) => {
-                type $effects = RollingTwisting;
-                $body
-            }
-            (true, false) => {
-                type $effects = Rolling;
-                $body
-            }
-            (false, true) => {
-                type $effects = Twisting;
-                $body
-            }
-            (false, false) => with_tangential!(set, $effects => $body),
-        }
+        $crate::groups::with_first!($effects => $body;
+            set.spring() && set.torques() => SprungTorques, set.rolling() && set.twisting() => RollingTwisting,
+            set.rolling() => Rolling, set.twisting() => Twisting,
+            set.spring() => Sprung, set.tangential() => Frictional, true => Frictionless)
     }};
 }
 
 /// Evaluates an expression for work on forces alone, which knows nothing of torques: contacts have a tangential part or have none.
 macro_rules! with_tangential {
     ($set:expr, $effects:ident => $body:expr) => {{
-        use $crate::groups::{Frictional, Frictionless, Sprung};
-        match $set.tangential() {
-            true if $set.spring() => {
-                type $effects = Sprung;
-                $body
-            }
-            true => {
-                type $effects = Frictional;
-                $body
-            }
-            false => {
-                type $effects = Frictionless;
-                $body
-            }
-        }
+        let set = $set;
+        $crate::groups::with_first!($effects => $body;
+            set.spring() => Sprung, set.tangential() => Frictional, true => Frictionless)
     }};
 }
 
+/// Evaluates an expression for the first choice whose condition holds.
+macro_rules! with_first {
+    ($effects:ident => $body:expr; $($condition:expr => $choice:ident),*) => {
+        match () {
+            $(() if $condition => { type $effects = $crate::groups::$choice; $body })*
+            () => unreachable!("the last condition holds"),
+        }
+    };
+}
+
 pub(crate) use with_effects;
+pub(crate) use with_first;
 pub(crate) use with_tangential;
 
 /// Lane groups of contacts of two grains, as long as the effects need.
@@ -141,18 +118,14 @@ macro_rules! laid_out_as {
 
             #[inline(always)]
             fn of(groups: &PairGroups) -> &[PairGroup<Self>] {
-                match groups {
-                    PairGroups::$variant(groups) => groups,
-                    _ => unreachable!("{LAID_OUT}"),
-                }
+                let PairGroups::$variant(groups) = groups else { unreachable!("{LAID_OUT}") };
+                groups
             }
 
             #[inline(always)]
             fn of_mut(groups: &mut PairGroups) -> &mut [PairGroup<Self>] {
-                match groups {
-                    PairGroups::$variant(groups) => groups,
-                    _ => unreachable!("{LAID_OUT}"),
-                }
+                let PairGroups::$variant(groups) = groups else { unreachable!("{LAID_OUT}") };
+                groups
             }
         }
     };
@@ -186,11 +159,10 @@ impl PairGroups {
 
     /// Bytes of a group.
     pub fn bytes_of_group(&self) -> usize {
-        match self {
-            PairGroups::Smooth(_) => size_of::<PairGroup<()>>(),
-            PairGroups::Frictional(_) => size_of::<PairGroup>(),
-            PairGroups::Sprung(_) => size_of::<PairGroup<SpringLanes>>(),
+        fn bytes<T>(_: &[PairGroup<T>]) -> usize {
+            size_of::<PairGroup<T>>()
         }
+        with_pairs!(self, groups => bytes(groups))
     }
 
     /// Number of groups that there is room for.
@@ -206,13 +178,13 @@ impl PairGroups {
     /// Becomes groups with a tangential part, or without, and with springs in it, or without; what there was is dropped if it was of
     /// another kind.
     pub(crate) fn suit(&mut self, tangential: bool, springs: bool) {
-        match (tangential, springs, &self) {
-            (false, _, PairGroups::Smooth(_))
-            | (true, false, PairGroups::Frictional(_))
-            | (true, true, PairGroups::Sprung(_)) => {}
-            (false, ..) => *self = PairGroups::Smooth(Vec::new()),
-            (true, false, _) => *self = PairGroups::Frictional(Vec::new()),
-            (true, true, _) => *self = PairGroups::Sprung(Vec::new()),
+        let suited = match (tangential, springs) {
+            (false, _) => PairGroups::Smooth(Vec::new()),
+            (true, false) => PairGroups::Frictional(Vec::new()),
+            (true, true) => PairGroups::Sprung(Vec::new()),
+        };
+        if std::mem::discriminant(self) != std::mem::discriminant(&suited) {
+            *self = suited;
         }
     }
 }

@@ -5,7 +5,7 @@ mod compiled;
 pub use compiled::PairGroups;
 pub(crate) use compiled::{
     ContactLayout, Effects, Frictional, Frictionless, Rolling, RollingTwisting, Sprung, SprungTorques, Twisting,
-    with_effects, with_pairs, with_tangential,
+    with_effects, with_first, with_pairs, with_tangential,
 };
 
 use crate::effects::friction::FrictionLanes;

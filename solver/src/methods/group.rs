@@ -1,12 +1,12 @@
 //! Kernels over the contacts of a task: pairs and walls alike, written once.
 
 use super::problem::Tally;
-use crate::effects::term::{TangentialTerm, TorqueTerm};
+use crate::effects::term::{Borne, TangentialTerm};
 use crate::groups::{ContactLanes, ContactLayout, Effects, PairGroup, WallGroup, WallTorqueLanes};
 use crate::lanes::{Eight, Kernel, Lanes, PREFETCH, Slots, TaskSlots, cross, dot, minus, prefetch_places, times};
 use crate::partition::TaskGroups;
 use crate::sweep::kernel::{Bodies, Contact, Pair};
-use crate::sweep::{Directions, LaneResidual, Off, relax_pair, relax_wall};
+use crate::sweep::{Directions, LaneResidual, Off, Turning};
 use crate::world::Body;
 use std::marker::PhantomData;
 
@@ -72,7 +72,7 @@ impl<E: Effects> Group<E> for PairGroup<E::Tangential> {
     #[inline(always)]
     fn velocity<L: Lanes>(&self, bodies: Slots<'_, Body>, contact: &Contact<L, E>, _: f64) -> ([L; 3], L) {
         let pair = Pair::load::<E>(bodies, self);
-        (contact.velocity_of_pair(&pair), pair.inverse_mass)
+        (contact.velocity(&pair), pair.inverse_mass)
     }
 
     #[inline(always)]
@@ -101,7 +101,7 @@ impl<E: Effects> Group<E> for WallGroup {
     fn velocity<L: Lanes>(&self, bodies: Slots<'_, Body>, contact: &Contact<L, E>, wall_share: f64) -> ([L; 3], L) {
         let grain = Bodies::<L>::load::<E>(bodies, &self.body);
         let wall_velocity = times(load(&self.wall_velocity), L::splat(wall_share));
-        (contact.velocity_at_wall(&grain, wall_velocity), grain.inverse_mass)
+        (contact.velocity(&Pair::with_wall(&grain, wall_velocity)), grain.inverse_mass)
     }
 
     #[inline(always)]
@@ -151,12 +151,12 @@ impl<V: ContactPass, E: Effects> Kernel for PassOverTask<'_, V, E> {
     }
 }
 
-impl<L: Lanes, T: TangentialTerm<L>> ContactLanes<L, T> {
+impl<L: Lanes, T: TangentialTerm<L>> ContactLanes<L, Borne<L, T>> {
     /// Takes an impulse apart into its normal and tangential part.
     #[inline(always)]
     pub(crate) fn set_impulse(&mut self, impulse: [L; 3]) {
         self.impulse_normal = dot(self.normal, impulse);
-        self.tangential.set_impulse(minus(impulse, times(self.normal, self.impulse_normal)));
+        self.tangential.impulse = minus(impulse, times(self.normal, self.impulse_normal));
     }
 
     /// Projects the impulse: the normal part onto repulsion, then the tangential part onto what the contact can bear.
@@ -164,8 +164,8 @@ impl<L: Lanes, T: TangentialTerm<L>> ContactLanes<L, T> {
     pub(crate) fn project(&mut self) {
         self.impulse_normal = self.impulse_normal.larger(L::zero());
         if T::ACTS {
-            let borne = self.tangential.bearable(self.tangential.impulse(), (self.normal, self.impulse_normal));
-            self.tangential.set_impulse(borne);
+            let Borne { impulse, term } = self.tangential;
+            self.tangential.impulse = term.bearable(impulse, (self.normal, self.impulse_normal));
         }
     }
 }
@@ -185,22 +185,19 @@ impl<E: Effects> Kernel for MeasureTorques<'_, E> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let TaskGroups { pairs, pair_torques, walls, wall_torques, .. } = self.groups;
-        let mut residual = LaneResidual::<L>::read(&self.tally.residual);
+        let (one, mut residual) = (L::splat(1.0), LaneResidual::<L>::read(&self.tally.residual));
         for (group, torques) in E::Tangential::of(pairs).iter().zip(pair_torques) {
-            let bearing = bearing::<L, _, E>(group, self.bodies);
-            // Copies are turned, not the bodies.
-            let [mut first, mut second] =
+            let [first, second] =
                 [&group.first, &group.second].map(|places| Bodies::<L>::load::<E>(self.bodies, places));
-            let mut torque = E::Torque::<L>::read(torques, L::load);
-            let one = L::splat(1.0);
-            relax_pair::<Directions, L>(&mut torque, bearing, [&mut first, &mut second], one, &mut residual);
+            let mut torque = Borne::<L, E::Torque<L>>::angular(torques, L::load);
+            let bearing = bearing::<L, _, E>(group, self.bodies);
+            Turning::of(&first, &second).relax::<Directions>(&mut torque, bearing, one, &mut residual);
         }
         for (group, WallTorqueLanes { wall_spin, torques }) in walls.iter().zip(wall_torques) {
+            let turning = Turning::with_wall(&Bodies::<L>::load::<E>(self.bodies, &group.body), load(wall_spin));
+            let mut torque = Borne::<L, E::Torque<L>>::angular(torques, L::load);
             let bearing = bearing::<L, _, E>(group, self.bodies);
-            let mut grain = Bodies::<L>::load::<E>(self.bodies, &group.body);
-            let wall_spin = wall_spin.each_ref().map(L::load);
-            let mut torque = E::Torque::<L>::read(torques, L::load);
-            relax_wall::<Directions, L>(&mut torque, bearing, &mut grain, wall_spin, L::splat(1.0), &mut residual);
+            turning.relax::<Directions>(&mut torque, bearing, one, &mut residual);
         }
         residual.write(&mut self.tally.residual);
     }

@@ -19,7 +19,6 @@ use super::group::{Block, ContactPass, Group, add, load, store};
 use super::problem::{Tally, fit, part, visit};
 use super::visits::natural_map;
 use super::{Method, Problem};
-use crate::effects::term::ContactTerm;
 use crate::groups::Effects;
 use crate::lanes::{Lanes, Slots, TaskSlots, dot, minus, plus, times};
 use crate::partition::{ByBodies, ByStarts};
@@ -185,7 +184,7 @@ fn along_cone<L: Lanes, E: Effects>(contact: &Contact<L, E>, direction: [L; 3]) 
     let mut result = times(contact.normal, L::select(open, along.larger(zero), along));
     if E::FRICTION {
         let tangential = minus(direction, times(contact.normal, along));
-        let impulse = contact.tangential.impulse();
+        let impulse = contact.tangential.impulse;
         let (length, radius) = (dot(impulse, impulse).sqrt(), contact.disc());
         // On the rim no radial part leads outwards; a disc that is a point has no directions.
         let outwards = (dot(impulse, tangential) / length).larger(zero) / length;

@@ -3,7 +3,6 @@
 use super::group::{Block, ContactPass, Group, add, load, store};
 use super::problem::Tally;
 use super::velocities::{Coefficients, MOST, combined};
-use crate::effects::term::ContactTerm;
 use crate::groups::Effects;
 use crate::lanes::{Lanes, Slots, TaskSlots, dot, minus, times};
 use crate::sweep::kernel::Contact;
@@ -163,7 +162,7 @@ impl ContactPass for Measure<'_> {
         // Attraction, or the tangential impulse beyond the disc.
         let mut excess = -contact.impulse_normal * (inverse_mass + contact.regularisation);
         if E::FRICTION {
-            let tangential = contact.tangential.impulse();
+            let tangential = contact.tangential.impulse;
             let beyond = dot(tangential, tangential).sqrt() - contact.disc();
             excess = excess.larger(beyond * contact.tangential_operator(inverse_mass));
         }

@@ -1,10 +1,11 @@
 //! Relaxation of contacts with driven walls, one after another: see [`drive`](crate::effects::drive).
 
-use super::kernel::{Bodies, Contact};
+use super::Relaxation;
+use super::kernel::{Bodies, Contact, Pair};
 use super::residual::{LaneResidual, MeasuredLevel, ResidualLevel, TaskResidual, with_level};
-use super::{Relaxation, torques};
+use super::torques::Turning;
 use crate::effects::drive::Drive;
-use crate::effects::term::{ContactTerm, TorqueTerm};
+use crate::effects::term::Borne;
 use crate::groups::{Effects, WallGroup, with_effects};
 use crate::lanes::{Eight, cross, dot, minus, plus, times};
 use crate::partition::{DrivenContact, Layout, TaskGroups};
@@ -57,7 +58,7 @@ fn relax<E: Effects, G: MeasuredLevel>(
     let mut contact = Contact::<f64, E>::read(&group.contacts, |eight| eight.0[lane]);
     let along = dot(contact.normal, one.jacobian);
     // Normal impulse, projected onto repulsion.
-    let velocity = contact.velocity_at_wall(&grain, one.velocity(drive.rate));
+    let velocity = contact.velocity(&Pair::with_wall(&grain, one.velocity(drive.rate)));
     let operator = grain.inverse_mass + drive.inverse_inertia * along * along + contact.regularisation;
     let violation = contact.bias - dot(contact.normal, velocity) - contact.regularisation * contact.impulse_normal;
     let updated = (contact.impulse_normal + factor * violation / operator).max(0.0);
@@ -70,7 +71,7 @@ fn relax<E: Effects, G: MeasuredLevel>(
     }
     if E::FRICTION {
         // Tangential impulse, at the velocity that the normal impulse has left.
-        let velocity = contact.velocity_at_wall(&grain, one.velocity(drive.rate));
+        let velocity = contact.velocity(&Pair::with_wall(&grain, one.velocity(drive.rate)));
         let tangential = minus(velocity, times(contact.normal, dot(contact.normal, velocity)));
         let across = (dot(one.jacobian, one.jacobian) - along * along).max(0.0);
         let operator = contact.tangential_operator(grain.inverse_mass) + drive.inverse_inertia * across;
@@ -84,15 +85,13 @@ fn relax<E: Effects, G: MeasuredLevel>(
     if E::TORQUES {
         let axis: [f64; 3] = drive.turning().into();
         let lanes = &mut task.wall_torques[number].torques;
-        let mut torque = E::Torque::<f64>::read(lanes, |eight| eight.0[lane]);
-        let spin = minus(times(axis, drive.rate), grain.spin());
-        let operator = torque.operator(grain.inverse_inertia()) + drive.inverse_inertia * dot(axis, axis);
-        let bearing = (contact.normal, contact.impulse_normal);
-        let scales = (operator, grain.inverse_radius);
-        let change = torques::relax::<G, f64>(&mut torque, bearing, spin, scales, factor, &mut residual);
+        let mut torque = Borne::<f64, E::Torque<f64>>::angular(lanes, |eight| eight.0[lane]);
+        let mut turning = Turning::with_wall(&grain, times(axis, drive.rate));
+        turning.operator += drive.inverse_inertia * dot(axis, axis);
+        let change = turning.relax::<G>(&mut torque, (contact.normal, updated), factor, &mut residual);
         grain.turn(-1.0, change);
         drive.push(dot(axis, change));
-        torque.write(lanes, |value, eight: &mut Eight| eight.0[lane] = value);
+        torque.write(&mut lanes.impulse, |value, eight: &mut Eight| eight.0[lane] = value);
     }
     grain.put::<E>(body);
     contact.write(&mut group.contacts, |value, eight: &mut Eight| eight.0[lane] = value);

@@ -16,7 +16,7 @@
 //! and `S_t + Sigma_t` stand for u_t and S_t ([`spring`](crate::effects::spring)).
 
 use super::residual::{LaneResidual, MeasuredLevel};
-use crate::effects::term::{Tangential, TangentialTerm};
+use crate::effects::term::{Borne, Tangential, TangentialTerm};
 use crate::groups::{ContactLanes, ContactLayout, Effects, PairGroup};
 use crate::lanes::{LANES, Lanes, Number, SINGLE_LANES, SingleLanes, Slots, TaskSlots, cross, dot, minus, plus, times};
 use crate::partition::SingleBody;
@@ -97,7 +97,7 @@ impl<N: Number> Bodies<N> {
     }
 }
 
-/// Relative motion of the two bodies of a contact.
+/// Relative motion of the two sides of a contact.
 #[derive(Clone, Copy)]
 pub(crate) struct Pair<N> {
     /// Velocity of the second less that of the first, m/s.
@@ -117,6 +117,13 @@ impl<N: Number> Pair<N> {
             inverse_mass: first.inverse_mass + second.inverse_mass,
             scaled_spin: plus(first.scaled_spin, second.scaled_spin),
         }
+    }
+
+    /// Of a grain and a wall that moves with `wall_velocity` (m/s) at their contact.
+    #[inline(always)]
+    pub fn with_wall(grain: &Bodies<N>, wall_velocity: [N; 3]) -> Self {
+        let Bodies { velocity, inverse_mass, scaled_spin, .. } = *grain;
+        Self { velocity: minus(wall_velocity, velocity), inverse_mass, scaled_spin }
     }
 }
 
@@ -170,9 +177,9 @@ pub(super) fn push_each<L: Lanes, E: Effects>(
 }
 
 /// Constraint data and impulses of one contact, or of eight, in a kernel that is compiled for effects `E`.
-pub(crate) type Contact<N, E> = ContactLanes<N, <<E as Effects>::Tangential as ContactLayout>::Term<N>>;
+pub(crate) type Contact<N, E> = ContactLanes<N, Borne<N, <<E as Effects>::Tangential as ContactLayout>::Term<N>>>;
 
-impl<N: Number, T: TangentialTerm<N>> ContactLanes<N, T> {
+impl<N: Number, T: TangentialTerm<N>> ContactLanes<N, Borne<N, T>> {
     /// Reads a contact, number by number.
     #[inline(always)]
     pub(crate) fn read<S>(contacts: &ContactLanes<S, impl Tangential<S>>, number: impl Fn(&S) -> N) -> Self {
@@ -181,7 +188,7 @@ impl<N: Number, T: TangentialTerm<N>> ContactLanes<N, T> {
             bias: number(&contacts.bias),
             regularisation: number(&contacts.regularisation),
             impulse_normal: number(&contacts.impulse_normal),
-            tangential: T::read(&contacts.tangential, number),
+            tangential: Borne::across(&contacts.tangential, number),
         }
     }
 
@@ -189,25 +196,29 @@ impl<N: Number, T: TangentialTerm<N>> ContactLanes<N, T> {
     #[inline(always)]
     pub(crate) fn write<S>(&self, contacts: &mut ContactLanes<S, impl Tangential<S>>, number: impl Fn(N, &mut S)) {
         number(self.impulse_normal, &mut contacts.impulse_normal);
-        self.tangential.write(&mut contacts.tangential, number);
+        if T::ACTS
+            && let Some(lanes) = contacts.tangential.lanes_mut()
+        {
+            self.tangential.write(&mut lanes.impulse, number);
+        }
     }
 
     /// Its impulse as a vector.
     #[inline(always)]
     pub(crate) fn impulse(&self) -> [N; 3] {
-        plus(self.tangential.impulse(), times(self.normal, self.impulse_normal))
+        plus(self.tangential.impulse, times(self.normal, self.impulse_normal))
     }
 
     /// Radius of the Coulomb disc, N s.
     #[inline(always)]
     pub(crate) fn disc(&self) -> N {
-        self.tangential.coefficient() * self.impulse_normal
+        self.tangential.term.coefficient() * self.impulse_normal
     }
 
     /// Operator across the normal: `S_t = 3.5 S_n` for solid spheres, and what the tangential term adds.
     #[inline(always)]
     pub(crate) fn tangential_operator(&self, inverse_mass: N) -> N {
-        self.tangential.operator(inverse_mass * N::splat(1.0 + INVERSE_INERTIA))
+        self.tangential.term.operator(inverse_mass * N::splat(1.0 + INVERSE_INERTIA))
     }
 
     /// The one-contact solution: updates the impulses and returns the change.
@@ -244,49 +255,24 @@ impl<N: Number, T: TangentialTerm<N>> ContactLanes<N, T> {
         impulse
     }
 
-    /// Relative velocity of two grains at their contact.
+    /// Relative velocity at the contact of two sides that move so.
     #[inline(always)]
-    pub(crate) fn velocity_of_pair(&self, pair: &Pair<N>) -> [N; 3] {
+    pub(crate) fn velocity(&self, pair: &Pair<N>) -> [N; 3] {
         if !T::ACTS {
             return pair.velocity;
         }
         minus(pair.velocity, cross(pair.scaled_spin, self.normal))
     }
 
-    /// Relative velocity of a grain and a wall that moves with `wall_velocity` at their contact.
+    /// Relaxes the contact of two sides that move so: the impulse P for the second one, and its lever n x P.
     #[inline(always)]
-    pub(crate) fn velocity_at_wall(&self, grain: &Bodies<N>, wall_velocity: [N; 3]) -> [N; 3] {
-        let velocity = minus(wall_velocity, grain.velocity);
-        if !T::ACTS {
-            return velocity;
-        }
-        minus(velocity, cross(grain.scaled_spin, self.normal))
-    }
-
-    /// Relaxes a contact of two grains: the impulse P for the second one, and its lever n x P.
-    #[inline(always)]
-    pub(crate) fn relax_pair<G: MeasuredLevel>(
+    pub(crate) fn relax_with_lever<G: MeasuredLevel>(
         &mut self,
         pair: &Pair<N>,
         relaxation: N,
         residual: &mut LaneResidual<N>,
     ) -> [[N; 3]; 2] {
-        let velocity = self.velocity_of_pair(pair);
-        let impulse = self.relax::<G>(velocity, pair.inverse_mass, relaxation, residual);
-        [impulse, cross(self.normal, impulse)]
-    }
-
-    /// Relaxes a contact of a grain with a wall that moves with `wall_velocity` there: the impulse P for the wall, and n x P.
-    #[inline(always)]
-    pub(crate) fn relax_wall<G: MeasuredLevel>(
-        &mut self,
-        grain: &Bodies<N>,
-        wall_velocity: [N; 3],
-        relaxation: N,
-        residual: &mut LaneResidual<N>,
-    ) -> [[N; 3]; 2] {
-        let velocity = self.velocity_at_wall(grain, wall_velocity);
-        let impulse = self.relax::<G>(velocity, grain.inverse_mass, relaxation, residual);
+        let impulse = self.relax::<G>(self.velocity(pair), pair.inverse_mass, relaxation, residual);
         [impulse, cross(self.normal, impulse)]
     }
 }

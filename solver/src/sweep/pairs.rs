@@ -3,8 +3,8 @@
 use super::Sweep;
 use super::kernel::{Bodies, Contact, Pair};
 use super::residual::{LaneResidual, MeasuredLevel};
-use super::torques::relax_pair;
-use crate::effects::term::TorqueTerm;
+use super::torques::Turning;
+use crate::effects::term::Borne;
 use crate::groups::{ContactLayout, Effects, PairGroup};
 use crate::lanes::{Lanes, prefetch_lines, prefetch_places};
 use crate::partition::TaskGroups;
@@ -22,7 +22,7 @@ impl<E: Effects, G: MeasuredLevel> Sweep<'_, E, G> {
             // Without spin there are registers enough to keep the bodies until they are written.
             if !E::FRICTION {
                 let (pair, kept) = Pair::<L>::load_keeping(self.bodies.to_read(), group);
-                let [impulse, _] = contact.relax_pair::<G>(&pair, factor, residual);
+                let [impulse, _] = contact.relax_with_lever::<G>(&pair, factor, residual);
                 Pair::push_kept(self.bodies, group, kept, impulse);
                 contact.write(&mut group.contacts, L::store);
                 continue;
@@ -30,7 +30,7 @@ impl<E: Effects, G: MeasuredLevel> Sweep<'_, E, G> {
             // Torques need both bodies' spins; else what they do together is enough, and bodies stay in memory.
             if !E::TORQUES {
                 let pair = Pair::<L>::load::<E>(self.bodies.to_read(), group);
-                let push = contact.relax_pair::<G>(&pair, factor, residual);
+                let push = contact.relax_with_lever::<G>(&pair, factor, residual);
                 Pair::push::<E>(self.bodies, group, push);
                 contact.write(&mut group.contacts, L::store);
                 continue;
@@ -38,14 +38,16 @@ impl<E: Effects, G: MeasuredLevel> Sweep<'_, E, G> {
             let mut first = Bodies::<L>::load::<E>(self.bodies.to_read(), &group.first);
             let mut second = Bodies::<L>::load::<E>(self.bodies.to_read(), &group.second);
             let pair = Pair::of(&first, &second);
-            let [impulse, lever] = contact.relax_pair::<G>(&pair, factor, residual);
+            let [impulse, lever] = contact.relax_with_lever::<G>(&pair, factor, residual);
             first.push::<E>(-1.0, impulse, lever);
             second.push::<E>(1.0, impulse, lever);
             let torques = &mut pair_torques[number];
-            let mut torque = E::Torque::<L>::read(torques, L::load);
+            let mut torque = Borne::<L, E::Torque<L>>::angular(torques, L::load);
             let bearing = (contact.normal, contact.impulse_normal);
-            relax_pair::<G, L>(&mut torque, bearing, [&mut first, &mut second], factor, residual);
-            torque.write(torques, L::store);
+            let change = Turning::of(&first, &second).relax::<G>(&mut torque, bearing, factor, residual);
+            first.turn(-1.0, change);
+            second.turn(1.0, change);
+            torque.write(&mut torques.impulse, L::store);
             first.store::<E>(self.bodies, &group.first);
             second.store::<E>(self.bodies, &group.second);
             contact.write(&mut group.contacts, L::store);
@@ -76,7 +78,7 @@ impl<E: Effects, G: MeasuredLevel> Sweep<'_, E, G> {
             if let Some((number, pair)) = read {
                 let contacts = &mut pairs[number].contacts;
                 let mut contact = Contact::<L, E>::read(contacts, L::load);
-                relaxed = Some((number, contact.relax_pair::<G>(&pair, factor, residual)));
+                relaxed = Some((number, contact.relax_with_lever::<G>(&pair, factor, residual)));
                 contact.write(contacts, L::store);
             }
             if let Some((number, push)) = before {

@@ -2,7 +2,7 @@
 
 use super::kernel::Bodies;
 use super::residual::{LaneResidual, MeasuredLevel};
-use crate::effects::term::{Bearing, TorqueTerm};
+use crate::effects::term::{Bearing, Borne, TorqueTerm};
 use crate::lanes::{Number, minus, plus, times};
 use crate::world::INVERSE_INERTIA;
 
@@ -27,52 +27,49 @@ impl<N: Number> Bodies<N> {
     }
 }
 
-/// Relaxes the torque of a contact and returns the change of its angular impulse. Residuals are surface velocities, m/s.
-#[inline(always)]
-pub(super) fn relax<G: MeasuredLevel, N: Number>(
-    torque: &mut impl TorqueTerm<N>,
-    bearing: Bearing<N>,
-    spin: [N; 3],
-    (operator, inverse_radius): (N, N),
-    relaxation: N,
-    residual: &mut LaneResidual<N>,
-) -> [N; 3] {
-    let change = torque.relax(bearing, spin, operator, relaxation);
-    if G::ANY {
-        residual.add_turning::<G>(times(change, operator / inverse_radius));
+/// How the two sides of a contact turn against each other.
+#[derive(Clone, Copy)]
+pub(crate) struct Turning<N> {
+    /// Angular velocity of the second less that of the first, rad/s.
+    pub spin: [N; 3],
+    /// Sum of the inverse moments of inertia, 1/(kg m2).
+    pub operator: N,
+    /// One over the smaller radius, 1/m.
+    pub inverse_radius: N,
+}
+
+impl<N: Number> Turning<N> {
+    /// Of two grains.
+    #[inline(always)]
+    pub fn of(first: &Bodies<N>, second: &Bodies<N>) -> Self {
+        Self {
+            spin: minus(second.spin(), first.spin()),
+            operator: first.inverse_inertia() + second.inverse_inertia(),
+            inverse_radius: first.inverse_radius.larger(second.inverse_radius),
+        }
     }
-    change
-}
 
-/// Relaxes the torque of a contact of two grains.
-#[inline(always)]
-pub(crate) fn relax_pair<G: MeasuredLevel, N: Number>(
-    torque: &mut impl TorqueTerm<N>,
-    bearing: Bearing<N>,
-    [first, second]: [&mut Bodies<N>; 2],
-    relaxation: N,
-    residual: &mut LaneResidual<N>,
-) {
-    let spin = minus(second.spin(), first.spin());
-    let operator = torque.operator(first.inverse_inertia() + second.inverse_inertia());
-    let inverse_radius = first.inverse_radius.larger(second.inverse_radius);
-    let change = relax::<G, N>(torque, bearing, spin, (operator, inverse_radius), relaxation, residual);
-    first.turn(-1.0, change);
-    second.turn(1.0, change);
-}
+    /// Of a grain and a wall that turns with `wall_spin` (rad/s).
+    #[inline(always)]
+    pub fn with_wall(grain: &Bodies<N>, wall_spin: [N; 3]) -> Self {
+        let (spin, operator) = (minus(wall_spin, grain.spin()), grain.inverse_inertia());
+        Self { spin, operator, inverse_radius: grain.inverse_radius }
+    }
 
-/// Relaxes the torque of a contact of a grain with a wall that turns with `wall_spin` (rad/s).
-#[inline(always)]
-pub(crate) fn relax_wall<G: MeasuredLevel, N: Number>(
-    torque: &mut impl TorqueTerm<N>,
-    bearing: Bearing<N>,
-    grain: &mut Bodies<N>,
-    wall_spin: [N; 3],
-    relaxation: N,
-    residual: &mut LaneResidual<N>,
-) {
-    let spin = minus(wall_spin, grain.spin());
-    let operator = torque.operator(grain.inverse_inertia());
-    let change = relax::<G, N>(torque, bearing, spin, (operator, grain.inverse_radius), relaxation, residual);
-    grain.turn(-1.0, change);
+    /// Relaxes a torque and returns the change of its angular impulse. Residuals are surface velocities, m/s.
+    #[inline(always)]
+    pub fn relax<G: MeasuredLevel>(
+        self,
+        torque: &mut Borne<N, impl TorqueTerm<N>>,
+        bearing: Bearing<N>,
+        relaxation: N,
+        residual: &mut LaneResidual<N>,
+    ) -> [N; 3] {
+        let operator = torque.term.operator(self.operator);
+        let change = torque.relax(bearing, self.spin, operator, relaxation);
+        if G::ANY {
+            residual.add_turning::<G>(times(change, operator / self.inverse_radius));
+        }
+        change
+    }
 }
