@@ -89,8 +89,8 @@ impl<L: Lanes> LaneMaterial<L> {
         }
     }
 
-    /// Takes restitution at the speed of the contacts' impacts (m/s), friction at the velocity at which they slide (m/s), given without
-    /// the spin of the grains, and the springs that they have. `borne` are the impulses of the last step, along the normal and across.
+    /// Sets restitution by the speed of impact (m/s), friction by the sliding velocity (m/s, without the spin of the grains) and the
+    /// stiffness of springs. `borne` holds the impulses of the last step, along the normal and across, N s.
     #[inline(always)]
     pub fn adapt(
         &mut self,

@@ -7,7 +7,7 @@ use crate::detect::{AngularImpulse, Impulse};
 use crate::effects::impact::Impact;
 use crate::effects::resistance::TorqueLanes;
 use crate::effects::restitution::{at_speed, impact_on_the_way};
-use crate::effects::term::{Borne, Tangential};
+use crate::effects::term::{Tangential, TermState};
 use crate::groups::{ContactLayout, Effects, ImpactLanes, ImpactMemory, PairGroup, Sources, with_pairs};
 use crate::lanes::{
     Eight, Kernel, Lanes, PREFETCH, Slots, dot, minus, prefetch_lines, prefetch_places, prefetch_range,
@@ -248,7 +248,7 @@ impl<E: Effects> Kernel for FillTorques<'_, E> {
 /// Has the torques of eight contacts start from what these can bear of the last step's.
 #[inline(always)]
 fn start<L: Lanes, E: Effects>(torques: &mut TorqueLanes, contact: &Contact<L, E>) {
-    let mut torque = Borne::<L, E::Torque<L>>::angular(torques, L::load);
+    let mut torque = TermState::<L, E::Torque<L>>::angular(torques, L::load);
     torque.start((contact.normal, contact.impulse_normal));
     torque.write(&mut torques.impulse, L::store);
 }

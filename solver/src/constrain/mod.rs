@@ -269,18 +269,18 @@ fn write_contacts<L: Lanes, T: Tangential>(
 ) -> ImpactLanes {
     let ContactGeometry { normal, overlap, .. } = *geometry;
     let scheme = &constants.scheme;
-    let LaneMaterial { effective_modulus, damping_ratio, restitution, .. } = *material;
+    let LaneMaterial { effective_modulus, damping_ratio, restitution, friction, stiffness_ratio } = *material;
     let contact = geometry.normal_contact(velocity, inverse_mass, effective_modulus, damping_ratio);
     let constraint = contact.constraint(scheme, impact.speed);
     let Decision { constraint, speed } =
         impact.decide(constraint, scheme, [overlap, velocity], inverse_mass, restitution);
-    let bears = bears(&constraint);
-    let share = L::select(bears, L::splat(constants.warm_start), <L as Number>::zero());
+    let active = bears(&constraint);
+    let share = L::select(active, L::splat(constants.warm_start), <L as Number>::zero());
     let [impulse, x, y, z] = remembered;
     let along = dot(normal, [x, y, z]);
-    let across = minus([x, y, z], times(normal, along));
-    let (friction, stiffness_ratio, step) = (material.friction, material.stiffness_ratio, scheme.step);
-    let start = TermStart { constraint: &constraint, bears, borne: across, share, friction, stiffness_ratio, step };
+    let last_impulse = minus([x, y, z], times(normal, along));
+    let (constraint, step) = (&constraint, scheme.step);
+    let start = TermStart { constraint, active, last_impulse, share, friction, stiffness_ratio, step };
     contacts.tangential.fill(&start, L::store);
     normal.into_iter().zip(&mut contacts.normal).for_each(|(component, lanes)| component.store(lanes));
     (impulse * share).store(&mut contacts.impulse_normal);

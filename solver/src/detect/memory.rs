@@ -138,7 +138,7 @@ impl Impulse {
 #[repr(C)]
 pub struct AngularImpulse(pub [f64; 3]);
 
-/// What candidates of one kind keep of the last step. Behind them all lie an impulse of zero and an empty impact.
+/// Impulses and impacts of the last step, by candidate of one kind. Behind them all lie an impulse of zero and an empty impact.
 #[derive(Clone, Debug, Default)]
 pub struct Memory {
     /// Impulses.
@@ -169,7 +169,7 @@ impl Memory {
         resize(&mut self.torques, if torques { count } else { 0 }, AngularImpulse::default());
     }
 
-    /// Sets what a candidate keeps; its torque counts where there is room for it.
+    /// Sets impulse, impact and angular impulse (N m s) of a candidate; the last only where contacts bear torques.
     pub(crate) fn set(&mut self, candidate: usize, impulse: Impulse, impact: ImpactMemory, torque: [f64; 3]) {
         (self.impulses[candidate], self.impacts[candidate]) = (impulse, impact);
         if let Some(place) = self.torques.get_mut(candidate) {
@@ -177,7 +177,7 @@ impl Memory {
         }
     }
 
-    /// Returns true if a candidate keeps an impulse that is not zero to the last bit, or an impact.
+    /// Returns true if a candidate has an impulse that is not zero to the last bit, or an impact.
     pub(crate) fn is_known(&self, candidate: usize) -> bool {
         !self.impulses[candidate].is_blank() || self.impacts[candidate].touches()
     }
@@ -200,15 +200,15 @@ impl<'a> From<<MemoryShares<'a> as TaskShares>::Share> for MemoryOfTask<'a> {
     }
 }
 
-/// What each candidate keeps of the last step.
+/// Impulses and impacts of all candidates in the last step.
 #[derive(Clone, Debug)]
 pub struct ContactImpulses {
-    /// Of each pair that bore an impulse. What other pairs keep means nothing.
+    /// Memory of each pair that bore an impulse; without meaning for other pairs.
     pub pairs: Memory,
     /// Which pairs bore an impulse, or may have: those that were contacts in the last step, and since the list was built those that
     /// were given one. Bits, a byte for each block of a task's pairs.
     pub(crate) borne: Vec<u8>,
-    /// Of each grain and surface.
+    /// Memory of each grain and surface.
     pub walls: Memory,
 }
 

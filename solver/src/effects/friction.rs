@@ -19,7 +19,7 @@
 //! becomes that of two coefficients.
 
 use super::catalogue::{Call, Change, Effect, change_coefficients};
-use super::term::{Bearing, ContactTerm, Tangential, TangentialTerm, TermStart};
+use super::term::{ContactTerm, NormalLoad, Tangential, TangentialTerm, TermStart};
 use crate::lanes::{Eight, Number, dot, times};
 use crate::scene::coefficients;
 
@@ -124,7 +124,7 @@ impl<S: Copy + Default> Tangential<S> for FrictionLanes<S> {
 
     #[inline(always)]
     fn fill<N: Number>(&mut self, start: &TermStart<'_, N>, number: impl Fn(N, &mut S)) {
-        for (component, lanes) in start.borne.into_iter().zip(&mut self.impulse) {
+        for (component, lanes) in start.last_impulse.into_iter().zip(&mut self.impulse) {
             number(component * start.share, lanes);
         }
         number(start.friction, &mut self.coefficient);
@@ -139,7 +139,7 @@ impl<N: Number, const ACTS: bool> ContactTerm<N> for Coulomb<N, ACTS> {
     const ACTS: bool = ACTS;
 
     #[inline(always)]
-    fn bearable(&self, impulse: [N; 3], (_, normal_impulse): Bearing<N>) -> [N; 3] {
+    fn project(&self, impulse: [N; 3], (_, normal_impulse): NormalLoad<N>) -> [N; 3] {
         times(impulse, disc_shrinkage(impulse, self.0 * normal_impulse))
     }
 }

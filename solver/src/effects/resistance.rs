@@ -17,7 +17,7 @@
 
 use super::catalogue::{Change, Effect, change_coefficients};
 use super::friction::disc_shrinkage;
-use super::term::{Bearing, ContactTerm, TorqueTerm};
+use super::term::{ContactTerm, NormalLoad, TorqueTerm};
 use crate::lanes::{Eight, Number, dot, minus, plus, times};
 use crate::scene::{ContactCoefficients, coefficients};
 
@@ -60,7 +60,7 @@ pub struct TorqueLanes<S = Eight> {
 }
 
 impl TorqueLanes {
-    /// Sets a lane up for a step, given the coefficients of its contact, the effective radius (m) and the angular impulse to start from.
+    /// Sets a lane up for a step: coefficients of the contact, effective radius (m), angular impulse of the warm start (N m s).
     pub(crate) fn fill(&mut self, lane: usize, contact: &ContactCoefficients, effective_radius: f64, start: [f64; 3]) {
         self.rolling_lever.0[lane] = contact.rolling_friction * effective_radius;
         self.twisting_lever.0[lane] = contact.twisting_friction * effective_radius;
@@ -73,7 +73,7 @@ impl TorqueLanes {
     }
 }
 
-/// The resistances that a kernel is compiled with, of which one or both may be left out, by their levers (m).
+/// Resistances that a kernel is compiled with, by their levers (m); each may be left out.
 #[derive(Clone, Copy)]
 pub struct Resistance<N, const ROLLING: bool, const TWISTING: bool>(N, N);
 
@@ -81,7 +81,7 @@ impl<N: Number, const ROLLING: bool, const TWISTING: bool> ContactTerm<N> for Re
     const ACTS: bool = ROLLING || TWISTING;
 
     #[inline(always)]
-    fn bearable(&self, impulse: [N; 3], (normal, normal_impulse): Bearing<N>) -> [N; 3] {
+    fn project(&self, impulse: [N; 3], (normal, normal_impulse): NormalLoad<N>) -> [N; 3] {
         let (rolling_cap, twisting_cap) = (self.0 * normal_impulse, self.1 * normal_impulse);
         let along = dot(normal, impulse);
         let across = minus(impulse, times(normal, along));

@@ -25,7 +25,7 @@
 
 use super::catalogue::{Call, Change, Effect};
 use super::friction::{Coulomb, FRICTION, FrictionLanes};
-use super::term::{Bearing, ContactTerm, Tangential, TangentialTerm, TermStart};
+use super::term::{ContactTerm, NormalLoad, Tangential, TangentialTerm, TermStart};
 use crate::lanes::{Eight, Number, dot, minus, plus, times};
 use crate::laws::compliance::NormalConstraint;
 use crate::scene::{DocumentPath, Material, TangentialLaw};
@@ -114,14 +114,14 @@ impl<S: Copy + Default> Tangential<S> for SpringLanes<S> {
         self.friction.fill(start, &number);
         let Some(ratio) = start.stiffness_ratio else { return };
         let compliance = tangential_compliance(start.constraint, ratio, start.step);
-        let held = N::select(start.bears, compliance, N::zero());
+        let held = N::select(start.active, compliance, N::zero());
         number(compliance, &mut self.spring.compliance);
-        for (component, lanes) in start.borne.into_iter().zip(&mut self.spring.bias) {
+        for (component, lanes) in start.last_impulse.into_iter().zip(&mut self.spring.bias) {
             number(component * held, lanes);
         }
     }
 
-    /// What an impact bore that was over within the step is no load of a spring.
+    /// Impulses for the warm start; zero after an impact that was over within the step, because it does not load the spring.
     #[inline(always)]
     fn remembered<N: Number>(&self, number: impl Fn(&S) -> N) -> [N; 3] {
         let springy = N::zero().below(number(&self.spring.compliance));
@@ -137,8 +137,8 @@ impl<N: Number> ContactTerm<N> for Sprung<N> {
     const ACTS: bool = true;
 
     #[inline(always)]
-    fn bearable(&self, impulse: [N; 3], bearing: Bearing<N>) -> [N; 3] {
-        self.0.bearable(impulse, bearing)
+    fn project(&self, impulse: [N; 3], load: NormalLoad<N>) -> [N; 3] {
+        self.0.project(impulse, load)
     }
 
     #[inline(always)]

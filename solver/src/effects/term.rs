@@ -1,13 +1,13 @@
 //! Terms of contacts: the impulses that effects add to the one along the normal.
 //!
-//! A term bears an impulse P, across the normal or an angular one, which the normal impulse bounds. With the residual r of sticking, the
-//! operator S and the relaxation factor w it is relaxed as
+//! A term has an impulse P, across the normal or an angular one, which the normal impulse bounds. With the residual r of sticking, the
+//! operator S and the relaxation factor w its update is
 //!
 //! ```text
-//! P' = bearable(P - r w / S)
+//! P' = project(P - r w / S)
 //! ```
 //!
-//! and counts with `S (P' - P)` among the residuals of a sweep. Sweeps, set-up and memory call terms by the traits here alone.
+//! and `S (P' - P)` is its part of the residual of a sweep. Sweeps, set-up and memory call terms by the traits here alone.
 
 use super::friction::FrictionLanes;
 use super::resistance::TorqueLanes;
@@ -16,15 +16,15 @@ use crate::lanes::{Eight, Number, minus, times};
 use crate::laws::compliance::NormalConstraint;
 
 /// Normal and normal impulse (N s) of a contact, or of eight.
-pub type Bearing<N> = ([N; 3], N);
+pub type NormalLoad<N> = ([N; 3], N);
 
 /// A term of one contact, or of eight, in a kernel.
 pub trait ContactTerm<N: Number>: Copy {
-    /// True if it bears anything; else nothing is compiled for it.
+    /// False for a term without effect: nothing is compiled for it.
     const ACTS: bool;
 
-    /// The part of an impulse that the contact can bear.
-    fn bearable(&self, impulse: [N; 3], bearing: Bearing<N>) -> [N; 3];
+    /// Projects an impulse onto the admissible ones.
+    fn project(&self, impulse: [N; 3], load: NormalLoad<N>) -> [N; 3];
 
     /// Operator, given that of a rigid contact.
     #[inline(always)]
@@ -54,52 +54,51 @@ pub trait TorqueTerm<N: Number>: ContactTerm<N> {
     fn read(lanes: &TorqueLanes, number: impl Fn(&Eight) -> N) -> Self;
 }
 
-/// A term, and the impulse on the second side that it bears, N s or N m s.
+/// A term and its impulse on the second side, N s or N m s.
 #[derive(Clone, Copy)]
-pub struct Borne<N, T> {
+pub struct TermState<N, T> {
     pub(crate) impulse: [N; 3],
     pub(crate) term: T,
 }
 
-impl<N: Number, T: ContactTerm<N>> Borne<N, T> {
+impl<N: Number, T: ContactTerm<N>> TermState<N, T> {
     /// The one-contact solution: updates the impulse and returns the change.
     #[inline(always)]
-    pub(crate) fn relax(&mut self, bearing: Bearing<N>, velocity: [N; 3], operator: N, relaxation: N) -> [N; 3] {
+    pub(crate) fn relax(&mut self, load: NormalLoad<N>, velocity: [N; 3], operator: N, relaxation: N) -> [N; 3] {
         let before = self.impulse;
         let residual = self.term.residual(velocity, before);
         let target = minus(before, times(residual, relaxation / operator));
-        self.impulse = self.term.bearable(target, bearing);
+        self.impulse = self.term.project(target, load);
         minus(self.impulse, before)
     }
 
-    /// Keeps what the contact can bear of the impulse of the last step. A contact that has just closed starts from none, whatever it bore
-    /// when it opened.
+    /// Projects the impulse of the last step for the warm start. It is zero where the normal impulse is: in a contact that has just closed.
     #[inline(always)]
-    pub(crate) fn start(&mut self, bearing: Bearing<N>) {
-        let bears = N::zero().below(bearing.1);
-        let borne = self.term.bearable(self.impulse, bearing);
+    pub(crate) fn start(&mut self, load: NormalLoad<N>) {
+        let bears = N::zero().below(load.1);
+        let borne = self.term.project(self.impulse, load);
         self.impulse = borne.map(|component| N::select(bears, component, N::zero()));
     }
 }
 
-impl<N: Number, T: TangentialTerm<N>> Borne<N, T> {
+impl<N: Number, T: TangentialTerm<N>> TermState<N, T> {
     /// Reads a term across the normal, number by number.
     #[inline(always)]
     pub(crate) fn across<S>(lanes: &impl Tangential<S>, number: impl Fn(&S) -> N) -> Self {
         let impulse = lanes.lanes().map_or([N::zero(); 3], |lanes| lanes.impulse.each_ref().map(&number));
-        Borne { impulse, term: T::read(lanes, number) }
+        TermState { impulse, term: T::read(lanes, number) }
     }
 }
 
-impl<N: Number, T: TorqueTerm<N>> Borne<N, T> {
+impl<N: Number, T: TorqueTerm<N>> TermState<N, T> {
     /// Reads a term of torques, number by number.
     #[inline(always)]
     pub(crate) fn angular(lanes: &TorqueLanes, number: impl Fn(&Eight) -> N) -> Self {
-        Borne { impulse: lanes.impulse.each_ref().map(&number), term: T::read(lanes, number) }
+        TermState { impulse: lanes.impulse.each_ref().map(&number), term: T::read(lanes, number) }
     }
 }
 
-impl<N: Copy, T> Borne<N, T> {
+impl<N: Copy, T> TermState<N, T> {
     /// Writes the impulse back.
     #[inline(always)]
     pub(crate) fn write<S>(&self, lanes: &mut [S; 3], number: impl Fn(N, &mut S)) {
@@ -107,15 +106,15 @@ impl<N: Copy, T> Borne<N, T> {
     }
 }
 
-/// What a term across the normal is set up from, in each step.
+/// Input of the set-up of a tangential term in a step.
 pub struct TermStart<'a, N: Number> {
     /// Constraint along the normal.
     pub constraint: &'a NormalConstraint<N>,
-    /// True where the contact may bear something.
-    pub bears: N::Mask,
+    /// True where the contact may be active.
+    pub active: N::Mask,
     /// Impulse of the last step in the new tangent plane, N s.
-    pub borne: [N; 3],
-    /// Share of it that the solve starts from.
+    pub last_impulse: [N; 3],
+    /// Fraction of it for the warm start.
     pub share: N,
     /// Friction coefficient.
     pub friction: N,
@@ -150,7 +149,7 @@ pub trait Tangential<S = Eight>: Copy + Default {
     #[inline(always)]
     fn fill<N: Number>(&mut self, _start: &TermStart<'_, N>, _number: impl Fn(N, &mut S)) {}
 
-    /// Impulses that the next step goes on from, N s.
+    /// Impulses for the warm start of the next step, N s.
     #[inline(always)]
     fn remembered<N: Number>(&self, number: impl Fn(&S) -> N) -> [N; 3] {
         self.lanes().map_or([N::zero(); 3], |lanes| lanes.impulse.each_ref().map(number))

@@ -1,7 +1,7 @@
 //! Kernels over the contacts of a task: pairs and walls alike, written once.
 
 use super::problem::Tally;
-use crate::effects::term::{Borne, TangentialTerm};
+use crate::effects::term::{TangentialTerm, TermState};
 use crate::groups::{ContactLanes, ContactLayout, Effects, PairGroup, WallGroup, WallTorqueLanes};
 use crate::lanes::{Eight, Kernel, Lanes, PREFETCH, Slots, TaskSlots, cross, dot, minus, prefetch_places, times};
 use crate::partition::TaskGroups;
@@ -151,7 +151,7 @@ impl<V: ContactPass, E: Effects> Kernel for PassOverTask<'_, V, E> {
     }
 }
 
-impl<L: Lanes, T: TangentialTerm<L>> ContactLanes<L, Borne<L, T>> {
+impl<L: Lanes, T: TangentialTerm<L>> ContactLanes<L, TermState<L, T>> {
     /// Takes an impulse apart into its normal and tangential part.
     #[inline(always)]
     pub(crate) fn set_impulse(&mut self, impulse: [L; 3]) {
@@ -164,8 +164,8 @@ impl<L: Lanes, T: TangentialTerm<L>> ContactLanes<L, Borne<L, T>> {
     pub(crate) fn project(&mut self) {
         self.impulse_normal = self.impulse_normal.larger(L::zero());
         if T::ACTS {
-            let Borne { impulse, term } = self.tangential;
-            self.tangential.impulse = term.bearable(impulse, (self.normal, self.impulse_normal));
+            let TermState { impulse, term } = self.tangential;
+            self.tangential.impulse = term.project(impulse, (self.normal, self.impulse_normal));
         }
     }
 }
@@ -189,13 +189,13 @@ impl<E: Effects> Kernel for MeasureTorques<'_, E> {
         for (group, torques) in E::Tangential::of(pairs).iter().zip(pair_torques) {
             let [first, second] =
                 [&group.first, &group.second].map(|places| Bodies::<L>::load::<E>(self.bodies, places));
-            let mut torque = Borne::<L, E::Torque<L>>::angular(torques, L::load);
+            let mut torque = TermState::<L, E::Torque<L>>::angular(torques, L::load);
             let bearing = bearing::<L, _, E>(group, self.bodies);
             Turning::of(&first, &second).relax::<Directions>(&mut torque, bearing, one, &mut residual);
         }
         for (group, WallTorqueLanes { wall_spin, torques }) in walls.iter().zip(wall_torques) {
             let turning = Turning::with_wall(&Bodies::<L>::load::<E>(self.bodies, &group.body), load(wall_spin));
-            let mut torque = Borne::<L, E::Torque<L>>::angular(torques, L::load);
+            let mut torque = TermState::<L, E::Torque<L>>::angular(torques, L::load);
             let bearing = bearing::<L, _, E>(group, self.bodies);
             turning.relax::<Directions>(&mut torque, bearing, one, &mut residual);
         }

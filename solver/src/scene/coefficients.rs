@@ -1,7 +1,7 @@
-//! Materials and rules of pairs: their keys, with ranges, and the coefficients of a contact of two materials.
+//! Materials and rules of pairs: keys, ranges, and the coefficients of a contact of two materials.
 //!
-//! A coefficient is a field of [`Material`], [`PairRule`] and [`ContactCoefficients`], and an entry of [`TABLE`], by which scenes are
-//! checked and two materials combined. The effect that it belongs to names the entry.
+//! A coefficient is a field of [`Material`], [`PairRule`] and [`ContactCoefficients`], and an entry of [`TABLE`] with its range and the
+//! combination of two materials. The descriptor of its effect refers to the entry.
 
 use super::document::{Checked, DocumentPath};
 use crate::laws::cohesion::Cohesion;
@@ -107,8 +107,8 @@ pub struct ContactCoefficients {
 }
 
 impl ContactCoefficients {
-    /// Returns true if the contact bears torques against rolling or twisting.
-    pub(crate) fn bears_torques(&self) -> bool {
+    /// Returns true if the contact resists rolling or twisting.
+    pub(crate) fn transmits_torque(&self) -> bool {
         self.rolling_friction > 0.0 || self.twisting_friction > 0.0
     }
 }

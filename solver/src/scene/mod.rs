@@ -203,7 +203,7 @@ impl Scene {
 
     /// Returns the setting or effect that requires Gauss-Seidel in double precision, if the scene has one.
     fn obstacle(&self) -> Option<Obstacle> {
-        let torques = self.possible_contacts().any(|contact| contact.bears_torques());
+        let torques = self.possible_contacts().any(|contact| contact.transmits_torque());
         let driven = self.wall.iter().any(|wall| wall.motion.is_driven());
         let spring = self.solver.tangential_law != TangentialLaw::Rigid;
         Obstacle::of_scene(torques, driven, spring)

@@ -5,7 +5,7 @@ use super::kernel::{Bodies, Contact, Pair};
 use super::residual::{LaneResidual, MeasuredLevel, ResidualLevel, TaskResidual, with_level};
 use super::torques::Turning;
 use crate::effects::drive::Drive;
-use crate::effects::term::Borne;
+use crate::effects::term::TermState;
 use crate::groups::{Effects, WallGroup, with_effects};
 use crate::lanes::{Eight, cross, dot, minus, plus, times};
 use crate::partition::{DrivenContact, Layout, TaskGroups};
@@ -85,7 +85,7 @@ fn relax<E: Effects, G: MeasuredLevel>(
     if E::TORQUES {
         let axis: [f64; 3] = drive.turning().into();
         let lanes = &mut task.wall_torques[number].torques;
-        let mut torque = Borne::<f64, E::Torque<f64>>::angular(lanes, |eight| eight.0[lane]);
+        let mut torque = TermState::<f64, E::Torque<f64>>::angular(lanes, |eight| eight.0[lane]);
         let mut turning = Turning::with_wall(&grain, times(axis, drive.rate));
         turning.operator += drive.inverse_inertia * dot(axis, axis);
         let change = turning.relax::<G>(&mut torque, (contact.normal, updated), factor, &mut residual);

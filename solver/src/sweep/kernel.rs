@@ -16,7 +16,7 @@
 //! and `S_t + Sigma_t` stand for u_t and S_t ([`spring`](crate::effects::spring)).
 
 use super::residual::{LaneResidual, MeasuredLevel};
-use crate::effects::term::{Borne, Tangential, TangentialTerm};
+use crate::effects::term::{Tangential, TangentialTerm, TermState};
 use crate::groups::{ContactLanes, ContactLayout, Effects, PairGroup};
 use crate::lanes::{LANES, Lanes, Number, SINGLE_LANES, SingleLanes, Slots, TaskSlots, cross, dot, minus, plus, times};
 use crate::partition::SingleBody;
@@ -177,9 +177,9 @@ pub(super) fn push_each<L: Lanes, E: Effects>(
 }
 
 /// Constraint data and impulses of one contact, or of eight, in a kernel that is compiled for effects `E`.
-pub(crate) type Contact<N, E> = ContactLanes<N, Borne<N, <<E as Effects>::Tangential as ContactLayout>::Term<N>>>;
+pub(crate) type Contact<N, E> = ContactLanes<N, TermState<N, <<E as Effects>::Tangential as ContactLayout>::Term<N>>>;
 
-impl<N: Number, T: TangentialTerm<N>> ContactLanes<N, Borne<N, T>> {
+impl<N: Number, T: TangentialTerm<N>> ContactLanes<N, TermState<N, T>> {
     /// Reads a contact, number by number.
     #[inline(always)]
     pub(crate) fn read<S>(contacts: &ContactLanes<S, impl Tangential<S>>, number: impl Fn(&S) -> N) -> Self {
@@ -188,7 +188,7 @@ impl<N: Number, T: TangentialTerm<N>> ContactLanes<N, Borne<N, T>> {
             bias: number(&contacts.bias),
             regularisation: number(&contacts.regularisation),
             impulse_normal: number(&contacts.impulse_normal),
-            tangential: Borne::across(&contacts.tangential, number),
+            tangential: TermState::across(&contacts.tangential, number),
         }
     }
 

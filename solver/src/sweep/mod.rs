@@ -11,7 +11,7 @@ use crate::detect::{AngularImpulse, Impulse, MemoryOfTask};
 use crate::effects::EffectSet;
 use crate::effects::resistance::TorqueLanes;
 use crate::effects::spring::SpringLanes;
-use crate::effects::term::{Borne, Tangential};
+use crate::effects::term::{Tangential, TermState};
 use crate::groups::{
     ContactLanes, ContactLayout, Effects, Frictionless, ImpactLanes, ImpactMemory, PairGroup, Sources, WallGroup,
     WallTorqueLanes, with_effects, with_pairs,
@@ -135,7 +135,7 @@ impl<E: Effects, G: MeasuredLevel> Kernel for Sweep<'_, E, G> {
             // The torque of the contact, at the spin that the impulse has left.
             grain.push::<E>(-1.0, push[0], push[1]);
             let WallTorqueLanes { wall_spin, torques } = &mut self.groups.wall_torques[number];
-            let mut torque = Borne::<L, E::Torque<L>>::angular(torques, L::load);
+            let mut torque = TermState::<L, E::Torque<L>>::angular(torques, L::load);
             let bearing = (contact.normal, contact.impulse_normal);
             let wall_spin = wall_spin.each_ref().map(L::load);
             let turning = Turning::with_wall(&grain, wall_spin);
@@ -166,7 +166,7 @@ impl<E: Effects> Kernel for Start<'_, E> {
             let lever = cross(contact.normal, impulse);
             Pair::push::<E>(self.bodies, group, [impulse, lever]);
             if E::TORQUES {
-                let angular = Borne::<L, E::Torque<L>>::angular(&self.groups.pair_torques[number], L::load).impulse;
+                let angular = TermState::<L, E::Torque<L>>::angular(&self.groups.pair_torques[number], L::load).impulse;
                 turn_each::<L, E>(self.bodies, &group.first, -1.0, angular);
                 turn_each::<L, E>(self.bodies, &group.second, 1.0, angular);
             }
@@ -178,7 +178,7 @@ impl<E: Effects> Kernel for Start<'_, E> {
             push_each::<L, E>(self.bodies, &group.body, -1.0, [impulse, lever]);
             if E::TORQUES {
                 let torques = &self.groups.wall_torques[number].torques;
-                let angular = Borne::<L, E::Torque<L>>::angular(torques, L::load).impulse;
+                let angular = TermState::<L, E::Torque<L>>::angular(torques, L::load).impulse;
                 turn_each::<L, E>(self.bodies, &group.body, -1.0, angular);
             }
         }
@@ -233,7 +233,7 @@ impl Kernel for Remember<'_> {
     }
 }
 
-/// Keeps the impulses of a lane group, of which one term bears what lies across the normals; see [`Relaxation::remember`].
+/// Stores the impulses of a lane group with its candidates, those across the normals by their term.
 #[inline(always)]
 fn remember<L: Lanes, T: Tangential>(
     contacts: &ContactLanes<Eight, impl Tangential>,

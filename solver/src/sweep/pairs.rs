@@ -4,7 +4,7 @@ use super::Sweep;
 use super::kernel::{Bodies, Contact, Pair};
 use super::residual::{LaneResidual, MeasuredLevel};
 use super::torques::Turning;
-use crate::effects::term::Borne;
+use crate::effects::term::TermState;
 use crate::groups::{ContactLayout, Effects, PairGroup};
 use crate::lanes::{Lanes, prefetch_lines, prefetch_places};
 use crate::partition::TaskGroups;
@@ -42,7 +42,7 @@ impl<E: Effects, G: MeasuredLevel> Sweep<'_, E, G> {
             first.push::<E>(-1.0, impulse, lever);
             second.push::<E>(1.0, impulse, lever);
             let torques = &mut pair_torques[number];
-            let mut torque = Borne::<L, E::Torque<L>>::angular(torques, L::load);
+            let mut torque = TermState::<L, E::Torque<L>>::angular(torques, L::load);
             let bearing = (contact.normal, contact.impulse_normal);
             let change = Turning::of(&first, &second).relax::<G>(&mut torque, bearing, factor, residual);
             first.turn(-1.0, change);

@@ -2,7 +2,7 @@
 
 use super::kernel::Bodies;
 use super::residual::{LaneResidual, MeasuredLevel};
-use crate::effects::term::{Bearing, Borne, TorqueTerm};
+use crate::effects::term::{NormalLoad, TermState, TorqueTerm};
 use crate::lanes::{Number, minus, plus, times};
 use crate::world::INVERSE_INERTIA;
 
@@ -27,7 +27,7 @@ impl<N: Number> Bodies<N> {
     }
 }
 
-/// How the two sides of a contact turn against each other.
+/// Relative rotation of the two sides of a contact.
 #[derive(Clone, Copy)]
 pub(crate) struct Turning<N> {
     /// Angular velocity of the second less that of the first, rad/s.
@@ -60,13 +60,13 @@ impl<N: Number> Turning<N> {
     #[inline(always)]
     pub fn relax<G: MeasuredLevel>(
         self,
-        torque: &mut Borne<N, impl TorqueTerm<N>>,
-        bearing: Bearing<N>,
+        torque: &mut TermState<N, impl TorqueTerm<N>>,
+        load: NormalLoad<N>,
         relaxation: N,
         residual: &mut LaneResidual<N>,
     ) -> [N; 3] {
         let operator = torque.term.operator(self.operator);
-        let change = torque.relax(bearing, self.spin, operator, relaxation);
+        let change = torque.relax(load, self.spin, operator, relaxation);
         if G::ANY {
             residual.add_turning::<G>(times(change, operator / self.inverse_radius));
         }
