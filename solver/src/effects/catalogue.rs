@@ -1,7 +1,7 @@
 //! All effects as data: how a scene calls for each, what it says of it, and what becomes of a scene without it.
 //!
-//! The descriptor of an effect stands in its own file, beside its law. The effects that a simulation is compiled for, the list of `makadam effects`, its ablation, and what other codes refuse go by
-//! [`CATALOGUE`]; `docs/effects.md` shows it as a table, which a test holds against it.
+//! The descriptor of an effect is in its own file, next to its law. Compilation of effects, `makadam effects`, its ablation and the
+//! refusals of other codes go by [`CATALOGUE`]; a test compares it with the table of `docs/effects.md`.
 
 use super::EffectSet;
 pub use super::{

@@ -1,7 +1,7 @@
-//! The effects that a scene can call for, one small file each: its descriptor, the equations and their source.
+//! The effects that a scene can have, one small file each: equations, their source, terms of contacts, descriptor.
 //!
-//! The functions here are the only places where a contact law is written down; `constrain` calls them once a contact
-//! and step, and the sweep kernel is compiled with those that the scene calls for. [`catalogue`] lists the descriptors.
+//! Contact laws are here and in [`laws`](crate::laws) alone. `constrain` evaluates them once per contact and step, and the sweep kernel is
+//! compiled with the [terms](term) that the scene has. [`CATALOGUE`] lists the descriptors.
 
 pub mod catalogue;
 pub mod cohesion;

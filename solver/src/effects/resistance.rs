@@ -47,16 +47,16 @@ pub static ROLLING: Effect =
 pub static TWISTING: Effect =
     resistance!("twisting resistance", TWISTING, twisting_friction, twisting, "grains twist without a torque");
 
-/// Levers and angular impulses: of eight contacts in memory, or in a kernel.
+/// Levers and angular impulses of eight contacts.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(64))]
-pub struct TorqueLanes<S = Eight> {
+pub struct TorqueLanes {
     /// Largest rolling torque over the normal force, m.
-    pub rolling_lever: S,
+    pub rolling_lever: Eight,
     /// Largest twisting torque over the normal force, m.
-    pub twisting_lever: S,
+    pub twisting_lever: Eight,
     /// Angular impulses on the second body, or on the wall, N m s.
-    pub impulse: [S; 3],
+    pub impulse: [Eight; 3],
 }
 
 impl TorqueLanes {
