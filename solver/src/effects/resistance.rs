@@ -83,6 +83,7 @@ impl<N: Number, const ROLLING: bool, const TWISTING: bool> ContactTerm<N> for Re
     #[inline(always)]
     fn project(&self, impulse: [N; 3], (normal, normal_impulse): NormalLoad<N>) -> [N; 3] {
         let (rolling_cap, twisting_cap) = (self.0 * normal_impulse, self.1 * normal_impulse);
+        // Parts along the normal and across it, each projected by itself.
         let along = dot(normal, impulse);
         let across = minus(impulse, times(normal, along));
         let mut borne = [N::zero(); 3];

@@ -65,6 +65,7 @@ impl<N: Number, T: ContactTerm<N>> TermState<N, T> {
     /// The one-contact solution: updates the impulse and returns the change.
     #[inline(always)]
     pub(crate) fn relax(&mut self, load: NormalLoad<N>, velocity: [N; 3], operator: N, relaxation: N) -> [N; 3] {
+        // Unconstrained update, then projection.
         let before = self.impulse;
         let residual = self.term.residual(velocity, before);
         let target = minus(before, times(residual, relaxation / operator));
