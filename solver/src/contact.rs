@@ -12,10 +12,10 @@
 //! takes `d n x P` from the angular momentum of two grains that overlap by d, which the ledger enters.
 
 use crate::detect::{PairCandidate, WallCandidate};
-use crate::effects::cohesion::Pull;
-use crate::effects::compliance::{NormalContact, effective_radius};
-use crate::effects::period::Period;
 use crate::lanes::{Number, dot, times};
+use crate::laws::cohesion::Pull;
+use crate::laws::compliance::{NormalContact, effective_radius};
+use crate::laws::period::Period;
 use crate::world::{ContactMaterial, Sphere, World, WorldBesideBodies};
 use nalgebra::Vector3;
 

@@ -75,6 +75,7 @@ pub mod groups;
 pub mod interrupt;
 #[doc(hidden)]
 pub mod lanes;
+pub mod laws;
 #[cfg(doc)]
 #[doc = include_str!("../docs/method.md")]
 pub mod method {}

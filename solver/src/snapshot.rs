@@ -17,7 +17,8 @@
 
 use crate::Simulation;
 use crate::effects::drive::Drive;
-use crate::groups::{ContactLanes, SpringLanes};
+use crate::effects::spring::SpringLanes;
+use crate::groups::ContactLanes;
 use crate::lanes::Eight;
 use crate::simulation::swept::Struck;
 pub use crate::wall::DrivenWall;

@@ -1,6 +1,6 @@
 //! Coefficients of eight contacts: those of their materials, and those that go by how fast the contacts close or slide.
 
-use super::{StepConstants, StepContext};
+use super::StepContext;
 use crate::effects::friction::while_sliding;
 use crate::effects::restitution::at_speed;
 use crate::groups::{PairGroup, WallGroup};
@@ -19,19 +19,31 @@ pub(super) struct LaneMaterial<L> {
 
 /// Eight contacts whose materials can be looked up.
 pub(super) trait Contacts {
+    /// Their materials, lane by lane.
+    fn material<'a>(&self, context: &'a StepContext<'_>, lane: usize) -> &'a ContactMaterial;
+
+    /// Sum of the scaled spins of their grains at the start of the step, m/s.
+    fn spin<L: Lanes>(&self, context: &StepContext<'_>) -> [L; 3];
+
     /// A property of their materials.
-    fn property<L: Lanes>(&self, context: &StepContext<'_>, property: fn(&ContactMaterial) -> f64) -> L;
+    #[inline(always)]
+    fn property<L: Lanes>(&self, context: &StepContext<'_>, property: fn(&ContactMaterial) -> f64) -> L {
+        L::load(&Eight(std::array::from_fn::<f64, LANES, _>(|lane| property(self.material(context, lane)))))
+    }
 }
 
 impl<T> Contacts for PairGroup<T> {
     #[inline(always)]
-    fn property<L: Lanes>(&self, context: &StepContext<'_>, property: fn(&ContactMaterial) -> f64) -> L {
-        let world = context.world;
-        let number = |place: u32| world.materials[place as usize];
-        let material = |lane: usize| {
-            context.material.unwrap_or(world.table.between_grains(number(self.first[lane]), number(self.second[lane])))
-        };
-        L::load(&Eight(std::array::from_fn::<f64, LANES, _>(|lane| property(material(lane)))))
+    fn material<'a>(&self, context: &'a StepContext<'_>, lane: usize) -> &'a ContactMaterial {
+        let (world, lanes) = (&context.world, [self.first[lane], self.second[lane]]);
+        let [first, second] = lanes.map(|place| world.materials[place as usize]);
+        context.material.unwrap_or_else(|| world.table.between_grains(first, second))
+    }
+
+    #[inline(always)]
+    fn spin<L: Lanes>(&self, context: &StepContext<'_>) -> [L; 3] {
+        let [a, b] = [&self.first, &self.second].map(|places| context.spins_before.load_quads::<L>(places));
+        plus([a[0], a[1], a[2]], [b[0], b[1], b[2]])
     }
 }
 
@@ -40,10 +52,14 @@ pub(super) struct OnSurfaces<'a>(pub &'a WallGroup, pub &'a [u32; LANES]);
 
 impl Contacts for OnSurfaces<'_> {
     #[inline(always)]
-    fn property<L: Lanes>(&self, context: &StepContext<'_>, property: fn(&ContactMaterial) -> f64) -> L {
-        let OnSurfaces(group, surfaces) = *self;
-        let material = |lane: usize| context.world.wall_material(group.body[lane] as usize, surfaces[lane]);
-        L::load(&Eight(std::array::from_fn::<f64, LANES, _>(|lane| property(material(lane)))))
+    fn material<'a>(&self, context: &'a StepContext<'_>, lane: usize) -> &'a ContactMaterial {
+        context.world.wall_material(self.0.body[lane] as usize, self.1[lane])
+    }
+
+    #[inline(always)]
+    fn spin<L: Lanes>(&self, context: &StepContext<'_>) -> [L; 3] {
+        let [x, y, z, _] = context.spins_before.load_quads(&self.0.body);
+        [x, y, z]
     }
 }
 
@@ -73,51 +89,30 @@ impl<L: Lanes> LaneMaterial<L> {
         }
     }
 
-    /// With the springs that contacts have across the normal.
+    /// Sets restitution by the speed of impact (m/s), friction by the sliding velocity (m/s, without the spin of the grains) and the
+    /// stiffness of springs. `borne` holds the impulses of the last step, along the normal and across, N s.
     #[inline(always)]
-    pub fn with_springs(&mut self, context: &StepContext<'_>, contacts: &impl Contacts) {
-        self.stiffness_ratio = Some(contacts.property(context, |material| material.stiffness_ratio));
-    }
-
-    /// Restitution at the speed of the contacts' impacts, m/s.
-    #[inline(always)]
-    pub fn at_speed(&mut self, context: &StepContext<'_>, contacts: &impl Contacts, speed: L) {
-        let limit = contacts.property(context, |material| material.restitution_speed);
-        self.restitution = at_speed(self.restitution, limit, speed);
-    }
-
-    /// Friction at the velocity at which the contacts slide, without the spin of the grains: their surfaces move with the cross
-    /// product of `spin` and the normal. `borne` are the impulses of the last step, along the normal and across it.
-    #[inline(always)]
-    pub fn while_sliding(
+    pub fn adapt(
         &mut self,
         context: &StepContext<'_>,
         contacts: &impl Contacts,
-        normal: [L; 3],
-        velocity: [L; 3],
-        spin: [L; 3],
+        speed: L,
+        [normal, velocity]: [[L; 3]; 2],
         borne: [L; 4],
     ) {
-        let StepConstants { slip_speed, .. } = context.constants;
-        let kinetic = contacts.property(context, |material| material.kinetic_friction);
-        let velocity = minus(velocity, cross(spin, normal));
-        let sliding = minus(velocity, times(normal, dot(normal, velocity)));
-        self.friction = while_sliding(self.friction, kinetic, sliding, L::splat(slip_speed), borne);
-    }
-}
-
-impl StepContext<'_> {
-    /// Sum of the scaled spins that eight pairs had at the start of the step.
-    #[inline(always)]
-    pub(super) fn spins_of_pairs<L: Lanes, T>(&self, group: &PairGroup<T>) -> [L; 3] {
-        let (a, b) = (self.spins_before.load_quads(&group.first), self.spins_before.load_quads(&group.second));
-        plus([a[0], a[1], a[2]], [b[0], b[1], b[2]])
-    }
-
-    /// Coefficients of eight grains at walls.
-    #[inline(always)]
-    pub(super) fn spins_at_walls<L: Lanes>(&self, group: &WallGroup) -> [L; 3] {
-        let [x, y, z, _] = self.spins_before.load_quads(&group.body);
-        [x, y, z]
+        if context.effects.falling_restitution() {
+            let limit = contacts.property(context, |material| material.restitution_speed);
+            self.restitution = at_speed(self.restitution, limit, speed);
+        }
+        if context.effects.kinetic_friction() {
+            let kinetic = contacts.property(context, |material| material.kinetic_friction);
+            let velocity = minus(velocity, cross(contacts.spin(context), normal));
+            let sliding = minus(velocity, times(normal, dot(normal, velocity)));
+            let slip = L::splat(context.constants.slip_speed);
+            self.friction = while_sliding(self.friction, kinetic, sliding, slip, borne);
+        }
+        if context.effects.spring() {
+            self.stiffness_ratio = Some(contacts.property(context, |material| material.stiffness_ratio));
+        }
     }
 }

@@ -1,21 +1,20 @@
 //! Constraint data of eight contacts at a time.
 
-use super::coefficients::{LaneMaterial, OnSurfaces};
+use super::coefficients::{Contacts, LaneMaterial, OnSurfaces};
 use super::{StepContext, write_contacts};
 use crate::contact::ContactGeometry;
 use crate::detect::{AngularImpulse, Impulse};
-use crate::effects::Effects;
-use crate::effects::compliance::effective_radius;
 use crate::effects::impact::Impact;
-use crate::effects::resistance::bearable;
+use crate::effects::resistance::TorqueLanes;
 use crate::effects::restitution::{at_speed, impact_on_the_way};
-use crate::groups::{
-    ContactLanes, ContactLayout, ImpactLanes, ImpactMemory, PairGroup, Sources, Tangential, TorqueLanes, with_pairs,
-};
+use crate::effects::term::{Tangential, TermState};
+use crate::groups::{ContactLayout, Effects, ImpactLanes, ImpactMemory, PairGroup, Sources, with_pairs};
 use crate::lanes::{
-    Eight, Kernel, Lanes, Number, PREFETCH, Slots, dot, minus, prefetch_lines, prefetch_places, prefetch_range,
+    Eight, Kernel, Lanes, PREFETCH, Slots, dot, minus, prefetch_lines, prefetch_places, prefetch_range,
 };
+use crate::laws::compliance::effective_radius;
 use crate::partition::{PlannedTask, TaskGroups};
+use crate::sweep::kernel::Contact;
 use nalgebra::Vector3;
 use std::marker::PhantomData;
 
@@ -72,10 +71,7 @@ impl<const PERIODIC: bool, T: Tangential> Kernel for FillPairs<'_, PERIODIC, T> 
             let normal = geometry.normal;
             let mut material = match self.context.material {
                 Some(material) => LaneMaterial::of_all(material),
-                None => LaneMaterial::of_each(|lane| {
-                    let number = |place: u32| world.materials[place as usize];
-                    world.table.between_grains(number(group.first[lane]), number(group.second[lane]))
-                }),
+                None => LaneMaterial::of_each(|lane| group.material(self.context, lane)),
             };
             let velocity = [u, v, w];
             let motion = [dot(normal, velocity), inverse_mass];
@@ -83,16 +79,8 @@ impl<const PERIODIC: bool, T: Tangential> Kernel for FillPairs<'_, PERIODIC, T> 
             let remembered = impulses.load_quads(&candidates);
             let known = ImpactLanes::load::<L>(self.known_impacts, &candidates);
             let impact = Impact::of([geometry.overlap, motion[0]], known, remembered[0] * inverse_mass);
-            if self.context.effects.falling_restitution() {
-                material.at_speed(self.context, group, impact.speed_of_restitution(motion[0]));
-            }
-            if self.context.effects.kinetic_friction() {
-                let spin = self.context.spins_of_pairs(group);
-                material.while_sliding(self.context, group, normal, velocity, spin, remembered);
-            }
-            if self.context.effects.spring() {
-                material.with_springs(self.context, group);
-            }
+            let speed = impact.speed_of_restitution(motion[0]);
+            material.adapt(self.context, group, speed, [normal, velocity], remembered);
             let constants = &self.context.constants;
             impacts[number] =
                 write_contacts(&mut group.contacts, &geometry, motion, &material, (remembered, &impact), constants);
@@ -160,18 +148,8 @@ impl Kernel for FillWalls<'_> {
             let motion = [dot(normal, velocity), body[3]];
             let known = ImpactLanes::load::<L>(self.known_impacts, &candidates_of_lanes);
             let impact = Impact::of([geometry.overlap, motion[0]], known, remembered[0] * body[3]);
-            if self.context.effects.falling_restitution() {
-                let surfaces = OnSurfaces(group, &surfaces);
-                material.at_speed(self.context, &surfaces, impact.speed_of_restitution(motion[0]));
-            }
-            if self.context.effects.kinetic_friction() {
-                let spin = self.context.spins_at_walls(group);
-                let contacts = OnSurfaces(group, &surfaces);
-                material.while_sliding(self.context, &contacts, normal, velocity, spin, remembered);
-            }
-            if self.context.effects.spring() {
-                material.with_springs(self.context, &OnSurfaces(group, &surfaces));
-            }
+            let (speed, contacts) = (impact.speed_of_restitution(motion[0]), OnSurfaces(group, &surfaces));
+            material.adapt(self.context, &contacts, speed, [normal, velocity], remembered);
             *impacts =
                 write_contacts(&mut group.contacts, &geometry, motion, &material, (remembered, &impact), constants);
             // Few grains are so fast, and few scenes have any.
@@ -201,9 +179,8 @@ impl StepContext<'_> {
             *pulls = Eight::default();
             for (lane, _) in sources.occupied() {
                 let [i, j] = [group.first[lane] as usize, group.second[lane] as usize];
-                let material = world.table.between_grains(world.materials[i], world.materials[j]);
                 let geometry = world.pair_geometry(i, j);
-                pulls.0[lane] = material.pull(geometry.effective_radius).impulse(geometry.gap, h);
+                pulls.0[lane] = group.material(self, lane).pull(geometry.effective_radius).impulse(geometry.gap, h);
             }
         });
         for ((group, sources), pulls) in walls.iter().zip(wall_sources).zip(wall_pulls) {
@@ -235,20 +212,22 @@ impl<E: Effects> Kernel for FillTorques<'_, E> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let StepContext { world, candidates, walls: placed, constants, .. } = self.context;
-        let share = constants.warm_start;
+        let started =
+            |AngularImpulse(impulse): AngularImpulse| impulse.map(|component| component * constants.warm_start);
         let TaskGroups { pairs, pair_sources, pair_torques, walls, wall_sources, wall_torques, .. } = self.groups;
         for ((group, sources), torques) in E::Tangential::of(pairs).iter().zip(pair_sources).zip(pair_torques) {
             *torques = TorqueLanes::default();
             for (lane, candidate) in sources.occupied() {
-                let [i, j] = [group.first[lane] as usize, group.second[lane] as usize];
-                let (a, b) = (world.spheres[i].radius, world.spheres[j].radius);
-                let material = world.table.between_grains(world.materials[i], world.materials[j]);
-                let effective_radius = effective_radius(a, b);
-                torques.rolling_lever.0[lane] = material.rolling_friction * effective_radius;
-                torques.twisting_lever.0[lane] = material.twisting_friction * effective_radius;
-                torques.remember(lane, self.pairs.get(candidate as u32), share);
+                let radius = |place: u32| world.spheres[place as usize].radius;
+                let effective_radius = effective_radius(radius(group.first[lane]), radius(group.second[lane]));
+                torques.fill(
+                    lane,
+                    group.material(self.context, lane),
+                    effective_radius,
+                    started(self.pairs.get(candidate as u32)),
+                );
             }
-            start::<L, E, _>(torques, &group.contacts);
+            start::<L, E>(torques, &Contact::<L, E>::read(&group.contacts, L::load));
         }
         for ((group, sources), lanes) in walls.iter().zip(wall_sources).zip(wall_torques) {
             *lanes = Default::default();
@@ -256,38 +235,20 @@ impl<E: Effects> Kernel for FillTorques<'_, E> {
                 let (grain, surface) = (group.body[lane] as usize, candidates.walls[candidate].surface);
                 let material = world.wall_material(grain, surface);
                 let radius = world.spheres[grain].radius;
-                let torques = &mut lanes.torques;
-                torques.rolling_lever.0[lane] = material.rolling_friction * radius;
-                torques.twisting_lever.0[lane] = material.twisting_friction * radius;
-                torques.remember(lane, self.walls.get(candidate as u32), share);
+                lanes.torques.fill(lane, material, radius, started(self.walls.get(candidate as u32)));
                 for (axis, spin) in placed.face(surface).spin().iter().enumerate() {
                     lanes.wall_spin[axis].0[lane] = *spin;
                 }
             }
-            start::<L, E, _>(&mut lanes.torques, &group.contacts);
+            start::<L, E>(&mut lanes.torques, &Contact::<L, E>::read(&group.contacts, L::load));
         }
     }
 }
 
-impl TorqueLanes {
-    fn remember(&mut self, lane: usize, AngularImpulse(impulse): AngularImpulse, share: f64) {
-        for (own, component) in self.impulse.iter_mut().zip(impulse) {
-            own.0[lane] = component * share;
-        }
-    }
-}
-
-/// Impulse of the last step, as far as the contact can carry it with the normal impulse that it starts from. A contact that has just
-/// closed starts from none, whatever it bore when it opened.
+/// Has the torques of eight contacts start from what these can bear of the last step's.
 #[inline(always)]
-fn start<L: Lanes, E: Effects, T>(torques: &mut TorqueLanes, contacts: &ContactLanes<Eight, T>) {
-    let load = |number: &Eight| L::load(number);
-    let (normal, normal_impulse) = (contacts.normal.each_ref().map(load), load(&contacts.impulse_normal));
-    let bears = <L as Number>::zero().below(normal_impulse);
-    let [rolling_cap, twisting_cap] =
-        [&torques.rolling_lever, &torques.twisting_lever].map(|lever| load(lever) * normal_impulse);
-    let borne = bearable::<E, L>(torques.impulse.each_ref().map(load), normal, rolling_cap, twisting_cap);
-    for (component, impulse) in borne.into_iter().zip(&mut torques.impulse) {
-        L::select(bears, component, <L as Number>::zero()).store(impulse);
-    }
+fn start<L: Lanes, E: Effects>(torques: &mut TorqueLanes, contact: &Contact<L, E>) {
+    let mut torque = TermState::<L, E::Torque<L>>::angular(torques, L::load);
+    torque.start((contact.normal, contact.impulse_normal));
+    torque.write(&mut torques.impulse, L::store);
 }

@@ -8,14 +8,14 @@ mod fill;
 mod touch;
 
 use crate::contact::ContactGeometry;
-use crate::detect::{CandidateList, Candidates, ImpulsesOfTask, WallCandidate};
-use crate::effects::compliance::{NormalContact, NormalScheme};
+use crate::detect::{CandidateList, Candidates, MemoryOfTask, WallCandidate};
+use crate::effects::EffectSet;
 use crate::effects::friction::slip_speed;
 use crate::effects::impact::{Decision, Impact, bears};
-use crate::effects::spring::tangential_compliance;
-use crate::effects::{EffectSet, with_effects};
-use crate::groups::{ContactLanes, ImpactLanes, Tangential, WallGroup, with_pairs};
+use crate::effects::term::{Tangential, TermStart};
+use crate::groups::{ContactLanes, ImpactLanes, WallGroup, with_effects, with_pairs};
 use crate::lanes::{Available, Eight, Lanes, Number, Quad, Slots, TaskSlots, dot, minus, times};
+use crate::laws::compliance::{NormalContact, NormalScheme};
 use crate::partition::{
     ByBodies, ByNumber, DrivenContact, FindWaits, LaneAssigner, Layout, PlannedTask, Taken, TakenGroups, TaskGroups,
 };
@@ -77,10 +77,10 @@ struct StepContext<'a> {
     material: Option<&'a ContactMaterial>,
 }
 
-/// A task, what its candidates bore, and for each block of its pairs which of them did.
+/// A task, what its pairs and its contacts with walls bore, and for each block of its pairs which of them did.
 struct Own<'a> {
     task: &'a PlannedTask,
-    impulses: ImpulsesOfTask<'a>,
+    memory: [MemoryOfTask<'a>; 2],
     borne: &'a mut [u8],
 }
 
@@ -147,7 +147,7 @@ impl Constrainer {
             let begin = |_| base.store(end.load(Ordering::Relaxed), Ordering::Relaxed);
             layout.plan.run_stages(team, Phase::Constrain, begin, shares, |_, task, share| {
                 let ((bodies, taken), groups, (impulses, borne)) = share;
-                let own = Own { task, impulses: impulses.into(), borne };
+                let own = Own { task, memory: impulses.map(MemoryOfTask::from), borne };
                 let first = (base.load(Ordering::Relaxed), taken);
                 end.fetch_max(context.lay_out(own, first, groups, set), Ordering::Relaxed);
                 relaxation.start(bodies, groups);
@@ -214,20 +214,20 @@ impl StepContext<'_> {
         groups: &mut TaskGroups,
         set: Available,
     ) -> u32 {
-        let Own { task, impulses: remembered, borne } = own;
+        let Own { task, memory: [of_pairs, of_walls], borne } = own;
         let dummies = self.world.dummies_of(task.home as usize);
         let (assigner, periodic) = (LaneAssigner::new(taken, base, task.pairs.len()), self.world.period.any());
-        let (impulses, known) = (remembered.pairs, remembered.pair_impacts);
+        let (impulses, known) = (of_pairs.impulses, of_pairs.impacts);
         let mut next = if periodic {
             set.run(AssignPairs::<true> { context: self, task, dummies, assigner, groups, impulses, known, borne })
         } else {
             set.run(AssignPairs::<false> { context: self, task, dummies, assigner, groups, impulses, known, borne })
         };
         groups.restart_walls(dummies);
-        next = self.assign_walls(task, false, LaneAssigner::new(taken, next, 0), groups, &remembered);
+        next = self.assign_walls(task, false, LaneAssigner::new(taken, next, 0), groups, &of_walls);
         if !self.world.drives.is_empty() {
             let prescribed = groups.wall_groups();
-            next = self.assign_walls(task, true, LaneAssigner::new(taken, next, 0), groups, &remembered);
+            next = self.assign_walls(task, true, LaneAssigner::new(taken, next, 0), groups, &of_walls);
             groups.driven_walls = groups.wall_groups() - prescribed;
         }
         groups.finish(self.effects, self.drifts);
@@ -238,13 +238,13 @@ impl StepContext<'_> {
             true => set.run(FillPairs::<true, _> { context, task, pairs, sources, impacts, impulses, known_impacts }),
             false => set.run(FillPairs::<false, _> { context, task, pairs, sources, impacts, impulses, known_impacts }),
         });
-        let (impulses, known_impacts) = (remembered.walls.to_read(), remembered.wall_impacts.to_read());
+        let (impulses, known_impacts) = (of_walls.impulses.to_read(), of_walls.impacts.to_read());
         set.run(FillWalls { context, groups, impulses, known_impacts });
         if self.effects.cohesion() {
             self.fill_pulls(groups);
         }
         if self.effects.torques() {
-            let (pairs, walls) = (remembered.pair_torques.to_read(), remembered.wall_torques.to_read());
+            let (pairs, walls) = (of_pairs.torques.to_read(), of_walls.torques.to_read());
             with_effects!(self.effects, E => {
                 let effects = PhantomData::<E>;
                 set.run(FillTorques { context: self, groups, pairs, walls, effects })
@@ -257,7 +257,7 @@ impl StepContext<'_> {
 /// Constraint data and starting impulses of eight contacts, given their velocities along the normals (m/s) and the sums of their
 /// inverse masses (1/kg); what they are to remember of their impacts.
 ///
-/// The remembered tangential impulse is projected onto the new tangent plane. There it is also the load of the spring, if there is one.
+/// The remembered tangential impulse is projected onto the new tangent plane.
 #[inline(always)]
 fn write_contacts<L: Lanes, T: Tangential>(
     contacts: &mut ContactLanes<Eight, T>,
@@ -269,26 +269,19 @@ fn write_contacts<L: Lanes, T: Tangential>(
 ) -> ImpactLanes {
     let ContactGeometry { normal, overlap, .. } = *geometry;
     let scheme = &constants.scheme;
-    let LaneMaterial { effective_modulus, damping_ratio, restitution, .. } = *material;
+    let LaneMaterial { effective_modulus, damping_ratio, restitution, friction, stiffness_ratio } = *material;
     let contact = geometry.normal_contact(velocity, inverse_mass, effective_modulus, damping_ratio);
     let constraint = contact.constraint(scheme, impact.speed);
     let Decision { constraint, speed } =
         impact.decide(constraint, scheme, [overlap, velocity], inverse_mass, restitution);
-    let bears = bears(&constraint);
-    let share = L::select(bears, L::splat(constants.warm_start), <L as Number>::zero());
+    let active = bears(&constraint);
+    let share = L::select(active, L::splat(constants.warm_start), <L as Number>::zero());
     let [impulse, x, y, z] = remembered;
     let along = dot(normal, [x, y, z]);
-    let across = minus([x, y, z], times(normal, along));
-    if let Some(tangential) = contacts.tangential.lanes_mut() {
-        across.into_iter().zip(&mut tangential.impulse).for_each(|(component, lanes)| (component * share).store(lanes));
-        material.friction.store(&mut tangential.coefficient);
-    }
-    if let (Some(ratio), Some(spring)) = (material.stiffness_ratio, contacts.tangential.spring_mut()) {
-        let compliance = tangential_compliance(&constraint, ratio, scheme.step);
-        let held = L::select(bears, compliance, <L as Number>::zero());
-        compliance.store(&mut spring.compliance);
-        across.into_iter().zip(&mut spring.bias).for_each(|(component, lanes)| (component * held).store(lanes));
-    }
+    let last_impulse = minus([x, y, z], times(normal, along));
+    let (constraint, step) = (&constraint, scheme.step);
+    let start = TermStart { constraint, active, last_impulse, share, friction, stiffness_ratio, step };
+    contacts.tangential.fill(&start, L::store);
     normal.into_iter().zip(&mut contacts.normal).for_each(|(component, lanes)| component.store(lanes));
     (impulse * share).store(&mut contacts.impulse_normal);
     constraint.bias.store(&mut contacts.bias);

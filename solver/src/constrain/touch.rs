@@ -1,7 +1,7 @@
 //! Which candidates touch, and the lane that each gets.
 
 use super::StepContext;
-use crate::detect::{Impulse, ImpulsesOfTask, PairCandidate};
+use crate::detect::{Impulse, MemoryOfTask, PairCandidate};
 use crate::groups::ImpactMemory;
 use crate::lanes::{Kernel, LANES, Lanes, PREFETCH, Slots, TaskSlots, dot, lanes_of, prefetch_places, prefetch_range};
 use crate::partition::{LaneAssigner, PlannedTask, TaskGroups};
@@ -190,9 +190,9 @@ impl StepContext<'_> {
         driven: bool,
         mut assigner: LaneAssigner<'_>,
         groups: &mut TaskGroups,
-        known: &ImpulsesOfTask<'_>,
+        known: &MemoryOfTask<'_>,
     ) -> u32 {
-        let (impulses, impacts) = (known.walls, known.wall_impacts);
+        let MemoryOfTask { impulses, impacts, .. } = *known;
         let dummies = self.world.dummies_of(task.home as usize);
         let before = groups.wall_groups();
         let walls = &self.candidates.walls[task.walls.start as usize..task.walls.end as usize];

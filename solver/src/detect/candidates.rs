@@ -2,12 +2,12 @@
 
 use super::CellGrid;
 use super::drift::Drift;
-use super::memory::{AngularImpulse, ContactImpulses, Impulse, ImpulsesOfTask};
+use super::memory::{AngularImpulse, ContactImpulses, Impulse, MemoryOfTask};
 use super::memory::{OldList, Remembered, resize};
 use super::reach::{Row, for_each_on_the_way};
 use super::search::{Found, PairSearch, WallSearch};
 use crate::groups::ImpactMemory;
-use crate::lanes::{Available, LANES, TaskSlots};
+use crate::lanes::{Available, LANES};
 use crate::partition::{BoxGrid, DIRECTIONS, Layout, Plan, PlannedTask};
 use crate::schedule::{Disjoint, Each, Phase, Team};
 use crate::wall::Pose;
@@ -127,9 +127,8 @@ impl Candidates {
     /// Keeps angular impulses, none so far, or keeps none.
     pub(crate) fn bear_torques(&mut self, torques: bool) {
         self.torques = torques;
-        let (pairs, walls) = if torques { (self.pairs.len(), self.walls.len()) } else { (0, 0) };
-        resize(&mut self.impulses.pair_torques, pairs, AngularImpulse::default());
-        resize(&mut self.impulses.wall_torques, walls, AngularImpulse::default());
+        self.impulses.pairs.resize(self.pairs.len(), torques);
+        self.impulses.walls.resize(self.walls.len(), torques);
     }
 
     /// Centres of the grains by place (m) and simulated time (s) when the list was built; absent while there is none.
@@ -257,12 +256,12 @@ impl Candidates {
             (places[first as usize], places[second as usize])
         };
         let of_task = |task: &PlannedTask| task.named(&self.impulses.borne);
-        let ContactImpulses { pairs: impulses, pair_impacts: impacts, pair_torques: torques, .. } = &self.impulses;
-        remembered_pairs.collect(grains, &OldList { key, of_task, impulses, impacts, torques, plan }, team);
+        let memory = &self.impulses.pairs;
+        remembered_pairs.collect(grains, &OldList { key, of_task, memory, plan }, team);
         let key = |candidate: usize| (places[walls[candidate].body as usize], walls[candidate].surface);
         let of_task = |task: &PlannedTask| task.walls.start as usize..task.walls.end as usize;
-        let ContactImpulses { walls: impulses, wall_impacts: impacts, wall_torques: torques, .. } = &self.impulses;
-        remembered_walls.collect(grains, &OldList { key, of_task, impulses, impacts, torques, plan }, team);
+        let memory = &self.impulses.walls;
+        remembered_walls.collect(grains, &OldList { key, of_task, memory, plan }, team);
     }
 
     /// Each box looks for pairs and walls. Walls that grains come to within the step depend on velocities: they are looked for too, unless
@@ -336,13 +335,6 @@ impl Candidates {
         let (pairs, walls): (usize, usize) = (count(|found| found.pairs.len()), count(|found| found.walls.len()));
         resize(&mut self.pairs, pairs, PairCandidate { first: 0, second: 0 });
         resize(&mut self.walls, walls, WallCandidate { body: 0, surface: 0 });
-        resize(&mut self.impulses.pairs, pairs + 1, Impulse::default());
-        resize(&mut self.impulses.walls, walls + 1, Impulse::default());
-        (self.impulses.pairs[pairs], self.impulses.walls[walls]) = (Impulse::default(), Impulse::default());
-        for (impacts, count) in [(&mut self.impulses.pair_impacts, pairs), (&mut self.impulses.wall_impacts, walls)] {
-            resize(impacts, count + 1, ImpactMemory::default());
-            impacts[count] = ImpactMemory::default();
-        }
         self.bear_torques(self.torques);
         resize(&mut self.impulses.borne, plan.blocks(), 0);
         let Buffers { found, wall_starts, remembered_pairs, remembered_walls, .. } = &mut self.buffers;
@@ -363,7 +355,7 @@ impl Candidates {
         let (pairs, walls) = (&self.pairs, &self.walls);
         let torques = self.torques;
         plan.run_all(team, Phase::Detect, self.impulses.shares(), |_, task, (impulses, borne)| {
-            let impulses = ImpulsesOfTask::from(impulses);
+            let [pair_memory, wall_memory] = impulses.map(MemoryOfTask::from);
             let range = task.pairs.start as usize..task.pairs.end as usize;
             for ((first, pairs), borne) in range
                 .clone()
@@ -382,17 +374,14 @@ impl Candidates {
                     }
                 }
                 for &(candidate, known) in &found[..count] {
-                    let known = remembered_pairs.recall(known);
-                    let torques = torques.then_some(impulses.pair_torques);
-                    give(known, candidate, (impulses.pairs, impulses.pair_impacts), torques);
+                    give(remembered_pairs.recall(known), candidate, &pair_memory, torques);
                 }
             }
             let range = task.walls.start as usize..task.walls.end as usize;
             for (candidate, wall) in range.clone().zip(&walls[range]) {
                 let known = remembered_walls.find((wall.body, wall.surface));
                 let borne = known.map(|place| remembered_walls.recall(place)).unwrap_or_default();
-                let torques = torques.then_some(impulses.wall_torques);
-                give(borne, candidate, (impulses.walls, impulses.wall_impacts), torques);
+                give(borne, candidate, &wall_memory, torques);
             }
         });
     }
@@ -402,9 +391,9 @@ impl Candidates {
         self.impulses.borne.clear();
         for task in plan.tasks() {
             let range = task.pairs.start as usize..task.pairs.end as usize;
-            let (impulses, impacts) = (&self.impulses.pairs[range.clone()], &self.impulses.pair_impacts[range]);
-            self.impulses.borne.extend(impulses.chunks(LANES).zip(impacts.chunks(LANES)).map(|(impulses, impacts)| {
-                let known = impulses.iter().zip(impacts).map(|(one, impact)| !one.is_blank() || impact.touches());
+            let memory = &self.impulses.pairs;
+            self.impulses.borne.extend(range.clone().step_by(LANES).map(|block| {
+                let known = (block..range.end.min(block + LANES)).map(|candidate| memory.is_known(candidate));
                 known.enumerate().map(|(lane, known)| u8::from(known) << lane).sum::<u8>()
             }));
         }
@@ -414,12 +403,9 @@ impl Candidates {
         let buffers = &self.buffers;
         self.pairs.capacity() * size_of::<PairCandidate>()
             + self.walls.capacity() * size_of::<WallCandidate>()
-            + (self.impulses.pairs.capacity() + self.impulses.walls.capacity()) * size_of::<Impulse>()
+            + self.impulses.pairs.memory_bytes()
             + self.impulses.borne.capacity()
-            + (self.impulses.pair_impacts.capacity() + self.impulses.wall_impacts.capacity())
-                * size_of::<ImpactMemory>()
-            + (self.impulses.pair_torques.capacity() + self.impulses.wall_torques.capacity())
-                * size_of::<AngularImpulse>()
+            + self.impulses.walls.memory_bytes()
             + self.reference.capacity() * size_of::<Vector3<f64>>()
             + self.beyond.capacity() * size_of::<(u32, u32)>()
             + self.grid.memory_bytes()
@@ -437,12 +423,12 @@ impl Candidates {
 fn give(
     (impulse, impact, torque): (Impulse, ImpactMemory, AngularImpulse),
     candidate: usize,
-    (impulses, impacts): (TaskSlots<'_, Impulse>, TaskSlots<'_, ImpactMemory>),
-    torques: Option<TaskSlots<'_, AngularImpulse>>,
+    memory: &MemoryOfTask<'_>,
+    torques: bool,
 ) {
-    impulses.set(candidate as u32, impulse);
-    impacts.set(candidate as u32, impact);
-    if let Some(torques) = torques {
-        torques.set(candidate as u32, torque);
+    memory.impulses.set(candidate as u32, impulse);
+    memory.impacts.set(candidate as u32, impact);
+    if torques {
+        memory.torques.set(candidate as u32, torque);
     }
 }

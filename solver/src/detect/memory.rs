@@ -2,7 +2,7 @@
 
 use crate::groups::ImpactMemory;
 use crate::lanes::{TaskSlots, prefetch_places};
-use crate::partition::{ByBlocks, ByBodies, ByCandidates, Plan, PlannedTask};
+use crate::partition::{ByBlocks, ByBodies, ByCandidates, Plan, PlannedTask, TaskShares};
 use crate::schedule::{Phase, Team};
 use bytemuck::{Pod, Zeroable};
 
@@ -11,22 +11,16 @@ use bytemuck::{Pod, Zeroable};
 pub(super) struct Remembered {
     start: Vec<u32>,
     partners: Vec<u32>,
-    impulses: Vec<Impulse>,
-    impacts: Vec<ImpactMemory>,
-    /// Empty where contacts bear no torques.
-    torques: Vec<AngularImpulse>,
+    memory: Memory,
 }
 
 /// An old list: what each candidate is known by (new place of its first grain, anything for its partner), the candidates of a
-/// task that may have borne an impulse, the impulses, and the plan of tasks.
+/// task that may have borne an impulse, what they keep, and the plan of tasks.
 /// Tasks of a stage share no first grain.
 pub(super) struct OldList<'a, K, T> {
     pub key: K,
     pub of_task: T,
-    pub impulses: &'a [Impulse],
-    pub impacts: &'a [ImpactMemory],
-    /// Empty where contacts bear no torques.
-    pub torques: &'a [AngularImpulse],
+    pub memory: &'a Memory,
     pub plan: &'a Plan,
 }
 
@@ -40,7 +34,8 @@ impl Remembered {
     {
         self.start.clear();
         self.start.resize(grains + 1, 0);
-        let is_live = |candidate: &usize| old.impulses[*candidate].normal > 0.0 || old.impacts[*candidate].touches();
+        let Memory { impulses, impacts, torques } = old.memory;
+        let is_live = |candidate: &usize| impulses[*candidate].normal > 0.0 || impacts[*candidate].touches();
         let live = |task: &PlannedTask| (old.of_task)(task).filter(is_live);
         let counts = ByBodies::of(&mut self.start[1..]);
         old.plan.run_stages(
@@ -60,29 +55,26 @@ impl Remembered {
                 self.start[grain + 1] += self.start[grain];
             }
             resize(&mut self.partners, self.start[grains] as usize, 0);
-            resize(&mut self.impulses, self.start[grains] as usize, Impulse::default());
-            resize(&mut self.impacts, self.start[grains] as usize, ImpactMemory::default());
-            let torques = if old.torques.is_empty() { 0 } else { self.start[grains] as usize };
-            resize(&mut self.torques, torques, AngularImpulse::default());
+            self.memory.resize(self.start[grains] as usize, !torques.is_empty());
         });
         // A grain's entries are its own, as the grain is its task's.
         let grouped = [&mut self.start, &mut self.partners].map(|numbers| ByBodies::of(numbers));
-        let impacts = ByBodies::of(&mut self.impacts);
-        let borne = (ByBodies::of(&mut self.impulses), impacts, ByBodies::of(&mut self.torques));
+        let Memory { impulses: to, impacts: impacts_to, torques: torques_to } = &mut self.memory;
+        let borne = (ByBodies::of(to), ByBodies::of(impacts_to), ByBodies::of(torques_to));
         old.plan.run_stages(
             team,
             Phase::Detect,
             |_| {},
             (grouped, borne),
-            |_, task, ([starts, partners], (impulses, impacts, torques))| {
+            |_, task, ([starts, partners], (to, impacts_to, torques_to))| {
                 for candidate in live(task) {
                     let (first, partner) = (old.key)(candidate);
                     let entry = starts.get(first);
                     partners.set(entry, partner);
-                    impulses.set(entry, old.impulses[candidate]);
-                    impacts.set(entry, old.impacts[candidate]);
-                    if let Some(torque) = old.torques.get(candidate) {
-                        torques.set(entry, *torque);
+                    to.set(entry, impulses[candidate]);
+                    impacts_to.set(entry, impacts[candidate]);
+                    if let Some(torque) = torques.get(candidate) {
+                        torques_to.set(entry, *torque);
                     }
                     starts.set(first, entry + 1);
                 }
@@ -99,22 +91,19 @@ impl Remembered {
         let start = self.start[first as usize] as usize;
         let own = &self.partners[start..self.start[first as usize + 1] as usize];
         let place = start + own.iter().position(|&known| known == partner)?;
-        prefetch_places(self.impulses.as_ptr(), &[place as u32]);
+        prefetch_places(self.memory.impulses.as_ptr(), &[place as u32]);
         Some(place as u32)
     }
 
     /// The impulses and the impact that were found at a place.
     #[inline]
     pub fn recall(&self, place: u32) -> (Impulse, ImpactMemory, AngularImpulse) {
-        let place = place as usize;
-        (self.impulses[place], self.impacts[place], self.torques.get(place).copied().unwrap_or_default())
+        let (place, Memory { impulses, impacts, torques }) = (place as usize, &self.memory);
+        (impulses[place], impacts[place], torques.get(place).copied().unwrap_or_default())
     }
 
     pub fn memory_bytes(&self) -> usize {
-        (self.start.capacity() + self.partners.capacity()) * size_of::<u32>()
-            + self.impulses.capacity() * size_of::<Impulse>()
-            + self.impacts.capacity() * size_of::<ImpactMemory>()
-            + self.torques.capacity() * size_of::<AngularImpulse>()
+        (self.start.capacity() + self.partners.capacity()) * size_of::<u32>() + self.memory.memory_bytes()
     }
 }
 
@@ -149,69 +138,91 @@ impl Impulse {
 #[repr(C)]
 pub struct AngularImpulse(pub [f64; 3]);
 
-/// Impulse of each candidate in the last step.
+/// Impulses and impacts of the last step, by candidate of one kind. Behind them all lie an impulse of zero and an empty impact.
+#[derive(Clone, Debug, Default)]
+pub struct Memory {
+    /// Impulses.
+    pub impulses: Vec<Impulse>,
+    /// Impacts.
+    pub impacts: Vec<ImpactMemory>,
+    /// Angular impulses, where contacts bear torques; empty elsewhere. They mean nothing where the normal impulse is zero.
+    pub torques: Vec<AngularImpulse>,
+}
+
+/// Impulses, impacts and angular impulses of the candidates of one task.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct MemoryOfTask<'a> {
+    pub impulses: TaskSlots<'a, Impulse>,
+    pub impacts: TaskSlots<'a, ImpactMemory>,
+    pub torques: TaskSlots<'a, AngularImpulse>,
+}
+
+/// Partition among tasks that run at the same time: each candidate belongs to one task.
+type MemoryShares<'a> = (ByCandidates<'a, Impulse>, ByCandidates<'a, ImpactMemory>, ByCandidates<'a, AngularImpulse>);
+
+impl Memory {
+    /// Makes room for so many candidates, and for torques if contacts bear any.
+    pub(crate) fn resize(&mut self, count: usize, torques: bool) {
+        resize(&mut self.impulses, count + 1, Impulse::default());
+        resize(&mut self.impacts, count + 1, ImpactMemory::default());
+        (self.impulses[count], self.impacts[count]) = Default::default();
+        resize(&mut self.torques, if torques { count } else { 0 }, AngularImpulse::default());
+    }
+
+    /// Sets impulse, impact and angular impulse (N m s) of a candidate; the last only where contacts bear torques.
+    pub(crate) fn set(&mut self, candidate: usize, impulse: Impulse, impact: ImpactMemory, torque: [f64; 3]) {
+        (self.impulses[candidate], self.impacts[candidate]) = (impulse, impact);
+        if let Some(place) = self.torques.get_mut(candidate) {
+            *place = AngularImpulse(torque);
+        }
+    }
+
+    /// Returns true if a candidate has an impulse that is not zero to the last bit, or an impact.
+    pub(crate) fn is_known(&self, candidate: usize) -> bool {
+        !self.impulses[candidate].is_blank() || self.impacts[candidate].touches()
+    }
+
+    pub(crate) fn memory_bytes(&self) -> usize {
+        self.impulses.capacity() * size_of::<Impulse>()
+            + self.impacts.capacity() * size_of::<ImpactMemory>()
+            + self.torques.capacity() * size_of::<AngularImpulse>()
+    }
+
+    fn shares(&mut self) -> MemoryShares<'_> {
+        let Memory { impulses, impacts, torques } = self;
+        (ByCandidates::of(impulses), ByCandidates::of(impacts), ByCandidates::of(torques))
+    }
+}
+
+impl<'a> From<<MemoryShares<'a> as TaskShares>::Share> for MemoryOfTask<'a> {
+    fn from((impulses, impacts, torques): <MemoryShares<'a> as TaskShares>::Share) -> MemoryOfTask<'a> {
+        MemoryOfTask { impulses, impacts, torques }
+    }
+}
+
+/// Impulses and impacts of all candidates in the last step.
 #[derive(Clone, Debug)]
 pub struct ContactImpulses {
-    /// Impulse of each pair that bore any, and one of zero behind them all. Those of other pairs mean nothing.
-    pub pairs: Vec<Impulse>,
+    /// Memory of each pair that bore an impulse; without meaning for other pairs.
+    pub pairs: Memory,
     /// Which pairs bore an impulse, or may have: those that were contacts in the last step, and since the list was built those that
     /// were given one. Bits, a byte for each block of a task's pairs.
     pub(crate) borne: Vec<u8>,
-    /// Impulse of each grain and surface, and one of zero behind them.
-    pub walls: Vec<Impulse>,
-    /// Impacts of the same pairs, and an empty one behind them.
-    pub pair_impacts: Vec<ImpactMemory>,
-    /// Impacts of each grain and surface, and an empty one behind them.
-    pub wall_impacts: Vec<ImpactMemory>,
-    /// Angular impulses of the same, where contacts bear torques; empty elsewhere. They mean nothing where the normal impulse
-    /// is zero.
-    pub pair_torques: Vec<AngularImpulse>,
-    /// As `pair_torques`.
-    pub wall_torques: Vec<AngularImpulse>,
+    /// Memory of each grain and surface.
+    pub walls: Memory,
 }
 
 impl Default for ContactImpulses {
     fn default() -> ContactImpulses {
-        let (pairs, walls) = (vec![Impulse::default()], vec![Impulse::default()]);
-        let [pair_impacts, wall_impacts] = [0, 1].map(|_| vec![ImpactMemory::default()]);
-        let (borne, pair_torques, wall_torques) = (Vec::new(), Vec::new(), Vec::new());
-        ContactImpulses { pairs, borne, walls, pair_impacts, wall_impacts, pair_torques, wall_torques }
+        let mut none = Memory::default();
+        none.resize(0, false);
+        ContactImpulses { pairs: none.clone(), borne: Vec::new(), walls: none }
     }
 }
-
-/// Impulses of the candidates of one task.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct ImpulsesOfTask<'a> {
-    pub pairs: TaskSlots<'a, Impulse>,
-    pub walls: TaskSlots<'a, Impulse>,
-    pub pair_impacts: TaskSlots<'a, ImpactMemory>,
-    pub wall_impacts: TaskSlots<'a, ImpactMemory>,
-    pub pair_torques: TaskSlots<'a, AngularImpulse>,
-    pub wall_torques: TaskSlots<'a, AngularImpulse>,
-}
-
-/// Partition among tasks that run at the same time: each candidate belongs to one task.
-type ImpulseShares<'a> =
-    ([ByCandidates<'a, Impulse>; 2], [ByCandidates<'a, ImpactMemory>; 2], [ByCandidates<'a, AngularImpulse>; 2]);
-
-/// Shares of one task.
-type OwnImpulses<'a> =
-    ([TaskSlots<'a, Impulse>; 2], [TaskSlots<'a, ImpactMemory>; 2], [TaskSlots<'a, AngularImpulse>; 2]);
 
 impl ContactImpulses {
-    /// Impulses of the candidates of each task, and for each block of its pairs a mask of those that have one.
-    pub(crate) fn shares(&mut self) -> (ImpulseShares<'_>, ByBlocks<'_, u8>) {
-        let ContactImpulses { pairs, borne, walls, pair_impacts, wall_impacts, pair_torques, wall_torques } = self;
-        let impulses = [pairs, walls].map(|impulses| ByCandidates::of(impulses));
-        let impacts = [pair_impacts, wall_impacts].map(|impacts| ByCandidates::of(impacts));
-        let torques = [pair_torques, wall_torques].map(|torques| ByCandidates::of(torques));
-        ((impulses, impacts, torques), ByBlocks::of(borne))
-    }
-}
-
-impl<'a> From<OwnImpulses<'a>> for ImpulsesOfTask<'a> {
-    fn from((impulses, impacts, torques): OwnImpulses<'a>) -> ImpulsesOfTask<'a> {
-        let ([pairs, walls], [pair_impacts, wall_impacts], [pair_torques, wall_torques]) = (impulses, impacts, torques);
-        ImpulsesOfTask { pairs, walls, pair_impacts, wall_impacts, pair_torques, wall_torques }
+    /// Memories of the candidates of each task, pairs and walls, and for each block of its pairs a mask of those that have one.
+    pub(crate) fn shares(&mut self) -> ([MemoryShares<'_>; 2], ByBlocks<'_, u8>) {
+        ([self.pairs.shares(), self.walls.shares()], ByBlocks::of(&mut self.borne))
     }
 }

@@ -15,6 +15,6 @@ mod search;
 pub(crate) use candidates::CandidateList;
 pub use candidates::{Candidates, PairCandidate, WallCandidate};
 pub use grid::CellGrid;
-pub(crate) use memory::ImpulsesOfTask;
-pub use memory::{AngularImpulse, ContactImpulses, Impulse};
+pub(crate) use memory::MemoryOfTask;
+pub use memory::{AngularImpulse, ContactImpulses, Impulse, Memory};
 pub(crate) use reach::{Row, for_each_on_the_way};

@@ -7,7 +7,7 @@
 //!
 //! comes within its skin of none of the crowd's grains, whichever way they fly in the step.
 
-use crate::effects::period::Period;
+use crate::laws::period::Period;
 use crate::wall::{PlacedFace, WallsAt};
 use crate::world::{Body, Sphere, World};
 use nalgebra::Vector3;

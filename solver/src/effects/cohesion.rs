@@ -1,170 +1,17 @@
-//! Cohesion: a constant pull between two grains, or a grain and a wall, that lie closer than a range.
-//!
-//! The pull `F` acts along the normal at every gap below its range `l`, overlaps included, so it derives from a potential
-//! `F (gap - l)` and takes no energy in a cycle. With the elastic force of the overlap beside it this is the contact of Derjaguin,
-//! Muller & Toporov (J. Colloid Interface Sci. 53, 1975) with a range; the impulse that a contact bears is the repulsion alone, so
-//! that friction at rest is `mu (N + F)` and a contact holds up to a net tension of `F`.
-//!
-//! Being constant over a step the pull is a force like gravity: it changes velocities before the sweeps, which know nothing of it
-//! and take no longer.
-//!
-//! From a work of adhesion `w` (J/m2) pull and range follow those of Johnson, Kendall & Roberts (Proc. R. Soc. A 324, 1971): the
-//! pull-off force `3/2 pi w R*` and the separation at which a neck tears, `a0^2 / (2 6^(1/3) R*)` with
-//! `a0^3 = 9 pi w R*^2 / (2 E*)` (Chokshi, Tielens & Hollenbach, Astrophys. J. 407, 1993, where the work is 2 gamma). Unlike
-//! theirs this pull acts on approach as well. With a range of 0 it is the contact of Derjaguin, Muller & Toporov alone, for a work of
-//! adhesion of `3/4 w`: their pull-off force is `2 pi w R*`.
+//! Cohesion between two grains, or a grain and a wall: the law is that of [`laws::cohesion`](crate::laws::cohesion).
 
-use super::catalogue::{Absent, Change, Coefficient, Combination, Effect, Meeting, change_coefficients};
-use crate::scene::ContactCoefficients;
-use serde::{Deserialize, Serialize};
+use super::catalogue::{Change, Effect, change_coefficients};
+pub use crate::laws::cohesion::{Cohesion, Pull};
+use crate::scene::coefficients;
 
 /// Cohesion.
 pub static COHESION: Effect = Effect {
-    combination: Some(Combination {
-        words: "a pair's own; else the wall's, or, where both grains have one, the weaker",
-        combine: weaker_of_two,
-    }),
     off: Change::off(|scene| change_coefficients(scene, |one| one.cohesion = None, |rule| rule.cohesion = None)),
     member: Some(|set| &mut set.cohesion),
     ..Effect::of_contacts(
         "cohesion",
-        &[
-            Coefficient {
-                absent: Absent::Off,
-                off: Some(0.0),
-                ..Coefficient::new(
-                    "cohesion.force",
-                    "N",
-                    [0.0, 1e9],
-                    |one| one.cohesion.and_then(force),
-                    |rule| rule.cohesion.and_then(force),
-                )
-            },
-            Coefficient {
-                absent: Absent::Value(0.0),
-                ..Coefficient::new(
-                    "cohesion.range",
-                    "m",
-                    [0.0, 1.0],
-                    |one| one.cohesion.and_then(range),
-                    |rule| rule.cohesion.and_then(range),
-                )
-            },
-            Coefficient {
-                absent: Absent::Off,
-                off: Some(0.0),
-                ..Coefficient::new(
-                    "cohesion.work",
-                    "J/m2",
-                    [0.0, 1e6],
-                    |one| one.cohesion.and_then(work),
-                    |rule| rule.cohesion.and_then(work),
-                )
-            },
-        ],
-        weaker_of_two,
+        coefficients::COHESION,
         |contact| contact.cohesion.is_some_and(|one| one.pull(1.0, 1.0).force > 0.0),
         "nothing pulls",
     )
 };
-
-fn weaker_of_two(pair: &Meeting<'_>, contact: &mut ContactCoefficients) {
-    let both = pair.first.cohesion.zip(pair.second.cohesion).map(|(one, other)| one.weaker(other));
-    let of_materials = if pair.wall { pair.second.cohesion } else { both };
-    contact.cohesion = pair.rule.and_then(|rule| rule.cohesion).or(of_materials);
-}
-
-fn force(cohesion: Cohesion) -> Option<f64> {
-    match cohesion {
-        Cohesion::Constant { force, .. } => Some(force),
-        Cohesion::SurfaceEnergy { .. } => None,
-    }
-}
-
-fn range(cohesion: Cohesion) -> Option<f64> {
-    match cohesion {
-        Cohesion::Constant { range, .. } => Some(range),
-        Cohesion::SurfaceEnergy { range, .. } => range,
-    }
-}
-
-fn work(cohesion: Cohesion) -> Option<f64> {
-    match cohesion {
-        Cohesion::Constant { .. } => None,
-        Cohesion::SurfaceEnergy { work, .. } => Some(work),
-    }
-}
-
-/// Gap over the effective radius up to which two touch: rigid ones at rest are apart by rounding as often as not.
-const TOUCH: f64 = 1e-6;
-
-/// Cohesion of two materials.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
-pub enum Cohesion {
-    /// Equal force for all sizes.
-    Constant {
-        /// Attractive force, N.
-        force: f64,
-        /// Largest gap at which it acts, m; at least a millionth of the effective radius.
-        #[serde(default)]
-        range: f64,
-    },
-    /// Force and range from the work of adhesion.
-    SurfaceEnergy {
-        /// Work of adhesion, J/m2.
-        work: f64,
-        /// Largest gap of the force, m; default: the gap at which a neck breaks. 0: the force ends with the contact.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        range: Option<f64>,
-    },
-}
-
-/// Pull of one contact.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Pull {
-    /// Force, N.
-    pub force: f64,
-    /// Gap up to which it acts, m.
-    pub range: f64,
-}
-
-impl Cohesion {
-    /// The pull of a contact of this effective radius R* (m) and effective modulus E* (Pa).
-    pub fn pull(&self, effective_radius: f64, effective_modulus: f64) -> Pull {
-        match *self {
-            Cohesion::Constant { force, range } => Pull { force, range: range.max(TOUCH * effective_radius) },
-            Cohesion::SurfaceEnergy { work, range } => {
-                let torn = || {
-                    let cube =
-                        4.5 * std::f64::consts::PI * work * effective_radius * effective_radius / effective_modulus;
-                    let neck = libm::cbrt(cube);
-                    neck * neck / (2.0 * libm::cbrt(6.0) * effective_radius)
-                };
-                Pull {
-                    force: 1.5 * std::f64::consts::PI * work * effective_radius,
-                    range: range.map_or_else(torn, |range| range.max(TOUCH * effective_radius)),
-                }
-            }
-        }
-    }
-
-    /// The weaker of two, by the pull at an effective radius of one metre.
-    pub fn weaker(self, other: Cohesion) -> Cohesion {
-        let force = |one: &Cohesion| one.pull(1.0, 1.0).force;
-        if force(&other) < force(&self) { other } else { self }
-    }
-}
-
-impl Pull {
-    /// Potential energy at a gap (m), J: zero from the range on.
-    pub fn energy(&self, gap: f64) -> f64 {
-        self.force * (gap - self.range).min(0.0)
-    }
-
-    /// Impulse of a step of length `h` (s) at a gap (m), N s.
-    pub fn impulse(&self, gap: f64, h: f64) -> f64 {
-        if gap <= self.range { self.force * h } else { 0.0 }
-    }
-}

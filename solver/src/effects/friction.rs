@@ -18,9 +18,10 @@
 //! acceleration a that takes g/a steps. One that slides sticks again once friction has slowed it below g h. Both shrink with h, and the law
 //! becomes that of two coefficients.
 
-use super::catalogue::{Absent, Call, Ceiling, Change, Coefficient, Combination, Effect, Meeting, change_coefficients};
-use crate::lanes::{Number, dot};
-use crate::scene::{ContactCoefficients, Material, PairRule};
+use super::catalogue::{Call, Change, Effect, change_coefficients};
+use super::term::{ContactTerm, NormalLoad, Tangential, TangentialTerm, TermStart};
+use crate::lanes::{Eight, Number, dot, times};
+use crate::scene::coefficients;
 
 /// Coulomb friction.
 pub static FRICTION: Effect = Effect {
@@ -34,11 +35,7 @@ pub static FRICTION: Effect = Effect {
     member: Some(|set| &mut set.friction),
     ..Effect::of_contacts(
         "Coulomb friction",
-        &[Coefficient {
-            off: Some(0.0),
-            ..Coefficient::new("friction", "(no unit)", [0.0, 1e9], |one| Some(one.friction), |rule| rule.friction)
-        }],
-        |pair, contact| contact.friction = pair.value(|rule| rule.friction, |one| one.friction),
+        coefficients::FRICTION,
         |contact| contact.friction > 0.0,
         "grains are smooth",
     )
@@ -46,42 +43,17 @@ pub static FRICTION: Effect = Effect {
 
 /// Friction that is less while a contact slides.
 pub static KINETIC_FRICTION: Effect = Effect {
-    combination: Some(Combination {
-        words: "the same, a pair's own `friction` counting for it; no more than `friction`",
-        combine: combine_kinetic,
-    }),
     off: Change::off(|scene| {
         change_coefficients(scene, |one| one.kinetic_friction = None, |rule| rule.kinetic_friction = None)
     }),
     member: Some(|set| &mut set.kinetic_friction),
     ..Effect::of_contacts(
         "kinetic friction",
-        &[Coefficient {
-            ceiling: Some(Ceiling {
-                words: "the friction of what sticks",
-                of_material: |one| one.friction,
-                of_contact: |contact| contact.friction,
-            }),
-            absent: Absent::SameAs("friction"),
-            ..Coefficient::new(
-                "kinetic_friction",
-                "(no unit)",
-                [0.0, 1e9],
-                |one| one.kinetic_friction,
-                |rule| rule.kinetic_friction,
-            )
-        }],
-        combine_kinetic,
+        coefficients::KINETIC_FRICTION,
         |contact| contact.kinetic_friction < contact.friction,
         "friction is the same for what sticks and what slides",
     )
 };
-
-fn combine_kinetic(pair: &Meeting<'_>, contact: &mut ContactCoefficients) {
-    let of_rule = |rule: &PairRule| rule.kinetic_friction.or(rule.friction);
-    let of_material = |one: &Material| one.kinetic_friction.unwrap_or(one.friction);
-    contact.kinetic_friction = pair.value(of_rule, of_material).min(contact.friction);
-}
 
 /// Spin of grains: it goes with friction, since nothing else turns a grain.
 pub static SPIN: Effect = Effect::of_scene("spin", |scene| match FRICTION.called_by(scene) {
@@ -127,4 +99,59 @@ pub fn disc_shrinkage<N: Number>(impulse: [N; 3], radius: N) -> N {
     let inside = square.at_most(radius * radius);
     // Where it lies inside, the quotient may be 0/0; the selection leaves it out.
     N::select(inside, N::splat(1.0), radius / square.sqrt())
+}
+
+/// Friction coefficients and tangential impulses: of eight contacts in memory, of sixteen in single precision, or in a kernel.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C, align(64))]
+pub struct FrictionLanes<S = Eight> {
+    /// Friction coefficients.
+    pub coefficient: S,
+    /// Tangential impulses on the second body, or on the wall, N s.
+    pub impulse: [S; 3],
+}
+
+impl<S: Copy + Default> Tangential<S> for FrictionLanes<S> {
+    #[inline(always)]
+    fn lanes(&self) -> Option<&FrictionLanes<S>> {
+        Some(self)
+    }
+
+    #[inline(always)]
+    fn lanes_mut(&mut self) -> Option<&mut FrictionLanes<S>> {
+        Some(self)
+    }
+
+    #[inline(always)]
+    fn fill<N: Number>(&mut self, start: &TermStart<'_, N>, number: impl Fn(N, &mut S)) {
+        for (component, lanes) in start.last_impulse.into_iter().zip(&mut self.impulse) {
+            number(component * start.share, lanes);
+        }
+        number(start.friction, &mut self.coefficient);
+    }
+}
+
+/// Friction in a kernel, by its coefficient, or none.
+#[derive(Clone, Copy)]
+pub struct Coulomb<N, const ACTS: bool>(N);
+
+impl<N: Number, const ACTS: bool> ContactTerm<N> for Coulomb<N, ACTS> {
+    const ACTS: bool = ACTS;
+
+    #[inline(always)]
+    fn project(&self, impulse: [N; 3], (_, normal_impulse): NormalLoad<N>) -> [N; 3] {
+        times(impulse, disc_shrinkage(impulse, self.0 * normal_impulse))
+    }
+}
+
+impl<N: Number, const ACTS: bool> TangentialTerm<N> for Coulomb<N, ACTS> {
+    #[inline(always)]
+    fn read<S>(lanes: &impl Tangential<S>, number: impl Fn(&S) -> N) -> Self {
+        Coulomb(lanes.lanes().map_or(N::zero(), |lanes| number(&lanes.coefficient)))
+    }
+
+    #[inline(always)]
+    fn coefficient(&self) -> N {
+        self.0
+    }
 }

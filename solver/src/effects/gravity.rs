@@ -12,9 +12,8 @@
 //! the ledger enters by itself; x is the place half a step earlier there, as in all its potential energies.
 
 use super::catalogue::{Call, Change, Effect};
-use crate::scene::DocumentPath;
+use crate::scene::{DocumentPath, GravityChange, Scene};
 use nalgebra::Vector3;
-use serde::{Deserialize, Serialize};
 
 /// Gravity.
 pub static GRAVITY: Effect = Effect::of_scene("gravity", |scene| {
@@ -35,17 +34,6 @@ pub static CHANGING_GRAVITY: Effect = Effect {
         Ok(Call { why, place: DocumentPath::default().key("gravity_changes") })
     })
 };
-
-/// Value of gravity at a time.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
-pub struct GravityChange {
-    /// Time, s.
-    pub time: f64,
-    /// Acceleration of gravity at that time, m/s2.
-    pub gravity: [f64; 3],
-}
 
 /// Gravity over time.
 #[derive(Clone, Debug, PartialEq)]
@@ -73,7 +61,7 @@ impl Field {
         gravity
     }
 
-    /// Largest magnitude at any time, m/s2: straight lines have theirs at an end.
+    /// Largest magnitude at any time, m/s2, as [`Scene`] has it.
     pub fn largest(&self) -> f64 {
         self.changes.iter().map(|change| Vector3::from(change.gravity).norm()).fold(self.start.norm(), f64::max)
     }
@@ -90,5 +78,12 @@ impl Field {
         let mut values = between.map(|change| change.gravity.into()).chain([self.at(to)]);
         let first = self.at(from);
         values.all(|value| value == first)
+    }
+}
+
+impl Scene {
+    /// Gravity over time.
+    pub fn gravity_field(&self) -> Field {
+        Field::new(self.gravity, &self.gravity_changes)
     }
 }

@@ -28,8 +28,8 @@
 //!
 //! [`NormalContact::constraint`]: super::compliance::NormalContact::constraint
 
-use super::compliance::{NormalConstraint, NormalLaw, NormalScheme};
 use crate::lanes::Number;
+use crate::laws::compliance::{NormalConstraint, NormalLaw, NormalScheme};
 
 /// Least share of its speed at which an impact recovers the overlap that it has left: the restitution of the largest damping.
 const LEAST_RECOVERY: f64 = 0.0025;

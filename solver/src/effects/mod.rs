@@ -1,7 +1,7 @@
-//! The effects that a scene can call for, one small file each: its descriptor, the equations and their source.
+//! The effects that a scene can have, one small file each: equations, their source, terms of contacts, descriptor.
 //!
-//! The functions here are the only places where a contact law is written down; `constrain` calls them once a contact
-//! and step, and the sweep kernel is compiled with those that the scene calls for. [`catalogue`] lists the descriptors.
+//! Contact laws are here and in [`laws`](crate::laws) alone. `constrain` evaluates them once per contact and step, and the sweep kernel is
+//! compiled with the [terms](term) that the scene has. [`CATALOGUE`] lists the descriptors.
 
 pub mod catalogue;
 pub mod cohesion;
@@ -15,87 +15,54 @@ pub mod resistance;
 pub mod restitution;
 pub mod size_spread;
 pub mod spring;
+pub mod term;
 pub mod vibration;
 
-use crate::groups::{ContactLayout, FrictionLanes, SpringLanes};
 use crate::scene::ContactCoefficients;
-use catalogue::Trigger;
-pub use catalogue::{CATALOGUE, Effect};
+pub use catalogue::Effect;
+pub use cohesion::COHESION;
+pub use compliance::{COMPLIANCE, VISCOSITY};
+pub use drive::DRIVEN_WALLS;
+pub use friction::{FRICTION, KINETIC_FRICTION, SPIN};
+pub use gravity::{CHANGING_GRAVITY, GRAVITY};
+pub use period::PERIODIC_AXES;
+pub use resistance::{ROLLING, TWISTING};
+pub use restitution::{FALLING_RESTITUTION, RESTITUTION};
+pub use size_spread::SIZE_SPREAD;
+pub use spring::TANGENTIAL_SPRING;
+pub use vibration::WALL_MOTION;
 
-/// Effects that a kernel is compiled with. An effect that is off leaves no instruction in it.
-pub(crate) trait Effects {
-    /// Coulomb friction; without it grains do not spin.
-    const FRICTION: bool;
-    /// Rolling resistance.
-    const ROLLING: bool;
-    /// Twisting resistance.
-    const TWISTING: bool;
-    /// True if contacts bear torques.
-    const TORQUES: bool = Self::ROLLING || Self::TWISTING;
-    /// The tangential spring.
-    const SPRING: bool;
-    /// Tangential part of lane groups.
-    type Tangential: ContactLayout;
-}
+/// All effects, in the order in which a step meets them. A coefficient stands behind those that bound it.
+pub static CATALOGUE: [&Effect; 17] = [
+    &GRAVITY,
+    &CHANGING_GRAVITY,
+    &WALL_MOTION,
+    &DRIVEN_WALLS,
+    &SIZE_SPREAD,
+    &PERIODIC_AXES,
+    &COMPLIANCE,
+    &VISCOSITY,
+    &RESTITUTION,
+    &FALLING_RESTITUTION,
+    &FRICTION,
+    &KINETIC_FRICTION,
+    &TANGENTIAL_SPRING,
+    &SPIN,
+    &COHESION,
+    &ROLLING,
+    &TWISTING,
+];
 
-/// One choice of effects.
-pub(crate) struct Compiled<const FRICTION: bool, const ROLLING: bool, const TWISTING: bool, const SPRING: bool>;
-
-impl<const ROLLING: bool, const TWISTING: bool> Effects for Compiled<true, ROLLING, TWISTING, false> {
-    const FRICTION: bool = true;
-    const ROLLING: bool = ROLLING;
-    const TWISTING: bool = TWISTING;
-    const SPRING: bool = false;
-    type Tangential = FrictionLanes;
-}
-
-impl<const ROLLING: bool, const TWISTING: bool> Effects for Compiled<true, ROLLING, TWISTING, true> {
-    const FRICTION: bool = true;
-    const ROLLING: bool = ROLLING;
-    const TWISTING: bool = TWISTING;
-    const SPRING: bool = true;
-    type Tangential = SpringLanes;
-}
-
-impl Effects for Compiled<false, false, false, false> {
-    const FRICTION: bool = false;
-    const ROLLING: bool = false;
-    const TWISTING: bool = false;
-    const SPRING: bool = false;
-    type Tangential = ();
-}
-
-/// Smooth grains.
-pub(crate) type Frictionless = Compiled<false, false, false, false>;
-/// Coulomb friction alone.
-pub(crate) type Frictional = Compiled<true, false, false, false>;
-/// Friction and rolling resistance.
-pub(crate) type Rolling = Compiled<true, true, false, false>;
-/// Friction and twisting resistance.
-pub(crate) type Twisting = Compiled<true, false, true, false>;
-/// All three.
-pub(crate) type RollingTwisting = Compiled<true, true, true, false>;
-/// Friction with a tangential spring.
-pub(crate) type Sprung = Compiled<true, false, false, true>;
-/// Friction with a tangential spring and both resistances, of which one may be zero: few scenes have them, and each kernel takes time to compile.
-pub(crate) type SprungTorques = Compiled<true, true, true, true>;
-
-/// The effects of contacts that a scene calls for, as far as kernels, memory or passes depend on them.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct EffectSet {
-    friction: bool,
-    rolling: bool,
-    twisting: bool,
-    cohesion: bool,
-    falling_restitution: bool,
-    kinetic_friction: bool,
-    spring: bool,
-}
-
-/// Reads a member of an [`EffectSet`].
+/// Declares [`EffectSet`] with its members.
 macro_rules! members {
     ($($(#[$about:meta])* $member:ident;)*) => {
+        /// The effects of contacts that a scene calls for, as far as kernels, memory or passes depend on them.
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+        pub struct EffectSet { $($member: bool),* }
+
         impl EffectSet {
+            const NONE: EffectSet = EffectSet { $($member: false),* };
+
             $($(#[$about])* #[inline(always)] pub fn $member(&self) -> bool { self.$member })*
         }
     };
@@ -130,22 +97,12 @@ impl EffectSet {
         EffectSet { friction: true, rolling: true, twisting: true, spring: true, ..EffectSet::NONE },
     ];
 
-    const NONE: EffectSet = EffectSet {
-        friction: false,
-        rolling: false,
-        twisting: false,
-        cohesion: false,
-        falling_restitution: false,
-        kinetic_friction: false,
-        spring: false,
-    };
-
     /// Union of the effects of these contacts.
     pub fn of<'a>(contacts: impl Iterator<Item = &'a ContactCoefficients>) -> EffectSet {
         let mut set = EffectSet::NONE;
         for contact in contacts {
             for effect in CATALOGUE {
-                if let (Some(member), Trigger::Contacts { acts, .. }) = (effect.member, &effect.trigger) {
+                if let (Some(member), catalogue::Trigger::Contacts { acts, .. }) = (effect.member, &effect.trigger) {
                     *member(&mut set) |= acts(contact);
                 }
             }
@@ -198,54 +155,3 @@ impl EffectSet {
         }
     }
 }
-
-/// Evaluates an expression with `$effects` as the type that is compiled for the choice.
-macro_rules! with_effects {
-    ($set:expr, $effects:ident => $body:expr) => {{
-        use $crate::effects::{Rolling, RollingTwisting, SprungTorques, Twisting, with_tangential};
-        let set = $set;
-        match (set.rolling(), set.twisting()) {
-            _ if set.spring() && set.torques() => {
-                type $effects = SprungTorques;
-                $body
-            }
-            (true, true) => {
-                type $effects = RollingTwisting;
-                $body
-            }
-            (true, false) => {
-                type $effects = Rolling;
-                $body
-            }
-            (false, true) => {
-                type $effects = Twisting;
-                $body
-            }
-            (false, false) => with_tangential!(set, $effects => $body),
-        }
-    }};
-}
-
-/// Evaluates an expression for work on forces alone, which knows nothing of torques: contacts have a tangential part or have none.
-macro_rules! with_tangential {
-    ($set:expr, $effects:ident => $body:expr) => {{
-        use $crate::effects::{Frictional, Frictionless, Sprung};
-        match $set.tangential() {
-            true if $set.spring() => {
-                type $effects = Sprung;
-                $body
-            }
-            true => {
-                type $effects = Frictional;
-                $body
-            }
-            false => {
-                type $effects = Frictionless;
-                $body
-            }
-        }
-    }};
-}
-
-pub(crate) use with_effects;
-pub(crate) use with_tangential;

@@ -15,14 +15,15 @@
 //! the smaller torque that it takes, without a spring that would have to be tuned. Rolling and twisting are apart: the inertia
 //! of a sphere is the same about every axis, so neither changes the other, nor the velocity at the contact along the normal.
 
-use super::Effects;
-use super::catalogue::{Absent, Change, Coefficient, Effect, change_coefficients};
+use super::catalogue::{Change, Effect, change_coefficients};
 use super::friction::disc_shrinkage;
-use crate::lanes::{Number, dot, minus, plus, times};
+use super::term::{ContactTerm, NormalLoad, TorqueTerm};
+use crate::lanes::{Eight, Number, dot, minus, plus, times};
+use crate::scene::{ContactCoefficients, coefficients};
 
 /// Descriptor of a resistance to turning by the coefficient of a key.
 macro_rules! resistance {
-    ($name:literal, $coefficient:ident, $member:ident, $without:literal) => {
+    ($name:literal, $entry:ident, $coefficient:ident, $member:ident, $without:literal) => {
         Effect {
             off: Change::off(|scene| {
                 change_coefficients(scene, |one| one.$coefficient = 0.0, |rule| rule.$coefficient = None)
@@ -34,50 +35,71 @@ macro_rules! resistance {
                 },
             }),
             member: Some(|set| &mut set.$member),
-            ..Effect::of_contacts(
-                $name,
-                &[Coefficient {
-                    absent: Absent::Value(0.0),
-                    off: Some(0.0),
-                    ..Coefficient::new(
-                        stringify!($coefficient),
-                        "(no unit)",
-                        [0.0, 1e9],
-                        |one| Some(one.$coefficient),
-                        |rule| rule.$coefficient,
-                    )
-                }],
-                |pair, contact| contact.$coefficient = pair.value(|rule| rule.$coefficient, |one| one.$coefficient),
-                |contact| contact.$coefficient > 0.0,
-                $without,
-            )
+            ..Effect::of_contacts($name, coefficients::$entry, |contact| contact.$coefficient > 0.0, $without)
         }
     };
 }
 
 /// Resistance to rolling.
 pub static ROLLING: Effect =
-    resistance!("rolling resistance", rolling_friction, rolling, "grains roll without a torque");
+    resistance!("rolling resistance", ROLLING, rolling_friction, rolling, "grains roll without a torque");
 /// Resistance to twisting.
 pub static TWISTING: Effect =
-    resistance!("twisting resistance", twisting_friction, twisting, "grains twist without a torque");
+    resistance!("twisting resistance", TWISTING, twisting_friction, twisting, "grains twist without a torque");
 
-/// Projects an angular impulse onto what a contact can bear; `rolling_cap` and `twisting_cap` in N m s.
-#[inline(always)]
-pub(crate) fn bearable<E: Effects, N: Number>(
-    impulse: [N; 3],
-    normal: [N; 3],
-    rolling_cap: N,
-    twisting_cap: N,
-) -> [N; 3] {
-    let along = dot(normal, impulse);
-    let across = minus(impulse, times(normal, along));
-    let mut borne = [N::zero(); 3];
-    if E::ROLLING {
-        borne = times(across, disc_shrinkage(across, rolling_cap));
+/// Levers and angular impulses of eight contacts.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C, align(64))]
+pub struct TorqueLanes {
+    /// Largest rolling torque over the normal force, m.
+    pub rolling_lever: Eight,
+    /// Largest twisting torque over the normal force, m.
+    pub twisting_lever: Eight,
+    /// Angular impulses on the second body, or on the wall, N m s.
+    pub impulse: [Eight; 3],
+}
+
+impl TorqueLanes {
+    /// Sets a lane up for a step: coefficients of the contact, effective radius (m), angular impulse of the warm start (N m s).
+    pub(crate) fn fill(&mut self, lane: usize, contact: &ContactCoefficients, effective_radius: f64, start: [f64; 3]) {
+        self.rolling_lever.0[lane] = contact.rolling_friction * effective_radius;
+        self.twisting_lever.0[lane] = contact.twisting_friction * effective_radius;
+        self.impulse.iter_mut().zip(start).for_each(|(own, component)| own.0[lane] = component);
     }
-    if E::TWISTING {
-        borne = plus(borne, times(normal, along.larger(-twisting_cap).smaller(twisting_cap)));
+
+    /// Angular impulse of the contact in a lane, N m s.
+    pub fn angular_impulse(&self, lane: usize) -> [f64; 3] {
+        std::array::from_fn(|axis| self.impulse[axis].0[lane])
     }
-    borne
+}
+
+/// Resistances that a kernel is compiled with, by their levers (m); each may be left out.
+#[derive(Clone, Copy)]
+pub struct Resistance<N, const ROLLING: bool, const TWISTING: bool>(N, N);
+
+impl<N: Number, const ROLLING: bool, const TWISTING: bool> ContactTerm<N> for Resistance<N, ROLLING, TWISTING> {
+    const ACTS: bool = ROLLING || TWISTING;
+
+    #[inline(always)]
+    fn project(&self, impulse: [N; 3], (normal, normal_impulse): NormalLoad<N>) -> [N; 3] {
+        let (rolling_cap, twisting_cap) = (self.0 * normal_impulse, self.1 * normal_impulse);
+        // Parts along the normal and across it, each projected by itself.
+        let along = dot(normal, impulse);
+        let across = minus(impulse, times(normal, along));
+        let mut borne = [N::zero(); 3];
+        if ROLLING {
+            borne = times(across, disc_shrinkage(across, rolling_cap));
+        }
+        if TWISTING {
+            borne = plus(borne, times(normal, along.larger(-twisting_cap).smaller(twisting_cap)));
+        }
+        borne
+    }
+}
+
+impl<N: Number, const ROLLING: bool, const TWISTING: bool> TorqueTerm<N> for Resistance<N, ROLLING, TWISTING> {
+    #[inline(always)]
+    fn read(lanes: &TorqueLanes, number: impl Fn(&Eight) -> N) -> Self {
+        Resistance(number(&lanes.rolling_lever), number(&lanes.twisting_lever))
+    }
 }

@@ -13,27 +13,17 @@
 //! with v the speed of the impact along the normal. This goes with impacts that are over within a step. Where the step resolves a
 //! compliant impact, its damping gives the restitution, the same at any speed. Scenes that ask for both are refused.
 
-use super::catalogue::{Absent, Change, Coefficient, Effect, change_coefficients};
-use super::compliance::NormalScheme;
+use super::catalogue::{Change, Effect, change_coefficients};
 use crate::lanes::Number;
-use crate::scene::Material;
+use crate::laws::compliance::NormalScheme;
+use crate::scene::coefficients;
 
 /// Restitution.
 pub static RESTITUTION: Effect = Effect {
     off: Change::off(|scene| change_coefficients(scene, |one| one.restitution = 0.0, |rule| rule.restitution = None)),
     ..Effect::of_contacts(
         "restitution",
-        &[Coefficient {
-            off: Some(0.0),
-            ..Coefficient::new(
-                "restitution",
-                "(no unit)",
-                [0.0, 1.0],
-                |one| Some(one.restitution),
-                |rule| rule.restitution,
-            )
-        }],
-        |pair, contact| contact.restitution = pair.value(|rule| rule.restitution, |one| one.restitution),
+        coefficients::RESTITUTION,
         |contact| contact.restitution > 0.0,
         "impacts are inelastic",
     )
@@ -47,20 +37,7 @@ pub static FALLING_RESTITUTION: Effect = Effect {
     member: Some(|set| &mut set.falling_restitution),
     ..Effect::of_contacts(
         "falling restitution",
-        &[Coefficient {
-            absent: Absent::Off,
-            ..Coefficient::new(
-                "restitution_speed",
-                "m/s",
-                [1e-6, 1e6],
-                |one| one.restitution_speed,
-                |rule| rule.restitution_speed,
-            )
-        }],
-        |pair, contact| {
-            let of_material = |one: &Material| one.restitution_speed.unwrap_or(f64::INFINITY);
-            contact.restitution_speed = pair.value(|rule| rule.restitution_speed, of_material);
-        },
+        coefficients::FALLING_RESTITUTION,
         |contact| contact.restitution_speed.is_finite(),
         "restitution is the same at any speed",
     )

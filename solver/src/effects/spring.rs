@@ -24,27 +24,11 @@
 //! within it. It is rigid across the normal too, and what it bore is no load of the spring.
 
 use super::catalogue::{Call, Change, Effect};
-use super::compliance::NormalConstraint;
-use super::friction::FRICTION;
-use crate::lanes::Number;
-use crate::scene::{DocumentPath, Material};
-use serde::{Deserialize, Serialize};
-
-/// Law of a sticking contact across its normal.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
-pub enum TangentialLaw {
-    /// No compliance.
-    #[default]
-    Rigid,
-    /// Spring capped by Coulomb's law; requires a compliant normal contact, Gauss-Seidel and double precision.
-    Spring {
-        /// Stiffness over that of the normal contact; default: Mindlin's, from Poisson's ratios.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        stiffness_ratio: Option<f64>,
-    },
-}
+use super::friction::{Coulomb, FRICTION, FrictionLanes};
+use super::term::{ContactTerm, NormalLoad, Tangential, TangentialTerm, TermStart};
+use crate::lanes::{Eight, Number, dot, minus, plus, times};
+use crate::laws::compliance::NormalConstraint;
+use crate::scene::{DocumentPath, Material, TangentialLaw};
 
 /// The tangential spring.
 pub static TANGENTIAL_SPRING: Effect = Effect {
@@ -86,6 +70,119 @@ fn mindlin_ratio(materials: [&Material; 2]) -> f64 {
 #[inline(always)]
 pub fn tangential_compliance<N: Number>(constraint: &NormalConstraint<N>, ratio: N, step: f64) -> N {
     N::splat(1.0 / (step * step)) / (ratio * constraint.stiffness)
+}
+
+/// Tangential part of contacts with a spring.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C, align(64))]
+pub struct SpringLanes<S = Eight> {
+    /// Friction coefficients and tangential impulses.
+    pub friction: FrictionLanes<S>,
+    /// The springs.
+    pub spring: SpringTerms<S>,
+}
+
+/// Tangential springs of eight contacts.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C, align(64))]
+pub struct SpringTerms<S = Eight> {
+    /// Compliances Sigma_t, 1/kg.
+    pub compliance: S,
+    /// Biases b across the normals, m/s.
+    pub bias: [S; 3],
+}
+
+impl<S: Copy + Default> Tangential<S> for SpringLanes<S> {
+    #[inline(always)]
+    fn lanes(&self) -> Option<&FrictionLanes<S>> {
+        Some(&self.friction)
+    }
+
+    #[inline(always)]
+    fn lanes_mut(&mut self) -> Option<&mut FrictionLanes<S>> {
+        Some(&mut self.friction)
+    }
+
+    #[inline(always)]
+    fn spring(&self) -> Option<&SpringTerms<S>> {
+        Some(&self.spring)
+    }
+
+    /// The impulse of the last step is the load of the spring too.
+    #[inline(always)]
+    fn fill<N: Number>(&mut self, start: &TermStart<'_, N>, number: impl Fn(N, &mut S)) {
+        self.friction.fill(start, &number);
+        let Some(ratio) = start.stiffness_ratio else { return };
+        let compliance = tangential_compliance(start.constraint, ratio, start.step);
+        let held = N::select(start.active, compliance, N::zero());
+        number(compliance, &mut self.spring.compliance);
+        for (component, lanes) in start.last_impulse.into_iter().zip(&mut self.spring.bias) {
+            number(component * held, lanes);
+        }
+    }
+
+    /// Impulses for the warm start; zero after an impact that was over within the step, because it does not load the spring.
+    #[inline(always)]
+    fn remembered<N: Number>(&self, number: impl Fn(&S) -> N) -> [N; 3] {
+        let springy = N::zero().below(number(&self.spring.compliance));
+        self.friction.impulse.each_ref().map(|component| N::select(springy, number(component), N::zero()))
+    }
+}
+
+/// Friction with a spring in a kernel.
+#[derive(Clone, Copy)]
+pub struct Sprung<N>(Coulomb<N, true>, SpringTerms<N>);
+
+impl<N: Number> ContactTerm<N> for Sprung<N> {
+    const ACTS: bool = true;
+
+    #[inline(always)]
+    fn project(&self, impulse: [N; 3], load: NormalLoad<N>) -> [N; 3] {
+        self.0.project(impulse, load)
+    }
+
+    #[inline(always)]
+    fn operator(&self, rigid: N) -> N {
+        rigid + self.1.compliance
+    }
+
+    #[inline(always)]
+    fn residual(&self, velocity: [N; 3], impulse: [N; 3]) -> [N; 3] {
+        plus(velocity, minus(times(impulse, self.1.compliance), self.1.bias))
+    }
+}
+
+impl<N: Number> TangentialTerm<N> for Sprung<N> {
+    #[inline(always)]
+    fn read<S>(lanes: &impl Tangential<S>, number: impl Fn(&S) -> N) -> Self {
+        let none = SpringTerms { compliance: N::zero(), bias: [N::zero(); 3] };
+        let spring = lanes.spring().map_or(none, |terms| SpringTerms {
+            compliance: number(&terms.compliance),
+            bias: terms.bias.each_ref().map(&number),
+        });
+        Sprung(Coulomb::read(lanes, number), spring)
+    }
+
+    #[inline(always)]
+    fn coefficient(&self) -> N {
+        self.0.coefficient()
+    }
+}
+
+impl SpringTerms {
+    /// Takes the spring of the contact in a lane away for a step.
+    pub(crate) fn make_rigid(&mut self, lane: usize) {
+        self.compliance.0[lane] = 0.0;
+        self.bias.iter_mut().for_each(|component| component.0[lane] = 0.0);
+    }
+
+    /// Energy (J) that the spring of the contact in a lane takes up in a step in which it comes to bear an impulse (N s).
+    pub(crate) fn taken_up(&self, lane: usize, impulse: [f64; 3]) -> f64 {
+        let compliance = self.compliance.0[lane];
+        let square: f64 = self.bias.iter().map(|component| component.0[lane] * component.0[lane]).sum();
+        let held = if compliance > 0.0 { 0.5 * square / compliance } else { 0.0 };
+        0.5 * compliance * dot(impulse, impulse) - held
+    }
 }
 
 #[cfg(test)]

@@ -83,3 +83,16 @@ impl Vibration {
         from >= self.start && self.stop.is_none_or(|stop| to <= stop)
     }
 }
+
+impl Motion {
+    /// The vibration, if it is one.
+    #[inline(always)]
+    pub fn vibration(&self) -> Option<Vibration> {
+        match *self {
+            Motion::Vibrating { amplitude, frequency, start, stop } => {
+                Some(Vibration { amplitude, frequency, start, stop })
+            }
+            _ => None,
+        }
+    }
+}

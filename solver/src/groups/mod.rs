@@ -1,10 +1,17 @@
 //! Lane groups: eight contacts that share no body.
 
-mod tangential;
+mod compiled;
 
-pub(crate) use tangential::{ContactLayout, with_pairs};
-pub use tangential::{FrictionLanes, PairGroups, SpringLanes, SpringTerms, Tangential};
+pub use compiled::PairGroups;
+pub(crate) use compiled::{
+    ContactLayout, Effects, Frictional, Frictionless, Rolling, RollingTwisting, Sprung, SprungTorques, Twisting,
+    with_effects, with_first, with_pairs, with_tangential,
+};
 
+use crate::effects::friction::FrictionLanes;
+use crate::effects::resistance::TorqueLanes;
+use crate::effects::spring::SpringLanes;
+use crate::effects::term::Tangential;
 use crate::lanes::{Eight, LANES, Lanes, Slots};
 use bytemuck::{Pod, Zeroable};
 
@@ -26,18 +33,6 @@ pub struct ContactLanes<Several = Eight, T = FrictionLanes<Several>> {
     pub impulse_normal: Several,
     /// Friction coefficients and tangential impulses, if there is friction.
     pub tangential: T,
-}
-
-/// Levers and angular impulses of eight contacts, where contacts bear torques.
-#[derive(Clone, Copy, Debug, Default)]
-#[repr(C, align(64))]
-pub struct TorqueLanes {
-    /// Largest rolling torque over the normal force, m.
-    pub rolling_lever: Eight,
-    /// Largest twisting torque over the normal force, m.
-    pub twisting_lever: Eight,
-    /// Angular impulses on the second body, or on the wall, N m s.
-    pub impulse: [Eight; 3],
 }
 
 /// Eight contacts with walls.
@@ -155,13 +150,6 @@ impl ImpactLanes {
     #[inline(always)]
     pub(crate) fn memory(&self, lane: usize) -> ImpactMemory {
         ImpactMemory { speed: self.speed[lane], velocity: self.velocity[lane] }
-    }
-}
-
-impl TorqueLanes {
-    /// Angular impulse of the contact in a lane, N m s.
-    pub fn angular_impulse(&self, lane: usize) -> [f64; 3] {
-        std::array::from_fn(|axis| self.impulse[axis].0[lane])
     }
 }
 

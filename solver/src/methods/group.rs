@@ -1,13 +1,12 @@
 //! Kernels over the contacts of a task: pairs and walls alike, written once.
 
 use super::problem::Tally;
-use crate::effects::Effects;
-use crate::effects::friction::disc_shrinkage;
-use crate::groups::{ContactLayout, PairGroup, WallGroup, WallTorqueLanes};
+use crate::effects::term::{TangentialTerm, TermState};
+use crate::groups::{ContactLanes, ContactLayout, Effects, PairGroup, WallGroup, WallTorqueLanes};
 use crate::lanes::{Eight, Kernel, Lanes, PREFETCH, Slots, TaskSlots, cross, dot, minus, prefetch_places, times};
 use crate::partition::TaskGroups;
 use crate::sweep::kernel::{Bodies, Contact, Pair};
-use crate::sweep::{Directions, LaneResidual, Off, Torque};
+use crate::sweep::{Directions, LaneResidual, Off, Turning};
 use crate::world::Body;
 use std::marker::PhantomData;
 
@@ -37,17 +36,17 @@ pub(crate) fn add<L: Lanes>(sum: &mut Eight, value: L) {
 /// Access of a kernel to a lane group, whether its contacts are with grains or with walls.
 pub(crate) trait Group<E: Effects> {
     /// Its contacts.
-    fn read<L: Lanes>(&self) -> Contact<L>;
+    fn read<L: Lanes>(&self) -> Contact<L, E>;
 
     /// Writes their impulses back.
-    fn write<L: Lanes>(&mut self, contact: &Contact<L>);
+    fn write<L: Lanes>(&mut self, contact: &Contact<L, E>);
 
     /// Asks for the cache lines of its bodies.
     fn fetch(&self, bodies: Slots<'_, Body>);
 
     /// Relative velocities at the contacts and inverse masses S_n. Walls move with `wall_share` of their velocity: 1 for
     /// velocities, 0 for changes of velocities.
-    fn velocity<L: Lanes>(&self, bodies: Slots<'_, Body>, contact: &Contact<L>, wall_share: f64) -> ([L; 3], L);
+    fn velocity<L: Lanes>(&self, bodies: Slots<'_, Body>, contact: &Contact<L, E>, wall_share: f64) -> ([L; 3], L);
 
     /// Gives the bodies an impulse.
     fn push<L: Lanes>(&self, bodies: TaskSlots<'_, Body>, normal: [L; 3], impulse: [L; 3]);
@@ -55,13 +54,13 @@ pub(crate) trait Group<E: Effects> {
 
 impl<E: Effects> Group<E> for PairGroup<E::Tangential> {
     #[inline(always)]
-    fn read<L: Lanes>(&self) -> Contact<L> {
-        Contact::read(&self.contacts, L::load)
+    fn read<L: Lanes>(&self) -> Contact<L, E> {
+        Contact::<L, E>::read(&self.contacts, L::load)
     }
 
     #[inline(always)]
-    fn write<L: Lanes>(&mut self, contact: &Contact<L>) {
-        contact.write::<E, _, _>(&mut self.contacts, L::store);
+    fn write<L: Lanes>(&mut self, contact: &Contact<L, E>) {
+        contact.write(&mut self.contacts, L::store);
     }
 
     #[inline(always)]
@@ -71,9 +70,9 @@ impl<E: Effects> Group<E> for PairGroup<E::Tangential> {
     }
 
     #[inline(always)]
-    fn velocity<L: Lanes>(&self, bodies: Slots<'_, Body>, contact: &Contact<L>, _: f64) -> ([L; 3], L) {
+    fn velocity<L: Lanes>(&self, bodies: Slots<'_, Body>, contact: &Contact<L, E>, _: f64) -> ([L; 3], L) {
         let pair = Pair::load::<E>(bodies, self);
-        (contact.velocity_of_pair::<E>(&pair), pair.inverse_mass)
+        (contact.velocity(&pair), pair.inverse_mass)
     }
 
     #[inline(always)]
@@ -84,13 +83,13 @@ impl<E: Effects> Group<E> for PairGroup<E::Tangential> {
 
 impl<E: Effects> Group<E> for WallGroup {
     #[inline(always)]
-    fn read<L: Lanes>(&self) -> Contact<L> {
-        Contact::read(&self.contacts, L::load)
+    fn read<L: Lanes>(&self) -> Contact<L, E> {
+        Contact::<L, E>::read(&self.contacts, L::load)
     }
 
     #[inline(always)]
-    fn write<L: Lanes>(&mut self, contact: &Contact<L>) {
-        contact.write::<E, _, _>(&mut self.contacts, L::store);
+    fn write<L: Lanes>(&mut self, contact: &Contact<L, E>) {
+        contact.write(&mut self.contacts, L::store);
     }
 
     #[inline(always)]
@@ -99,10 +98,10 @@ impl<E: Effects> Group<E> for WallGroup {
     }
 
     #[inline(always)]
-    fn velocity<L: Lanes>(&self, bodies: Slots<'_, Body>, contact: &Contact<L>, wall_share: f64) -> ([L; 3], L) {
+    fn velocity<L: Lanes>(&self, bodies: Slots<'_, Body>, contact: &Contact<L, E>, wall_share: f64) -> ([L; 3], L) {
         let grain = Bodies::<L>::load::<E>(bodies, &self.body);
         let wall_velocity = times(load(&self.wall_velocity), L::splat(wall_share));
-        (contact.velocity_at_wall::<E>(&grain, wall_velocity), grain.inverse_mass)
+        (contact.velocity(&Pair::with_wall(&grain, wall_velocity)), grain.inverse_mass)
     }
 
     #[inline(always)]
@@ -152,21 +151,21 @@ impl<V: ContactPass, E: Effects> Kernel for PassOverTask<'_, V, E> {
     }
 }
 
-impl<L: Lanes> Contact<L> {
+impl<L: Lanes, T: TangentialTerm<L>> ContactLanes<L, TermState<L, T>> {
     /// Takes an impulse apart into its normal and tangential part.
     #[inline(always)]
     pub(crate) fn set_impulse(&mut self, impulse: [L; 3]) {
         self.impulse_normal = dot(self.normal, impulse);
-        self.impulse_tangential = minus(impulse, times(self.normal, self.impulse_normal));
+        self.tangential.impulse = minus(impulse, times(self.normal, self.impulse_normal));
     }
 
-    /// Projects the impulse: the normal part onto repulsion, then the tangential part onto the Coulomb disc.
+    /// Projects the impulse: the normal part onto repulsion, then the tangential part onto what the contact can bear.
     #[inline(always)]
-    pub(crate) fn project<E: Effects>(&mut self) {
+    pub(crate) fn project(&mut self) {
         self.impulse_normal = self.impulse_normal.larger(L::zero());
-        if E::FRICTION {
-            let shrinkage = disc_shrinkage(self.impulse_tangential, self.friction * self.impulse_normal);
-            self.impulse_tangential = times(self.impulse_tangential, shrinkage);
+        if T::ACTS {
+            let TermState { impulse, term } = self.tangential;
+            self.tangential.impulse = term.project(impulse, (self.normal, self.impulse_normal));
         }
     }
 }
@@ -186,21 +185,19 @@ impl<E: Effects> Kernel for MeasureTorques<'_, E> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let TaskGroups { pairs, pair_torques, walls, wall_torques, .. } = self.groups;
-        let mut residual = LaneResidual::<L>::read(&self.tally.residual);
+        let (one, mut residual) = (L::splat(1.0), LaneResidual::<L>::read(&self.tally.residual));
         for (group, torques) in E::Tangential::of(pairs).iter().zip(pair_torques) {
-            let bearing = bearing::<L, _, E>(group, self.bodies);
-            // Copies are turned, not the bodies.
-            let [mut first, mut second] =
+            let [first, second] =
                 [&group.first, &group.second].map(|places| Bodies::<L>::load::<E>(self.bodies, places));
-            let mut torque = Torque::read(torques, L::load);
-            torque.relax_pair::<E, Directions>(bearing, &mut first, &mut second, L::splat(1.0), &mut residual);
+            let mut torque = TermState::<L, E::Torque<L>>::angular(torques, L::load);
+            let bearing = bearing::<L, _, E>(group, self.bodies);
+            Turning::of(&first, &second).relax::<Directions>(&mut torque, bearing, one, &mut residual);
         }
         for (group, WallTorqueLanes { wall_spin, torques }) in walls.iter().zip(wall_torques) {
+            let turning = Turning::with_wall(&Bodies::<L>::load::<E>(self.bodies, &group.body), load(wall_spin));
+            let mut torque = TermState::<L, E::Torque<L>>::angular(torques, L::load);
             let bearing = bearing::<L, _, E>(group, self.bodies);
-            let mut grain = Bodies::<L>::load::<E>(self.bodies, &group.body);
-            let wall_spin = wall_spin.each_ref().map(L::load);
-            let mut torque = Torque::read(torques, L::load);
-            torque.relax_wall::<E, Directions>(bearing, &mut grain, wall_spin, L::splat(1.0), &mut residual);
+            turning.relax::<Directions>(&mut torque, bearing, one, &mut residual);
         }
         residual.write(&mut self.tally.residual);
     }
@@ -209,8 +206,8 @@ impl<E: Effects> Kernel for MeasureTorques<'_, E> {
 /// Normals and normal impulses of a group's contacts, each relaxed by itself.
 #[inline(always)]
 fn bearing<L: Lanes, G: Group<E>, E: Effects>(group: &G, bodies: Slots<'_, Body>) -> ([L; 3], L) {
-    let mut contact: Contact<L> = group.read();
+    let mut contact: Contact<L, E> = group.read();
     let (velocity, inverse_mass) = group.velocity(bodies, &contact, 1.0);
-    contact.relax::<E, Off>(velocity, inverse_mass, L::splat(1.0), &mut LaneResidual::zero());
+    contact.relax::<Off>(velocity, inverse_mass, L::splat(1.0), &mut LaneResidual::zero());
     (contact.normal, contact.impulse_normal)
 }

@@ -9,7 +9,7 @@ use super::group::{Block, ContactPass, PassOverTask};
 use super::velocities::{self, Coefficients, MOST, sum_of};
 use super::visits::{Combine, Keep, Measure, Step, Transform};
 use crate::effects::drive::Drive;
-use crate::effects::{with_effects, with_tangential};
+use crate::groups::{with_effects, with_tangential};
 use crate::interrupt::{Interrupt, polls_interrupt};
 use crate::lanes::{Eight, LANES, Slots};
 use crate::partition::{ByBodies, ByNumber, ByPlace, ByStarts, Layout, PlannedTask, SingleCopy, TaskShares};

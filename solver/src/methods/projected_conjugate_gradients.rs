@@ -19,7 +19,7 @@ use super::group::{Block, ContactPass, Group, add, load, store};
 use super::problem::{Tally, fit, part, visit};
 use super::visits::natural_map;
 use super::{Method, Problem};
-use crate::effects::Effects;
+use crate::groups::Effects;
 use crate::lanes::{Lanes, Slots, TaskSlots, dot, minus, plus, times};
 use crate::partition::{ByBodies, ByStarts};
 use crate::sweep::kernel::Contact;
@@ -159,7 +159,7 @@ impl ContactPass for Turn<'_> {
             let tangential = minus(times(normal, along), velocity);
             residual = plus(residual, tangential);
             operated = plus(operated, minus(across, times(normal, across_normal)));
-            scaled = plus(scaled, times(tangential, L::splat(1.0) / contact.tangential_operator::<E>(inverse_mass)));
+            scaled = plus(scaled, times(tangential, L::splat(1.0) / contact.tangential_operator(inverse_mass)));
         }
         let gradient = along_cone::<L, E>(&contact, scaled);
         let direction = along_cone::<L, E>(&contact, direction);
@@ -177,15 +177,15 @@ impl ContactPass for Turn<'_> {
 /// The disc counts as fixed: a direction that shrank the disc's rim along with the normal impulse would do so against the residual
 /// of a sliding contact, and `r.w` could become negative.
 #[inline(always)]
-fn along_cone<L: Lanes, E: Effects>(contact: &Contact<L>, direction: [L; 3]) -> [L; 3] {
+fn along_cone<L: Lanes, E: Effects>(contact: &Contact<L, E>, direction: [L; 3]) -> [L; 3] {
     let zero = L::zero();
     let along = dot(contact.normal, direction);
     let open = contact.impulse_normal.at_most(zero);
     let mut result = times(contact.normal, L::select(open, along.larger(zero), along));
     if E::FRICTION {
         let tangential = minus(direction, times(contact.normal, along));
-        let impulse = contact.impulse_tangential;
-        let (length, radius) = (dot(impulse, impulse).sqrt(), contact.friction * contact.impulse_normal);
+        let impulse = contact.tangential.impulse;
+        let (length, radius) = (dot(impulse, impulse).sqrt(), contact.disc());
         // On the rim no radial part leads outwards; a disc that is a point has no directions.
         let outwards = (dot(impulse, tangential) / length).larger(zero) / length;
         let correction = L::select(length.below(radius * L::splat(SLIDING)), zero, outwards);
@@ -242,7 +242,7 @@ impl ContactPass for Advance<'_> {
         let mut contact = group.read::<L>();
         let before = contact.impulse();
         contact.set_impulse(plus(before, times(load(&self.direction[number]), L::splat(self.alpha))));
-        contact.project::<E>();
+        contact.project();
         let change = minus(contact.impulse(), before);
         group.push(self.bodies, contact.normal, change);
         group.write(&contact);

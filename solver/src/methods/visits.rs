@@ -3,7 +3,7 @@
 use super::group::{Block, ContactPass, Group, add, load, store};
 use super::problem::Tally;
 use super::velocities::{Coefficients, MOST, combined};
-use crate::effects::Effects;
+use crate::groups::Effects;
 use crate::lanes::{Lanes, Slots, TaskSlots, dot, minus, times};
 use crate::sweep::kernel::Contact;
 use crate::sweep::{Directions, LaneResidual, Off};
@@ -106,7 +106,7 @@ impl ContactPass for Step<'_> {
         natural_map::<L, E>(contact, velocity, inverse_mass, self.tally);
         let mut unused = LaneResidual::zero();
         let step = L::splat(self.step);
-        let change = contact.relax::<E, Off>(velocity, inverse_mass, step, &mut unused);
+        let change = contact.relax::<Off>(velocity, inverse_mass, step, &mut unused);
         group.push(self.bodies, normal, change);
         group.write(&contact);
         // How far it went, in the metric of the diagonal.
@@ -118,7 +118,7 @@ impl ContactPass for Step<'_> {
         let mut slope = slack * way_normal;
         if E::FRICTION {
             let change_tangential = minus(change, times(normal, change_normal));
-            let operator = contact.tangential_operator::<E>(inverse_mass);
+            let operator = contact.tangential_operator(inverse_mass);
             scaled = scaled + operator * dot(change_tangential, change_tangential);
             slope = slope + dot(velocity, way) - along * way_normal;
         }
@@ -132,13 +132,13 @@ impl ContactPass for Step<'_> {
 /// Adds what one unrelaxed update of each contact by itself would change, m/s: zero at the solution only.
 #[inline(always)]
 pub(crate) fn natural_map<L: Lanes, E: Effects>(
-    mut contact: Contact<L>,
+    mut contact: Contact<L, E>,
     velocity: [L; 3],
     inverse_mass: L,
     tally: &mut Tally,
 ) {
     let mut residual = LaneResidual::<L>::read(&tally.residual);
-    contact.relax::<E, Directions>(velocity, inverse_mass, L::splat(1.0), &mut residual);
+    contact.relax::<Directions>(velocity, inverse_mass, L::splat(1.0), &mut residual);
     residual.write(&mut tally.residual);
 }
 
@@ -162,9 +162,9 @@ impl ContactPass for Measure<'_> {
         // Attraction, or the tangential impulse beyond the disc.
         let mut excess = -contact.impulse_normal * (inverse_mass + contact.regularisation);
         if E::FRICTION {
-            let tangential = contact.impulse_tangential;
-            let beyond = dot(tangential, tangential).sqrt() - contact.friction * contact.impulse_normal;
-            excess = excess.larger(beyond * contact.tangential_operator::<E>(inverse_mass));
+            let tangential = contact.tangential.impulse;
+            let beyond = dot(tangential, tangential).sqrt() - contact.disc();
+            excess = excess.larger(beyond * contact.tangential_operator(inverse_mass));
         }
         let mut cone = LaneResidual::<L>::read(&self.tally.cone);
         cone.add_normal::<Directions>(excess.larger(L::zero()));

@@ -1,6 +1,6 @@
 //! Boxes eight diameters wide, and the stage and task of a pair of grains.
 
-use crate::effects::period::Period;
+use crate::laws::period::Period;
 use crate::world::Sphere;
 use nalgebra::Vector3;
 use std::cmp::Reverse;

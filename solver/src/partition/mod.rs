@@ -26,7 +26,8 @@ pub use plan::{Plan, PlannedTask, Portion};
 pub(crate) use shares::{ByBlocks, ByBodies, ByCandidates, ByNumber, ByPlace, ByStarts, TaskShares};
 pub(crate) use single::{SingleBody, SingleCopy, SingleGroups, SinglePairGroup};
 
-use crate::groups::{ImpactLanes, PairGroup, PairGroups, Sources, TorqueLanes, WallGroup, WallTorqueLanes};
+use crate::effects::resistance::TorqueLanes;
+use crate::groups::{ImpactLanes, PairGroup, PairGroups, Sources, WallGroup, WallTorqueLanes};
 use crate::lanes::{Eight, LANES, PREFETCH};
 use crate::world::Body;
 

@@ -5,8 +5,9 @@
 //! receives the change of its velocity, so that what no contact touches is not rounded.
 
 use super::{ByNumber, Layout, TaskGroups};
-use crate::effects::Effects;
-use crate::groups::{ContactLanes, FrictionLanes, PairGroup, Tangential, WallGroup, padding_places, with_pairs};
+use crate::effects::friction::FrictionLanes;
+use crate::effects::term::Tangential;
+use crate::groups::{ContactLanes, Effects, PairGroup, WallGroup, padding_places, with_pairs};
 use crate::lanes::{Available, Eight, Kernel, LANES, Lanes, SINGLE_LANES, Sixteen};
 use crate::schedule::{Phase, Team};
 use crate::world::{Body, DUMMIES, by_chunk, chunk, chunks};

@@ -4,7 +4,9 @@ use super::{Body, Contact, ContactImpulse, ContactProblem, ContactState, tangent
 use crate::Simulation;
 use crate::contact::lever_arms;
 use crate::effects::drive::Drive;
-use crate::groups::{ContactLanes, SpringLanes, TorqueLanes};
+use crate::effects::resistance::TorqueLanes;
+use crate::effects::spring::SpringLanes;
+use crate::groups::ContactLanes;
 use crate::lanes::Eight;
 use crate::scene::Stop;
 use crate::schedule::Team;

@@ -128,7 +128,7 @@ impl Bed {
         let size: [f64; 3] = std::array::from_fn(|axis| scene.domain.max[axis] - scene.domain.min[axis]);
         let gravity = match scene.gravity_changes.is_empty() {
             true => scene.gravity.iter().map(|g| g * g).sum::<f64>().sqrt(),
-            false => scene.gravity_field().largest(),
+            false => scene.largest_gravity(),
         };
         // The ground is the domain's extent across gravity.
         let down = (0..3).max_by(|&a, &b| scene.gravity[a].abs().total_cmp(&scene.gravity[b].abs())).unwrap_or(2);

@@ -1,5 +1,6 @@
 //! Range checks of a scene, before anything is simulated.
 
+use super::coefficients::coefficients;
 use super::document::{Checked, Document, DocumentPath};
 use super::error::{Fault, is_printable, short};
 use super::settings::{Obstacle, SettingError};
@@ -7,8 +8,6 @@ use super::{
     ContactCoefficients, MOST_MEMORY, Motion, NormalLaw, RadiusDistribution, Region, Scene, Shape, SolverMethod,
     SolverSettings, Stop, TangentialLaw, periodic,
 };
-use crate::effects::catalogue::coefficients;
-use crate::effects::resistance::{ROLLING, TWISTING};
 use std::collections::HashMap;
 
 /// Most grains of a scene; their numbers have 32 bits, and so have those of their contacts.
@@ -230,7 +229,7 @@ fn accuracy(scene: &Scene) -> Checked {
     if accuracy.is_empty() {
         return Err(at.fault("asks for nothing".into(), "give one of angle, packing_fraction, overlap, relative"));
     }
-    if scene.gravity_field().largest() == 0.0 {
+    if scene.largest_gravity() == 0.0 {
         let problem =
             "the scene has no gravity, and what accuracy promises is known of grains that settle under gravity";
         return Err(at.fault(problem.into(), "leave it out, and give solver.step and solver.stop"));
@@ -363,8 +362,9 @@ fn unsuitable(scene: &Scene, error: &SettingError) -> Fault {
     };
     let (beside, goes) = match obstacle {
         Obstacle::Torques => {
-            let effect = if ROLLING.called_by(scene).is_ok() { &ROLLING } else { &TWISTING };
-            (format!("where a material has {}", effect.coefficients[0].key), "torques go")
+            let rolling = scene.possible_contacts().any(|contact| contact.rolling_friction > 0.0);
+            let key = if rolling { "rolling_friction" } else { "twisting_friction" };
+            (format!("where a material has {key}"), "torques go")
         }
         Obstacle::DrivenWalls => {
             let driven = scene.wall.iter().find(|wall| wall.motion.is_driven());

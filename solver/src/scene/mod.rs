@@ -45,6 +45,7 @@
 mod accuracy;
 mod builder;
 mod check;
+pub(crate) mod coefficients;
 mod document;
 mod error;
 mod periodic;
@@ -54,34 +55,29 @@ mod settings;
 mod suggestions;
 mod types;
 
-use crate::effects::EffectSet;
-use crate::effects::catalogue::Meeting;
-pub use crate::effects::cohesion::Cohesion;
-pub use crate::effects::compliance::NormalLaw;
-use crate::effects::gravity::Field;
-pub use crate::effects::gravity::GravityChange;
-pub use crate::effects::spring::TangentialLaw;
+pub use crate::laws::cohesion::Cohesion;
+pub use crate::laws::compliance::NormalLaw;
 pub use accuracy::Accuracy;
 pub use builder::{Face, SceneBuilder};
 pub(crate) use check::MOST_GRAINS;
+use coefficients::Meeting;
+pub use coefficients::{ContactCoefficients, Material, PairRule};
 pub use document::{Checked, Document, DocumentPath};
 pub use error::{Fault, SceneError, SceneFileError, line_of};
+use nalgebra::Vector3;
 pub(crate) use periodic::REACHES;
 pub use populate::{Grain, populate};
 pub use preflight::{Beforehand, Finding, Severity};
 use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 pub use settings::{
-    MOST_MEMORY, Obstacle, Precision, Reaction, SettingError, SolverMethod, SolverSettings, Stop, Watch,
+    MOST_MEMORY, Obstacle, Precision, Reaction, SettingError, SolverMethod, SolverSettings, Stop, TangentialLaw, Watch,
 };
 pub(crate) use settings::{method_goes_with, precision_goes_with};
 use std::collections::BTreeMap;
 pub use suggestions::{nearest, suggestion, wish};
 pub(crate) use types::sphere_volume;
-pub use types::{
-    Axis, ContactCoefficients, Domain, GrainEntry, Material, Motion, PairRule, Population, RadiusDistribution, Region,
-    Shape, Wall,
-};
+pub use types::{Axis, Domain, GrainEntry, GravityChange, Motion, Population, RadiusDistribution, Region, Shape, Wall};
 
 /// Tables of a scene's file that describe measurements; the solver passes over them.
 pub const TABLES_OF_WHO_MEASURES: [&str; 4] = ["prepare", "measure", "output", "compare"];
@@ -207,10 +203,10 @@ impl Scene {
 
     /// Returns the setting or effect that requires Gauss-Seidel in double precision, if the scene has one.
     fn obstacle(&self) -> Option<Obstacle> {
-        let contacts: Vec<_> = self.possible_contacts().collect();
+        let torques = self.possible_contacts().any(|contact| contact.transmits_torque());
         let driven = self.wall.iter().any(|wall| wall.motion.is_driven());
         let spring = self.solver.tangential_law != TangentialLaw::Rigid;
-        Obstacle::of_scene(EffectSet::of(contacts.iter()).torques(), driven, spring)
+        Obstacle::of_scene(torques, driven, spring)
     }
 
     /// Number of grains that the scene begins with: those that it lists, and those of its populations.
@@ -232,9 +228,10 @@ impl Scene {
         scene
     }
 
-    /// Gravity over time.
-    pub fn gravity_field(&self) -> Field {
-        Field::new(self.gravity, &self.gravity_changes)
+    /// Largest magnitude of gravity at any time, m/s2: straight lines have theirs at an end.
+    pub(crate) fn largest_gravity(&self) -> f64 {
+        let norm = |gravity: [f64; 3]| Vector3::from(gravity).norm();
+        self.gravity_changes.iter().map(|change| norm(change.gravity)).fold(norm(self.gravity), f64::max)
     }
 
     /// Coefficients of a contact between two materials; `wall` if the second one is a wall's.

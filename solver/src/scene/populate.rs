@@ -2,7 +2,7 @@
 
 use super::error::{Fault, Step};
 use super::{Domain, Population, RadiusDistribution, Region, Scene, SceneError, Shape};
-use crate::effects::period::Period;
+use crate::laws::period::Period;
 use nalgebra::Vector3;
 use rand_chacha::ChaCha8Rng;
 use rand_core::{RngCore, SeedableRng};

@@ -1,8 +1,7 @@
 //! Solver settings of a scene: one typed setting with one default for each choice.
 
-use crate::effects::compliance::NormalLaw;
-use crate::effects::spring::TangentialLaw;
 use crate::lanes::InstructionSet;
+use crate::laws::compliance::NormalLaw;
 use serde::{Deserialize, Serialize};
 
 /// Settings of the time step and of the contact solver.
@@ -58,6 +57,22 @@ impl Default for SolverSettings {
             warm_start: 1.0,
         }
     }
+}
+
+/// Law of a sticking contact across its normal.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum TangentialLaw {
+    /// No compliance.
+    #[default]
+    Rigid,
+    /// Spring capped by Coulomb's law; requires a compliant normal contact, Gauss-Seidel and double precision.
+    Spring {
+        /// Stiffness over that of the normal contact; default: Mindlin's, from Poisson's ratios.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        stiffness_ratio: Option<f64>,
+    },
 }
 
 /// Reach of a list beyond contact that is best for long steps, over the mean radius and the root of `h sqrt(g/r)`: measured on drum

@@ -1,8 +1,6 @@
 //! The tables of a scene file. Units are SI throughout: metres, seconds, kilograms, pascals, radians a second.
 
-use crate::effects::cohesion::Cohesion;
-use crate::effects::period::Period;
-use crate::effects::vibration::Vibration;
+use crate::laws::period::Period;
 use serde::{Deserialize, Serialize};
 
 pub(super) fn earth_gravity() -> [f64; 3] {
@@ -11,6 +9,17 @@ pub(super) fn earth_gravity() -> [f64; 3] {
 
 pub(super) fn first_seed() -> u64 {
     1
+}
+
+/// Value of gravity at a time.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct GravityChange {
+    /// Time, s.
+    pub time: f64,
+    /// Acceleration of gravity at that time, m/s2.
+    pub gravity: [f64; 3],
 }
 
 /// Volume of a sphere of a radius (m), m3.
@@ -79,105 +88,6 @@ impl Axis {
     pub fn name(self) -> &'static str {
         ["x", "y", "z"][self.number()]
     }
-}
-
-/// A material of grains or walls.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
-pub struct Material {
-    /// Mass density, kg/m3.
-    pub density: f64,
-    /// Young's modulus, Pa.
-    pub youngs_modulus: f64,
-    /// Poisson's ratio.
-    pub poisson_ratio: f64,
-    /// Coulomb friction coefficient.
-    pub friction: f64,
-    /// Coefficient of restitution, 0 to 1.
-    pub restitution: f64,
-    /// Coulomb friction coefficient of a sliding contact, at most `friction`; default: `friction`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub kinetic_friction: Option<f64>,
-    /// Impact speed up to which restitution is constant, m/s; beyond, it falls as the fourth root. Default: constant.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub restitution_speed: Option<f64>,
-    /// Coefficient of rolling friction: largest torque over effective radius times normal force. The effective radius is `r_a r_b / (r_a +
-    /// r_b)`, or the grain's radius at a wall.
-    #[serde(default, skip_serializing_if = "is_zero")]
-    pub rolling_friction: f64,
-    /// Coefficient of twisting friction: the same for the torque along the normal.
-    #[serde(default, skip_serializing_if = "is_zero")]
-    pub twisting_friction: f64,
-    /// Cohesion with nearby grains and walls.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub cohesion: Option<Cohesion>,
-}
-
-impl Default for Material {
-    /// Glass beads in a lab, softened: 2500 kg/m3, Young's modulus 10 MPa, Poisson's ratio 0.3, friction 0.5 and restitution 0.3; no
-    /// resistance to rolling or twisting, no cohesion.
-    fn default() -> Material {
-        Material {
-            density: 2500.0,
-            youngs_modulus: 1e7,
-            poisson_ratio: 0.3,
-            friction: 0.5,
-            restitution: 0.3,
-            kinetic_friction: None,
-            restitution_speed: None,
-            rolling_friction: 0.0,
-            twisting_friction: 0.0,
-            cohesion: None,
-        }
-    }
-}
-
-/// Coefficients of one pair of materials.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
-pub struct PairRule {
-    /// Names of the two materials, in any order.
-    pub between: [String; 2],
-    /// Coulomb friction coefficient of the pair.
-    pub friction: Option<f64>,
-    /// Coefficient of restitution of the pair.
-    pub restitution: Option<f64>,
-    /// Coulomb friction coefficient of the sliding pair; default: `friction` of this rule.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub kinetic_friction: Option<f64>,
-    /// Impact speed up to which the restitution of the pair is constant, m/s.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub restitution_speed: Option<f64>,
-    /// Coefficient of rolling friction of the pair.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub rolling_friction: Option<f64>,
-    /// Coefficient of twisting friction of the pair.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub twisting_friction: Option<f64>,
-    /// Cohesion of the pair.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub cohesion: Option<Cohesion>,
-}
-
-/// Coefficients of a contact of two materials by the scene's rules.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct ContactCoefficients {
-    /// Coulomb friction.
-    pub friction: f64,
-    /// Coulomb friction while it slides, no more than `friction`.
-    pub kinetic_friction: f64,
-    /// Restitution, 0 to 1.
-    pub restitution: f64,
-    /// Speed of impact beyond which restitution falls, m/s; infinite where it does not.
-    pub restitution_speed: f64,
-    /// Rolling friction, over the effective radius.
-    pub rolling_friction: f64,
-    /// Twisting friction, over the effective radius.
-    pub twisting_friction: f64,
-    /// Cohesion; two grains have it if both materials do, and then the weaker one.
-    pub cohesion: Option<Cohesion>,
 }
 
 /// A rigid wall with a material and a prescribed motion.
@@ -327,17 +237,6 @@ pub enum Motion {
 }
 
 impl Motion {
-    /// The vibration, if it is one.
-    #[inline(always)]
-    pub fn vibration(&self) -> Option<Vibration> {
-        match *self {
-            Motion::Vibrating { amplitude, frequency, start, stop } => {
-                Some(Vibration { amplitude, frequency, start, stop })
-            }
-            _ => None,
-        }
-    }
-
     /// Returns true if a force or a torque drives it.
     pub fn is_driven(&self) -> bool {
         matches!(self, Motion::ForceDriven { .. } | Motion::TorqueDriven { .. })

@@ -2,8 +2,8 @@
 
 use crate::Simulation;
 use crate::detect::Candidates;
-use crate::effects::cohesion::Pull;
-use crate::effects::compliance::{NormalContact, NormalLaw};
+use crate::laws::cohesion::Pull;
+use crate::laws::compliance::{NormalContact, NormalLaw};
 use crate::world::{INERTIA, World};
 use serde::{Deserialize, Serialize};
 

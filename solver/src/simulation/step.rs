@@ -1,6 +1,7 @@
 //! The time step.
 
 use super::{Simulation, StepReport};
+use crate::detect::MemoryOfTask;
 use crate::lanes::Quad;
 use crate::schedule::{Phase, StepTrace, Team};
 use crate::solve::{StopReason, solve};
@@ -160,7 +161,7 @@ impl Simulation {
         let (relaxation, layout) = (&self.relaxation, &self.layout);
         let (impulses, _) = self.candidates.impulses.shares();
         layout.plan.run_all(team, Phase::Integrate, impulses, |_, task, impulses| {
-            relaxation.remember(&layout.groups[task.number as usize], impulses.into());
+            relaxation.remember(&layout.groups[task.number as usize], impulses.map(MemoryOfTask::from));
         });
     }
 }

@@ -1,13 +1,12 @@
 //! Relaxation of contacts with driven walls, one after another: see [`drive`](crate::effects::drive).
 
 use super::Relaxation;
-use super::kernel::{Bodies, Contact};
+use super::kernel::{Bodies, Contact, Pair};
 use super::residual::{LaneResidual, MeasuredLevel, ResidualLevel, TaskResidual, with_level};
-use super::torques::Torque;
+use super::torques::Turning;
 use crate::effects::drive::Drive;
-use crate::effects::friction::disc_shrinkage;
-use crate::effects::{Effects, with_effects};
-use crate::groups::WallGroup;
+use crate::effects::term::TermState;
+use crate::groups::{Effects, WallGroup, with_effects};
 use crate::lanes::{Eight, cross, dot, minus, plus, times};
 use crate::partition::{DrivenContact, Layout, TaskGroups};
 use crate::world::Body;
@@ -56,10 +55,10 @@ fn relax<E: Effects, G: MeasuredLevel>(
     let group = &mut task.walls[number];
     let body = &mut bodies[group.body[lane] as usize];
     let (mut grain, mut residual) = (Bodies::of(body), LaneResidual::zero());
-    let mut contact = Contact::read(&group.contacts, |eight| eight.0[lane]);
+    let mut contact = Contact::<f64, E>::read(&group.contacts, |eight| eight.0[lane]);
     let along = dot(contact.normal, one.jacobian);
     // Normal impulse, projected onto repulsion.
-    let velocity = contact.velocity_at_wall::<E>(&grain, one.velocity(drive.rate));
+    let velocity = contact.velocity(&Pair::with_wall(&grain, one.velocity(drive.rate)));
     let operator = grain.inverse_mass + drive.inverse_inertia * along * along + contact.regularisation;
     let violation = contact.bias - dot(contact.normal, velocity) - contact.regularisation * contact.impulse_normal;
     let updated = (contact.impulse_normal + factor * violation / operator).max(0.0);
@@ -71,16 +70,12 @@ fn relax<E: Effects, G: MeasuredLevel>(
         residual.add_normal::<G>(change * operator);
     }
     if E::FRICTION {
-        // Tangential impulse, projected onto the Coulomb disc, at the velocity that the normal impulse has left.
-        let velocity = contact.velocity_at_wall::<E>(&grain, one.velocity(drive.rate));
+        // Tangential impulse, at the velocity that the normal impulse has left.
+        let velocity = contact.velocity(&Pair::with_wall(&grain, one.velocity(drive.rate)));
         let tangential = minus(velocity, times(contact.normal, dot(contact.normal, velocity)));
         let across = (dot(one.jacobian, one.jacobian) - along * along).max(0.0);
-        let operator = contact.tangential_operator::<E>(grain.inverse_mass) + drive.inverse_inertia * across;
-        let sliding = contact.sliding::<E>(tangential);
-        let target = minus(contact.impulse_tangential, times(sliding, factor / operator));
-        let projected = times(target, disc_shrinkage(target, contact.friction * updated));
-        let change = minus(projected, contact.impulse_tangential);
-        contact.impulse_tangential = projected;
+        let operator = contact.tangential_operator(grain.inverse_mass) + drive.inverse_inertia * across;
+        let change = contact.tangential.relax((contact.normal, updated), tangential, operator, factor);
         grain.push::<E>(-1.0, change, cross(contact.normal, change));
         drive.push(dot(one.jacobian, change));
         if G::ANY {
@@ -89,18 +84,17 @@ fn relax<E: Effects, G: MeasuredLevel>(
     }
     if E::TORQUES {
         let axis: [f64; 3] = drive.turning().into();
-        let torques = &mut task.wall_torques[number].torques;
-        let mut torque = Torque::read(torques, |eight| eight.0[lane]);
-        let spin = minus(times(axis, drive.rate), grain.spin());
-        let operator = grain.inverse_inertia() + drive.inverse_inertia * dot(axis, axis);
-        let bearing = (contact.normal, contact.impulse_normal);
-        let change = torque.relax::<E, G>(bearing, spin, operator, grain.inverse_radius, factor, &mut residual);
+        let lanes = &mut task.wall_torques[number].torques;
+        let mut torque = TermState::<f64, E::Torque<f64>>::angular(lanes, |eight| eight.0[lane]);
+        let mut turning = Turning::with_wall(&grain, times(axis, drive.rate));
+        turning.operator += drive.inverse_inertia * dot(axis, axis);
+        let change = turning.relax::<G>(&mut torque, (contact.normal, updated), factor, &mut residual);
         grain.turn(-1.0, change);
         drive.push(dot(axis, change));
-        torque.write(torques, |value, eight: &mut Eight| eight.0[lane] = value);
+        torque.write(&mut lanes.impulse, |value, eight: &mut Eight| eight.0[lane] = value);
     }
     grain.put::<E>(body);
-    contact.write::<E, _, _>(&mut group.contacts, |value, eight: &mut Eight| eight.0[lane] = value);
+    contact.write(&mut group.contacts, |value, eight: &mut Eight| eight.0[lane] = value);
     residual
 }
 

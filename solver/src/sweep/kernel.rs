@@ -16,9 +16,8 @@
 //! and `S_t + Sigma_t` stand for u_t and S_t ([`spring`](crate::effects::spring)).
 
 use super::residual::{LaneResidual, MeasuredLevel};
-use crate::effects::Effects;
-use crate::effects::friction::disc_shrinkage;
-use crate::groups::{ContactLanes, PairGroup, Tangential};
+use crate::effects::term::{Tangential, TangentialTerm, TermState};
+use crate::groups::{ContactLanes, ContactLayout, Effects, PairGroup};
 use crate::lanes::{LANES, Lanes, Number, SINGLE_LANES, SingleLanes, Slots, TaskSlots, cross, dot, minus, plus, times};
 use crate::partition::SingleBody;
 use crate::world::{Body, INVERSE_INERTIA};
@@ -98,7 +97,7 @@ impl<N: Number> Bodies<N> {
     }
 }
 
-/// Relative motion of the two bodies of a contact.
+/// Relative motion of the two sides of a contact.
 #[derive(Clone, Copy)]
 pub(crate) struct Pair<N> {
     /// Velocity of the second less that of the first, m/s.
@@ -118,6 +117,13 @@ impl<N: Number> Pair<N> {
             inverse_mass: first.inverse_mass + second.inverse_mass,
             scaled_spin: plus(first.scaled_spin, second.scaled_spin),
         }
+    }
+
+    /// Of a grain and a wall that moves with `wall_velocity` (m/s) at their contact.
+    #[inline(always)]
+    pub fn with_wall(grain: &Bodies<N>, wall_velocity: [N; 3]) -> Self {
+        let Bodies { velocity, inverse_mass, scaled_spin, .. } = *grain;
+        Self { velocity: minus(wall_velocity, velocity), inverse_mass, scaled_spin }
     }
 }
 
@@ -170,91 +176,54 @@ pub(super) fn push_each<L: Lanes, E: Effects>(
     }
 }
 
-/// Constraint data and impulses of one contact, or of eight.
-#[derive(Clone, Copy)]
-pub(crate) struct Contact<N> {
-    pub normal: [N; 3],
-    pub bias: N,
-    pub regularisation: N,
-    pub friction: N,
-    pub impulse_normal: N,
-    pub impulse_tangential: [N; 3],
-    pub spring: Spring<N>,
-}
+/// Constraint data and impulses of one contact, or of eight, in a kernel that is compiled for effects `E`.
+pub(crate) type Contact<N, E> = ContactLanes<N, TermState<N, <<E as Effects>::Tangential as ContactLayout>::Term<N>>>;
 
-/// The tangential spring of one contact, or of eight; nothing where kernels are compiled without.
-#[derive(Clone, Copy)]
-pub(crate) struct Spring<N> {
-    pub compliance: N,
-    pub bias: [N; 3],
-}
-
-impl<N: Number> Contact<N> {
+impl<N: Number, T: TangentialTerm<N>> ContactLanes<N, TermState<N, T>> {
     /// Reads a contact, number by number.
     #[inline(always)]
-    pub fn read<S, T: Tangential<S>>(contacts: &ContactLanes<S, T>, number: impl Fn(&S) -> N) -> Self {
-        let (friction, impulse_tangential) = match contacts.tangential.lanes() {
-            Some(lanes) => (number(&lanes.coefficient), lanes.impulse.each_ref().map(&number)),
-            None => (N::zero(), [N::zero(); 3]),
-        };
-        let spring = contacts
-            .tangential
-            .spring()
-            .map(|terms| Spring { compliance: number(&terms.compliance), bias: terms.bias.each_ref().map(&number) });
-        Self {
+    pub(crate) fn read<S>(contacts: &ContactLanes<S, impl Tangential<S>>, number: impl Fn(&S) -> N) -> Self {
+        ContactLanes {
             normal: contacts.normal.each_ref().map(&number),
             bias: number(&contacts.bias),
             regularisation: number(&contacts.regularisation),
-            friction,
             impulse_normal: number(&contacts.impulse_normal),
-            impulse_tangential,
-            spring: spring.unwrap_or(Spring { compliance: N::zero(), bias: [N::zero(); 3] }),
+            tangential: TermState::across(&contacts.tangential, number),
         }
     }
 
     /// Writes its impulses back.
     #[inline(always)]
-    pub fn write<E: Effects, S, T: Tangential<S>>(
-        &self,
-        contacts: &mut ContactLanes<S, T>,
-        number: impl Fn(N, &mut S),
-    ) {
+    pub(crate) fn write<S>(&self, contacts: &mut ContactLanes<S, impl Tangential<S>>, number: impl Fn(N, &mut S)) {
         number(self.impulse_normal, &mut contacts.impulse_normal);
-        if E::FRICTION
+        if T::ACTS
             && let Some(lanes) = contacts.tangential.lanes_mut()
         {
-            for axis in 0..3 {
-                number(self.impulse_tangential[axis], &mut lanes.impulse[axis]);
-            }
+            self.tangential.write(&mut lanes.impulse, number);
         }
     }
 
     /// Its impulse as a vector.
     #[inline(always)]
-    pub fn impulse(&self) -> [N; 3] {
-        plus(self.impulse_tangential, times(self.normal, self.impulse_normal))
+    pub(crate) fn impulse(&self) -> [N; 3] {
+        plus(self.tangential.impulse, times(self.normal, self.impulse_normal))
     }
 
-    /// Operator across the normal: `S_t = 3.5 S_n` for solid spheres, and the spring's compliance.
+    /// Radius of the Coulomb disc, N s.
     #[inline(always)]
-    pub fn tangential_operator<E: Effects>(&self, inverse_mass: N) -> N {
-        let operator = inverse_mass * N::splat(1.0 + INVERSE_INERTIA);
-        if E::SPRING { operator + self.spring.compliance } else { operator }
+    pub(crate) fn disc(&self) -> N {
+        self.tangential.term.coefficient() * self.impulse_normal
     }
 
-    /// Residual of sticking across the normal, given the velocity there: that, or the spring's law.
+    /// Operator across the normal: `S_t = 3.5 S_n` for solid spheres, and what the tangential term adds.
     #[inline(always)]
-    pub fn sliding<E: Effects>(&self, tangential: [N; 3]) -> [N; 3] {
-        if !E::SPRING {
-            return tangential;
-        }
-        let given = times(self.impulse_tangential, self.spring.compliance);
-        plus(tangential, minus(given, self.spring.bias))
+    pub(crate) fn tangential_operator(&self, inverse_mass: N) -> N {
+        self.tangential.term.operator(inverse_mass * N::splat(1.0 + INVERSE_INERTIA))
     }
 
     /// The one-contact solution: updates the impulses and returns the change.
     #[inline(always)]
-    pub fn relax<E: Effects, G: MeasuredLevel>(
+    pub(crate) fn relax<G: MeasuredLevel>(
         &mut self,
         velocity: [N; 3],
         inverse_mass: N,
@@ -273,15 +242,11 @@ impl<N: Number> Contact<N> {
             residual.add_normal::<G>(change * operator);
         }
         let mut impulse = times(normal, change);
-        if E::FRICTION {
-            // Tangential impulse, projected onto the Coulomb disc.
-            let operator = self.tangential_operator::<E>(inverse_mass);
-            let step = -(relaxation / operator);
-            let tangential = self.sliding::<E>(minus(velocity, times(normal, normal_velocity)));
-            let target = plus(self.impulse_tangential, times(tangential, step));
-            let projected = times(target, disc_shrinkage(target, self.friction * updated));
-            let change = minus(projected, self.impulse_tangential);
-            self.impulse_tangential = projected;
+        if T::ACTS {
+            // Tangential impulse.
+            let operator = self.tangential_operator(inverse_mass);
+            let across = minus(velocity, times(normal, normal_velocity));
+            let change = self.tangential.relax((normal, updated), across, operator, relaxation);
             impulse = plus(impulse, change);
             if G::ANY {
                 residual.add_tangential::<G>(normal, times(change, operator));
@@ -290,49 +255,24 @@ impl<N: Number> Contact<N> {
         impulse
     }
 
-    /// Relative velocity of two grains at their contact.
+    /// Relative velocity at the contact of two sides that move so.
     #[inline(always)]
-    pub fn velocity_of_pair<E: Effects>(&self, pair: &Pair<N>) -> [N; 3] {
-        if !E::FRICTION {
+    pub(crate) fn velocity(&self, pair: &Pair<N>) -> [N; 3] {
+        if !T::ACTS {
             return pair.velocity;
         }
         minus(pair.velocity, cross(pair.scaled_spin, self.normal))
     }
 
-    /// Relative velocity of a grain and a wall that moves with `wall_velocity` at their contact.
+    /// Relaxes the contact of two sides that move so: the impulse P for the second one, and its lever n x P.
     #[inline(always)]
-    pub fn velocity_at_wall<E: Effects>(&self, grain: &Bodies<N>, wall_velocity: [N; 3]) -> [N; 3] {
-        let velocity = minus(wall_velocity, grain.velocity);
-        if !E::FRICTION {
-            return velocity;
-        }
-        minus(velocity, cross(grain.scaled_spin, self.normal))
-    }
-
-    /// Relaxes a contact of two grains: the impulse P for the second one, and its lever n x P.
-    #[inline(always)]
-    pub fn relax_pair<E: Effects, G: MeasuredLevel>(
+    pub(crate) fn relax_with_lever<G: MeasuredLevel>(
         &mut self,
         pair: &Pair<N>,
         relaxation: N,
         residual: &mut LaneResidual<N>,
     ) -> [[N; 3]; 2] {
-        let velocity = self.velocity_of_pair::<E>(pair);
-        let impulse = self.relax::<E, G>(velocity, pair.inverse_mass, relaxation, residual);
-        [impulse, cross(self.normal, impulse)]
-    }
-
-    /// Relaxes a contact of a grain with a wall that moves with `wall_velocity` there: the impulse P for the wall, and n x P.
-    #[inline(always)]
-    pub fn relax_wall<E: Effects, G: MeasuredLevel>(
-        &mut self,
-        grain: &Bodies<N>,
-        wall_velocity: [N; 3],
-        relaxation: N,
-        residual: &mut LaneResidual<N>,
-    ) -> [[N; 3]; 2] {
-        let velocity = self.velocity_at_wall::<E>(grain, wall_velocity);
-        let impulse = self.relax::<E, G>(velocity, grain.inverse_mass, relaxation, residual);
+        let impulse = self.relax::<G>(self.velocity(pair), pair.inverse_mass, relaxation, residual);
         [impulse, cross(self.normal, impulse)]
     }
 }

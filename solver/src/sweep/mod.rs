@@ -7,15 +7,16 @@ mod residual;
 mod single;
 mod torques;
 
-use crate::detect::{AngularImpulse, Impulse, ImpulsesOfTask};
-use crate::effects::{EffectSet, Effects, Frictionless, with_effects};
+use crate::detect::{AngularImpulse, Impulse, MemoryOfTask};
+use crate::effects::EffectSet;
+use crate::effects::resistance::TorqueLanes;
+use crate::effects::spring::SpringLanes;
+use crate::effects::term::{Tangential, TermState};
 use crate::groups::{
-    ContactLanes, ContactLayout, ImpactLanes, ImpactMemory, PairGroup, Sources, Tangential, TorqueLanes, WallGroup,
-    WallTorqueLanes, with_pairs,
+    ContactLanes, ContactLayout, Effects, Frictionless, ImpactLanes, ImpactMemory, PairGroup, Sources, WallGroup,
+    WallTorqueLanes, with_effects, with_pairs,
 };
-use crate::lanes::{
-    Available, Eight, Kernel, LANES, Lanes, Number, PREFETCH, TaskSlots, cross, prefetch_places, times,
-};
+use crate::lanes::{Available, Eight, Kernel, LANES, Lanes, PREFETCH, TaskSlots, cross, prefetch_places, times};
 use crate::partition::{ByBodies, ByNumber, ByPlace, Plan, SingleCopy, TaskGroups, TaskShares, overlapped};
 use crate::schedule::{Phase, Team};
 use crate::world::Body;
@@ -26,7 +27,7 @@ use residual::{MeasuredLevel, with_level};
 pub use residual::{Residual, Residuals};
 use std::marker::PhantomData;
 
-pub(crate) use torques::Torque;
+pub(crate) use torques::Turning;
 
 /// The relaxation that a scene calls for, on the instruction set that was chosen.
 #[derive(Clone, Copy, Debug)]
@@ -65,7 +66,7 @@ struct Pull<'a> {
 /// Keeps a task's impulses and impacts with the candidates that its contacts came from.
 struct Remember<'a> {
     groups: &'a TaskGroups,
-    impulses: ImpulsesOfTask<'a>,
+    memory: [MemoryOfTask<'a>; 2],
     /// True if there are tangential springs.
     springs: bool,
 }
@@ -97,11 +98,11 @@ impl Relaxation {
     }
 
     /// Keeps a task's impulses, angular ones too where there are any, with the candidates that its contacts came from.
-    pub(crate) fn remember(&self, groups: &TaskGroups, impulses: ImpulsesOfTask<'_>) {
+    pub(crate) fn remember(&self, groups: &TaskGroups, memory: [MemoryOfTask<'_>; 2]) {
         let springs = self.effects.spring();
-        self.instruction_set.run(Remember { groups, impulses, springs });
+        self.instruction_set.run(Remember { groups, memory, springs });
         if self.effects.torques() {
-            remember_torques(groups, impulses);
+            remember_torques(groups, memory);
         }
     }
 }
@@ -123,10 +124,10 @@ impl<E: Effects, G: MeasuredLevel> Kernel for Sweep<'_, E, G> {
         let prescribed = self.groups.prescribed_walls();
         for (number, group) in self.groups.walls[..prescribed].iter_mut().enumerate() {
             let mut grain = Bodies::<L>::load::<E>(self.bodies.to_read(), &group.body);
-            let mut contact = Contact::read(&group.contacts, L::load);
+            let mut contact = Contact::<L, E>::read(&group.contacts, L::load);
             let wall_velocity = group.wall_velocity.each_ref().map(L::load);
-            let push = contact.relax_wall::<E, G>(&grain, wall_velocity, factor, &mut residual);
-            contact.write::<E, _, _>(&mut group.contacts, L::store);
+            let push = contact.relax_with_lever::<G>(&Pair::with_wall(&grain, wall_velocity), factor, &mut residual);
+            contact.write(&mut group.contacts, L::store);
             if !E::TORQUES {
                 push_each::<L, E>(self.bodies, &group.body, -1.0, push);
                 continue;
@@ -134,11 +135,12 @@ impl<E: Effects, G: MeasuredLevel> Kernel for Sweep<'_, E, G> {
             // The torque of the contact, at the spin that the impulse has left.
             grain.push::<E>(-1.0, push[0], push[1]);
             let WallTorqueLanes { wall_spin, torques } = &mut self.groups.wall_torques[number];
-            let mut torque = Torque::read(torques, L::load);
+            let mut torque = TermState::<L, E::Torque<L>>::angular(torques, L::load);
             let bearing = (contact.normal, contact.impulse_normal);
             let wall_spin = wall_spin.each_ref().map(L::load);
-            torque.relax_wall::<E, G>(bearing, &mut grain, wall_spin, factor, &mut residual);
-            torque.write(torques, L::store);
+            let turning = Turning::with_wall(&grain, wall_spin);
+            grain.turn(-1.0, turning.relax::<G>(&mut torque, bearing, factor, &mut residual));
+            torque.write(&mut torques.impulse, L::store);
             grain.store::<E>(self.bodies, &group.body);
         }
         if G::ANY {
@@ -159,38 +161,36 @@ impl<E: Effects> Kernel for Start<'_, E> {
                 prefetch_places(self.bodies.as_ptr(), &ahead.second);
             }
             // Impulses of the last step, with their levers.
-            let contact = Contact::read(&group.contacts, L::load);
+            let contact = Contact::<L, E>::read(&group.contacts, L::load);
             let impulse = contact.impulse();
             let lever = cross(contact.normal, impulse);
-            if !E::TORQUES {
-                Pair::push::<E>(self.bodies, group, [impulse, lever]);
-                continue;
+            Pair::push::<E>(self.bodies, group, [impulse, lever]);
+            if E::TORQUES {
+                let angular = TermState::<L, E::Torque<L>>::angular(&self.groups.pair_torques[number], L::load).impulse;
+                turn_each::<L, E>(self.bodies, &group.first, -1.0, angular);
+                turn_each::<L, E>(self.bodies, &group.second, 1.0, angular);
             }
-            let mut first = Bodies::<L>::load::<E>(self.bodies.to_read(), &group.first);
-            let mut second = Bodies::<L>::load::<E>(self.bodies.to_read(), &group.second);
-            first.push::<E>(-1.0, impulse, lever);
-            second.push::<E>(1.0, impulse, lever);
-            // Angular impulses of the last step.
-            let angular_impulse = Torque::read(&self.groups.pair_torques[number], L::load).impulse;
-            first.turn(-1.0, angular_impulse);
-            second.turn(1.0, angular_impulse);
-            first.store::<E>(self.bodies, &group.first);
-            second.store::<E>(self.bodies, &group.second);
         }
         for (number, group) in self.groups.walls.iter().enumerate() {
-            let contact = Contact::read(&group.contacts, L::load);
+            let contact = Contact::<L, E>::read(&group.contacts, L::load);
             let impulse = contact.impulse();
             let lever = cross(contact.normal, impulse);
-            if !E::TORQUES {
-                push_each::<L, E>(self.bodies, &group.body, -1.0, [impulse, lever]);
-                continue;
+            push_each::<L, E>(self.bodies, &group.body, -1.0, [impulse, lever]);
+            if E::TORQUES {
+                let torques = &self.groups.wall_torques[number].torques;
+                let angular = TermState::<L, E::Torque<L>>::angular(torques, L::load).impulse;
+                turn_each::<L, E>(self.bodies, &group.body, -1.0, angular);
             }
-            let mut grain = Bodies::<L>::load::<E>(self.bodies.to_read(), &group.body);
-            grain.push::<E>(-1.0, impulse, lever);
-            grain.turn(-1.0, Torque::read(&self.groups.wall_torques[number].torques, L::load).impulse);
-            grain.store::<E>(self.bodies, &group.body);
         }
     }
+}
+
+/// Gives eight bodies in memory `sign` times an angular impulse.
+#[inline(always)]
+fn turn_each<L: Lanes, E: Effects>(bodies: TaskSlots<'_, Body>, places: &[u32; LANES], sign: f64, impulse: [L; 3]) {
+    let mut turned = Bodies::<L>::load::<E>(bodies.to_read(), places);
+    turned.turn(sign, impulse);
+    turned.store::<E>(bodies, places);
 }
 
 impl Kernel for Pull<'_> {
@@ -200,19 +200,13 @@ impl Kernel for Pull<'_> {
     fn run<L: Lanes>(self) {
         let TaskGroups { pairs, pair_pulls, walls, wall_pulls, .. } = self.groups;
         with_pairs!(pairs, pairs => for (group, pulls) in pairs.iter().zip(pair_pulls) {
-            let mut first = Bodies::<L>::load::<Frictionless>(self.bodies.to_read(), &group.first);
-            let mut second = Bodies::<L>::load::<Frictionless>(self.bodies.to_read(), &group.second);
             let pull = times(group.contacts.normal.each_ref().map(L::load), L::load(pulls));
-            first.push::<Frictionless>(1.0, pull, pull);
-            second.push::<Frictionless>(-1.0, pull, pull);
-            first.store::<Frictionless>(self.bodies, &group.first);
-            second.store::<Frictionless>(self.bodies, &group.second);
+            push_each::<L, Frictionless>(self.bodies, &group.first, 1.0, [pull, pull]);
+            push_each::<L, Frictionless>(self.bodies, &group.second, -1.0, [pull, pull]);
         });
         for (group, pulls) in walls.iter().zip(wall_pulls) {
-            let mut grain = Bodies::<L>::load::<Frictionless>(self.bodies.to_read(), &group.body);
             let pull = times(group.contacts.normal.each_ref().map(L::load), L::load(pulls));
-            grain.push::<Frictionless>(1.0, pull, pull);
-            grain.store::<Frictionless>(self.bodies, &group.body);
+            push_each::<L, Frictionless>(self.bodies, &group.body, 1.0, [pull, pull]);
         }
     }
 }
@@ -223,42 +217,38 @@ impl Kernel for Remember<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let TaskGroups { pairs, pair_sources, pair_impacts, walls, wall_sources, wall_impacts, .. } = self.groups;
+        let [of_pairs, of_walls] = self.memory;
         with_pairs!(pairs, pairs => for (group, sources) in pairs.iter().zip(pair_sources) {
-            remember::<L, _>(&group.contacts, sources, self.impulses.pairs, self.springs);
+            remember::<L, _>(&group.contacts, &group.contacts.tangential, sources, of_pairs.impulses);
         });
         for (group, sources) in walls.iter().zip(wall_sources) {
-            remember::<L, _>(&group.contacts, sources, self.impulses.walls, self.springs);
+            let SpringLanes { friction, .. } = &group.contacts.tangential;
+            match self.springs {
+                true => remember::<L, _>(&group.contacts, &group.contacts.tangential, sources, of_walls.impulses),
+                false => remember::<L, _>(&group.contacts, friction, sources, of_walls.impulses),
+            }
         }
-        remember_impacts(pair_impacts, pair_sources, self.impulses.pair_impacts);
-        remember_impacts(wall_impacts, wall_sources, self.impulses.wall_impacts);
+        remember_impacts(pair_impacts, pair_sources, of_pairs.impacts);
+        remember_impacts(wall_impacts, wall_sources, of_walls.impacts);
     }
 }
 
-/// Keeps the impulses of a lane group; see [`Relaxation::remember`]. What an impact bore that was over within the step is no load of a
-/// spring.
+/// Stores the impulses of a lane group with its candidates, those across the normals by their term.
 #[inline(always)]
 fn remember<L: Lanes, T: Tangential>(
-    contacts: &ContactLanes<Eight, T>,
+    contacts: &ContactLanes<Eight, impl Tangential>,
+    term: &T,
     sources: &Sources,
     impulses: TaskSlots<'_, Impulse>,
-    springs: bool,
 ) {
-    let spring = if springs { contacts.tangential.spring() } else { None };
     if sources.is_full() {
         // All lanes at once.
-        let contact = Contact::read(contacts, L::load);
-        let mut tangential = contact.impulse_tangential;
-        if let Some(spring) = spring {
-            let springy = <L as Number>::zero().below(L::load(&spring.compliance));
-            tangential = tangential.map(|component| L::select(springy, component, <L as Number>::zero()));
-        }
-        let [x, y, z] = tangential;
-        impulses.store_quads(&sources.or(u32::MAX), [contact.impulse_normal, x, y, z]);
+        let [x, y, z] = term.remembered(L::load);
+        impulses.store_quads(&sources.or(u32::MAX), [L::load(&contacts.impulse_normal), x, y, z]);
     } else {
         // Padding lanes have no candidate.
         for (lane, candidate) in sources.occupied() {
-            let springy = spring.is_none_or(|spring| spring.compliance.0[lane] > 0.0);
-            let tangential = if springy { contacts.tangential_impulse(lane) } else { [0.0; 3] };
+            let tangential = term.remembered(|eight| eight.0[lane]);
             impulses.set(candidate as u32, Impulse { normal: contacts.normal_impulse(lane), tangential });
         }
     }
@@ -275,11 +265,11 @@ fn remember_impacts(groups: &[ImpactLanes], sources: &[Sources], impacts: TaskSl
 }
 
 /// Keeps the angular impulses of a task's contacts.
-fn remember_torques(groups: &TaskGroups, impulses: ImpulsesOfTask<'_>) {
+fn remember_torques(groups: &TaskGroups, [of_pairs, of_walls]: [MemoryOfTask<'_>; 2]) {
     let TaskGroups { pair_torques, pair_sources, wall_torques, wall_sources, .. } = groups;
-    let pairs = pair_torques.iter().zip(pair_sources).map(|both| (both, impulses.pair_torques));
+    let pairs = pair_torques.iter().zip(pair_sources).map(|both| (both, of_pairs.torques));
     let walls = wall_torques.iter().map(|group| &group.torques).zip(wall_sources);
-    for ((torques, sources), impulses) in pairs.chain(walls.map(|both| (both, impulses.wall_torques))) {
+    for ((torques, sources), impulses) in pairs.chain(walls.map(|both| (both, of_walls.torques))) {
         for (lane, candidate) in sources.occupied() {
             impulses.set(candidate as u32, AngularImpulse(torques.angular_impulse(lane)));
         }

@@ -3,9 +3,9 @@
 use super::Sweep;
 use super::kernel::{Bodies, Contact, Pair};
 use super::residual::{LaneResidual, MeasuredLevel};
-use super::torques::Torque;
-use crate::effects::Effects;
-use crate::groups::{ContactLayout, PairGroup};
+use super::torques::Turning;
+use crate::effects::term::TermState;
+use crate::groups::{ContactLayout, Effects, PairGroup};
 use crate::lanes::{Lanes, prefetch_lines, prefetch_places};
 use crate::partition::TaskGroups;
 
@@ -18,37 +18,39 @@ impl<E: Effects, G: MeasuredLevel> Sweep<'_, E, G> {
         for number in 0..pairs.len() {
             fetch(self.bodies.as_ptr(), pairs, number, self.prefetch);
             let group = &mut pairs[number];
-            let mut contact = Contact::read(&group.contacts, L::load);
+            let mut contact = Contact::<L, E>::read(&group.contacts, L::load);
             // Without spin there are registers enough to keep the bodies until they are written.
             if !E::FRICTION {
                 let (pair, kept) = Pair::<L>::load_keeping(self.bodies.to_read(), group);
-                let [impulse, _] = contact.relax_pair::<E, G>(&pair, factor, residual);
+                let [impulse, _] = contact.relax_with_lever::<G>(&pair, factor, residual);
                 Pair::push_kept(self.bodies, group, kept, impulse);
-                contact.write::<E, _, _>(&mut group.contacts, L::store);
+                contact.write(&mut group.contacts, L::store);
                 continue;
             }
             // Torques need both bodies' spins; else what they do together is enough, and bodies stay in memory.
             if !E::TORQUES {
                 let pair = Pair::<L>::load::<E>(self.bodies.to_read(), group);
-                let push = contact.relax_pair::<E, G>(&pair, factor, residual);
+                let push = contact.relax_with_lever::<G>(&pair, factor, residual);
                 Pair::push::<E>(self.bodies, group, push);
-                contact.write::<E, _, _>(&mut group.contacts, L::store);
+                contact.write(&mut group.contacts, L::store);
                 continue;
             }
             let mut first = Bodies::<L>::load::<E>(self.bodies.to_read(), &group.first);
             let mut second = Bodies::<L>::load::<E>(self.bodies.to_read(), &group.second);
             let pair = Pair::of(&first, &second);
-            let [impulse, lever] = contact.relax_pair::<E, G>(&pair, factor, residual);
+            let [impulse, lever] = contact.relax_with_lever::<G>(&pair, factor, residual);
             first.push::<E>(-1.0, impulse, lever);
             second.push::<E>(1.0, impulse, lever);
             let torques = &mut pair_torques[number];
-            let mut torque = Torque::read(torques, L::load);
+            let mut torque = TermState::<L, E::Torque<L>>::angular(torques, L::load);
             let bearing = (contact.normal, contact.impulse_normal);
-            torque.relax_pair::<E, G>(bearing, &mut first, &mut second, factor, residual);
-            torque.write(torques, L::store);
+            let change = Turning::of(&first, &second).relax::<G>(&mut torque, bearing, factor, residual);
+            first.turn(-1.0, change);
+            second.turn(1.0, change);
+            torque.write(&mut torques.impulse, L::store);
             first.store::<E>(self.bodies, &group.first);
             second.store::<E>(self.bodies, &group.second);
-            contact.write::<E, _, _>(&mut group.contacts, L::store);
+            contact.write(&mut group.contacts, L::store);
         }
     }
 
@@ -75,9 +77,9 @@ impl<E: Effects, G: MeasuredLevel> Sweep<'_, E, G> {
             relaxed = None;
             if let Some((number, pair)) = read {
                 let contacts = &mut pairs[number].contacts;
-                let mut contact = Contact::read(contacts, L::load);
-                relaxed = Some((number, contact.relax_pair::<E, G>(&pair, factor, residual)));
-                contact.write::<E, _, _>(contacts, L::store);
+                let mut contact = Contact::<L, E>::read(contacts, L::load);
+                relaxed = Some((number, contact.relax_with_lever::<G>(&pair, factor, residual)));
+                contact.write(contacts, L::store);
             }
             if let Some((number, push)) = before {
                 Pair::push::<E>(self.bodies, &pairs[number], push);

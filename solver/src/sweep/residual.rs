@@ -57,46 +57,28 @@ pub(crate) trait MeasuredLevel {
     const DIRECTIONS: bool;
 }
 
+/// One level.
+pub(crate) struct Compiled<const ANY: bool, const DIRECTIONS: bool>;
 /// [`ResidualLevel::Off`].
-pub(crate) struct Off;
+pub(crate) type Off = Compiled<false, false>;
 /// [`ResidualLevel::Total`].
-pub(crate) struct Total;
+pub(crate) type Total = Compiled<true, false>;
 /// [`ResidualLevel::Directions`].
-pub(crate) struct Directions;
+pub(crate) type Directions = Compiled<true, true>;
 
-impl MeasuredLevel for Off {
-    const ANY: bool = false;
-    const DIRECTIONS: bool = false;
-}
-
-impl MeasuredLevel for Total {
-    const ANY: bool = true;
-    const DIRECTIONS: bool = false;
-}
-
-impl MeasuredLevel for Directions {
-    const ANY: bool = true;
-    const DIRECTIONS: bool = true;
+impl<const ANY: bool, const DIRECTIONS: bool> MeasuredLevel for Compiled<ANY, DIRECTIONS> {
+    const ANY: bool = ANY;
+    const DIRECTIONS: bool = DIRECTIONS;
 }
 
 /// Evaluates an expression for the level that a value names.
 macro_rules! with_level {
-    ($level:expr, $compiled:ident => $body:expr) => {{
-        use $crate::sweep::residual::{Directions, Off, ResidualLevel, Total};
-        match $level {
-            ResidualLevel::Off => {
-                type $compiled = Off;
-                $body
-            }
-            ResidualLevel::Total => {
-                type $compiled = Total;
-                $body
-            }
-            ResidualLevel::Directions => {
-                type $compiled = Directions;
-                $body
-            }
-        }
+    ($level:expr, $compiled:ident => $body:expr) => {
+        $crate::sweep::residual::with_level!($level, $compiled => $body; Off, Total, Directions)
+    };
+    ($level:expr, $compiled:ident => $body:expr; $($each:ident),*) => {{
+        use $crate::sweep::residual::{self, ResidualLevel};
+        match $level { $(ResidualLevel::$each => { type $compiled = residual::$each; $body })* }
     }};
 }
 pub(super) use with_level;

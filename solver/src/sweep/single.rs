@@ -3,7 +3,7 @@
 use super::Relaxation;
 use super::kernel::{Bodies, Contact, Pair};
 use super::residual::{LaneResidual, MeasuredLevel, ResidualLevel, TaskResidual, with_level};
-use crate::effects::{Effects, with_tangential};
+use crate::groups::{Effects, Frictional, Frictionless};
 use crate::lanes::{Kernel, Lanes, Number, SingleLanes, TaskSlots, prefetch_lines, prefetch_places};
 use crate::partition::{SingleBody, SingleGroups, SinglePairGroup};
 use std::marker::PhantomData;
@@ -28,10 +28,11 @@ impl Relaxation {
         level: ResidualLevel,
         residual: &mut TaskResidual,
     ) {
-        // Scenes with torques are refused single precision when they are read.
-        with_level!(level, G => with_tangential!(self.effects, E => {
-            self.run_single::<E, G>(bodies, groups, factor, residual)
-        }));
+        // Scenes with torques or springs are refused single precision when they are read.
+        with_level!(level, G => match self.effects.tangential() {
+            true => self.run_single::<Frictional, G>(bodies, groups, factor, residual),
+            false => self.run_single::<Frictionless, G>(bodies, groups, factor, residual),
+        });
     }
 
     fn run_single<E: Effects, G: MeasuredLevel>(
@@ -67,23 +68,24 @@ impl<E: Effects, G: MeasuredLevel> Kernel for SingleSweep<'_, E, G> {
             let group = &mut pairs[number];
             let mut first = Bodies::<L::Single>::load_single(self.bodies.to_read(), &group.first);
             let mut second = Bodies::<L::Single>::load_single(self.bodies.to_read(), &group.second);
-            let mut contact = Contact::read(&group.contacts, L::Single::load);
+            let mut contact = Contact::<L::Single, E>::read(&group.contacts, L::Single::load);
             let pair = Pair::of(&first, &second);
-            let [impulse, lever] = contact.relax_pair::<E, G>(&pair, factor, &mut residual);
+            let [impulse, lever] = contact.relax_with_lever::<G>(&pair, factor, &mut residual);
             first.push::<E>(-1.0, impulse, lever);
             second.push::<E>(1.0, impulse, lever);
             first.store_single(self.bodies, &group.first);
             second.store_single(self.bodies, &group.second);
-            contact.write::<E, _, _>(&mut group.contacts, L::Single::store);
+            contact.write(&mut group.contacts, L::Single::store);
         }
         for group in &mut self.groups.walls {
             let mut grain = Bodies::<L::Single>::load_single(self.bodies.to_read(), &group.body);
-            let mut contact = Contact::read(&group.contacts, L::Single::load);
+            let mut contact = Contact::<L::Single, E>::read(&group.contacts, L::Single::load);
             let wall_velocity = group.wall_velocity.each_ref().map(L::Single::load);
-            let [impulse, lever] = contact.relax_wall::<E, G>(&grain, wall_velocity, factor, &mut residual);
+            let pair = Pair::with_wall(&grain, wall_velocity);
+            let [impulse, lever] = contact.relax_with_lever::<G>(&pair, factor, &mut residual);
             grain.push::<E>(-1.0, impulse, lever);
             grain.store_single(self.bodies, &group.body);
-            contact.write::<E, _, _>(&mut group.contacts, L::Single::store);
+            contact.write(&mut group.contacts, L::Single::store);
         }
         if G::ANY {
             residual.add_to(self.residual);

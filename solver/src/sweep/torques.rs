@@ -2,22 +2,9 @@
 
 use super::kernel::Bodies;
 use super::residual::{LaneResidual, MeasuredLevel};
-use crate::effects::Effects;
-use crate::effects::resistance::bearable;
-use crate::groups::TorqueLanes;
+use crate::effects::term::{NormalLoad, TermState, TorqueTerm};
 use crate::lanes::{Number, minus, plus, times};
 use crate::world::INVERSE_INERTIA;
-
-/// Levers and angular impulse of one contact, or of eight.
-#[derive(Clone, Copy)]
-pub(crate) struct Torque<N> {
-    /// Largest rolling torque over the normal force, m.
-    pub rolling_lever: N,
-    /// Largest twisting torque over the normal force, m.
-    pub twisting_lever: N,
-    /// Angular impulse on the second side, N m s.
-    pub impulse: [N; 3],
-}
 
 impl<N: Number> Bodies<N> {
     /// Angular velocity, rad/s.
@@ -40,78 +27,49 @@ impl<N: Number> Bodies<N> {
     }
 }
 
-impl<N: Number> Torque<N> {
-    /// Reads a torque, number by number.
+/// Relative rotation of the two sides of a contact.
+#[derive(Clone, Copy)]
+pub(crate) struct Turning<N> {
+    /// Angular velocity of the second less that of the first, rad/s.
+    pub spin: [N; 3],
+    /// Sum of the inverse moments of inertia, 1/(kg m2).
+    pub operator: N,
+    /// One over the smaller radius, 1/m.
+    pub inverse_radius: N,
+}
+
+impl<N: Number> Turning<N> {
+    /// Of two grains.
     #[inline(always)]
-    pub fn read(torques: &TorqueLanes, number: impl Fn(&crate::lanes::Eight) -> N) -> Self {
+    pub fn of(first: &Bodies<N>, second: &Bodies<N>) -> Self {
         Self {
-            rolling_lever: number(&torques.rolling_lever),
-            twisting_lever: number(&torques.twisting_lever),
-            impulse: torques.impulse.each_ref().map(&number),
+            spin: minus(second.spin(), first.spin()),
+            operator: first.inverse_inertia() + second.inverse_inertia(),
+            inverse_radius: first.inverse_radius.larger(second.inverse_radius),
         }
     }
 
-    /// Writes its impulse back.
+    /// Of a grain and a wall that turns with `wall_spin` (rad/s).
     #[inline(always)]
-    pub fn write(&self, torques: &mut TorqueLanes, number: impl Fn(N, &mut crate::lanes::Eight)) {
-        for axis in 0..3 {
-            number(self.impulse[axis], &mut torques.impulse[axis]);
-        }
+    pub fn with_wall(grain: &Bodies<N>, wall_spin: [N; 3]) -> Self {
+        let (spin, operator) = (minus(wall_spin, grain.spin()), grain.inverse_inertia());
+        Self { spin, operator, inverse_radius: grain.inverse_radius }
     }
 
-    /// The one-contact solution: updates the impulse and returns the change. Residuals are surface velocities, m/s.
+    /// Relaxes a torque and returns the change of its angular impulse. Residuals are surface velocities, m/s.
     #[inline(always)]
-    pub(super) fn relax<E: Effects, G: MeasuredLevel>(
-        &mut self,
-        (normal, normal_impulse): ([N; 3], N),
-        spin: [N; 3],
-        operator: N,
-        inverse_radius: N,
+    pub fn relax<G: MeasuredLevel>(
+        self,
+        torque: &mut TermState<N, impl TorqueTerm<N>>,
+        load: NormalLoad<N>,
         relaxation: N,
         residual: &mut LaneResidual<N>,
     ) -> [N; 3] {
-        let target = minus(self.impulse, times(spin, relaxation / operator));
-        let (rolling_cap, twisting_cap) = (self.rolling_lever * normal_impulse, self.twisting_lever * normal_impulse);
-        let borne = bearable::<E, N>(target, normal, rolling_cap, twisting_cap);
-        let change = minus(borne, self.impulse);
-        self.impulse = borne;
+        let operator = torque.term.operator(self.operator);
+        let change = torque.relax(load, self.spin, operator, relaxation);
         if G::ANY {
-            residual.add_turning::<G>(times(change, operator / inverse_radius));
+            residual.add_turning::<G>(times(change, operator / self.inverse_radius));
         }
         change
-    }
-
-    /// Relaxes the torque of a contact of two grains; `contact` is its normal and normal impulse.
-    #[inline(always)]
-    pub fn relax_pair<E: Effects, G: MeasuredLevel>(
-        &mut self,
-        contact: ([N; 3], N),
-        first: &mut Bodies<N>,
-        second: &mut Bodies<N>,
-        relaxation: N,
-        residual: &mut LaneResidual<N>,
-    ) {
-        let spin = minus(second.spin(), first.spin());
-        let operator = first.inverse_inertia() + second.inverse_inertia();
-        let inverse_radius = first.inverse_radius.larger(second.inverse_radius);
-        let change = self.relax::<E, G>(contact, spin, operator, inverse_radius, relaxation, residual);
-        first.turn(-1.0, change);
-        second.turn(1.0, change);
-    }
-
-    /// Relaxes the torque of a contact of a grain with a wall that turns with `wall_spin` (rad/s).
-    #[inline(always)]
-    pub fn relax_wall<E: Effects, G: MeasuredLevel>(
-        &mut self,
-        contact: ([N; 3], N),
-        grain: &mut Bodies<N>,
-        wall_spin: [N; 3],
-        relaxation: N,
-        residual: &mut LaneResidual<N>,
-    ) {
-        let spin = minus(wall_spin, grain.spin());
-        let operator = grain.inverse_inertia();
-        let change = self.relax::<E, G>(contact, spin, operator, grain.inverse_radius, relaxation, residual);
-        grain.turn(-1.0, change);
     }
 }

@@ -5,7 +5,7 @@
 //! its box. Where space repeats itself, every image of the point that the whole tree may see is asked for.
 
 use super::shape::Face;
-use crate::effects::period::Period;
+use crate::laws::period::Period;
 use nalgebra::Vector3;
 
 type Vector = Vector3<f64>;

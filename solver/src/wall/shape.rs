@@ -19,7 +19,7 @@
 //! nearest point  sqrt(z^2 + (R - e)^2)        the two others  sqrt(z^2 + R^2 + e^2 + R e)
 //! ```
 
-use crate::effects::period::Period;
+use crate::laws::period::Period;
 use crate::scene::{Domain, Shape};
 use nalgebra::Vector3;
 

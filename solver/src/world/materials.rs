@@ -1,8 +1,8 @@
 //! Properties of pairs of materials, looked up by small numbers.
 
 use crate::effects::EffectSet;
-use crate::effects::cohesion::Pull;
-use crate::effects::compliance::damping_ratio;
+use crate::laws::cohesion::Pull;
+use crate::laws::compliance::damping_ratio;
 use crate::scene::{ContactCoefficients, Scene, TangentialLaw};
 use std::ops::Deref;
 

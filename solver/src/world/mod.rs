@@ -4,11 +4,11 @@ mod materials;
 
 pub use materials::{ContactMaterial, MaterialTable};
 
-use crate::effects::compliance::NormalContact;
 use crate::effects::drive::Drive;
 use crate::effects::gravity::Field;
-use crate::effects::period::Period;
 use crate::lanes::{LANES, Line, Quad};
+use crate::laws::compliance::NormalContact;
+use crate::laws::period::Period;
 use crate::scene::{Grain, REACHES, Scene, sphere_volume};
 use crate::schedule::{Phase, Runs, Team};
 use crate::wall::{Pose, Walls, drive_of};

@@ -1,4 +1,4 @@
-//! Unit tests of `src/effects/period.rs`.
+//! Unit tests of `src/laws/period.rs`.
 
 use super::*;
 

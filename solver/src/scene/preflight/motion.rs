@@ -152,7 +152,7 @@ struct Pulse {
 }
 
 fn pulses(scene: &Scene) -> Vec<Pulse> {
-    let bound = PULSE * scene.gravity_field().largest();
+    let bound = PULSE * scene.largest_gravity();
     let start = (0.0, scene.gravity);
     let moments: Vec<(f64, [f64; 3])> = std::iter::once(start)
         .chain(scene.gravity_changes.iter().map(|change| (change.time, change.gravity)))

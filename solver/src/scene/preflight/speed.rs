@@ -1,7 +1,7 @@
 //! Stated speeds compared with the step and with `restitution_threshold`: velocities of the start and prescribed motions of walls.
 
 use super::Beforehand;
-use crate::effects::compliance::{NormalContact, NormalScheme, damping_ratio, effective_radius};
+use crate::laws::compliance::{NormalContact, NormalScheme, damping_ratio, effective_radius};
 use crate::scene::document::DocumentPath;
 use crate::scene::error::{Fault, Step, short};
 use crate::scene::populate::origin;
@@ -212,7 +212,7 @@ impl Scene {
         let placed = self.population.iter().map(|group| (group.count as f64, group.radius.mean()));
         let all = placed.chain(self.grain.iter().map(|grain| (1.0, grain.radius)));
         let (count, sum) = all.fold((0.0, 0.0), |(count, sum), (own, radius)| (count + own, sum + own * radius));
-        self.solver.slowest_impact(sum / f64::max(count, 1.0), self.gravity_field().largest())
+        self.solver.slowest_impact(sum / f64::max(count, 1.0), self.largest_gravity())
     }
 
     /// The fault of impacts of a grain of a radius (m) and another one, or a wall.

@@ -2,7 +2,7 @@
 
 use super::{MARK, MARK_OF_ALTERED, open, seal};
 use crate::Simulation;
-use crate::detect::{AngularImpulse, Impulse, PairCandidate, WallCandidate};
+use crate::detect::{AngularImpulse, Impulse, Memory, PairCandidate, WallCandidate};
 use crate::groups::ImpactMemory;
 use crate::partition::{Layout, Plan};
 use crate::scene::{GrainEntry, Scene, sphere_volume};
@@ -140,24 +140,22 @@ impl Remembered {
     }
 }
 
-/// Gives a candidate its angular impulse back, in a scene that has any.
-fn give_torque(torques: &mut [AngularImpulse], known: &Remembered, torque: Option<&[f64; 3]>) {
-    if let (Some(place), Some(torque)) = (torques.get_mut(known.candidate as usize), torque) {
-        *place = AngularImpulse(*torque);
-    }
+/// Gives a candidate what it bore, times a factor, and its angular impulse in a scene that has any.
+fn give(memory: &mut Memory, candidate: usize, (known, torque): (&Remembered, Option<&[f64; 3]>), scale: f64) {
+    let torque = torque.map_or([0.0; 3], |torque| torque.map(|component| component * scale));
+    memory.set(candidate, known.scaled(scale), known.impact(), torque);
 }
 
 /// Impulses and impacts of the candidates that have any, each with its place in the list. Impulses count that are not zero to the
 /// last bit.
 fn remembered<'a>(
     candidates: impl Iterator<Item = usize> + 'a,
-    (impulses, impacts): (&'a [Impulse], &'a [ImpactMemory]),
+    memory: &'a Memory,
     name: impl Fn(usize) -> (u32, u32) + 'a,
 ) -> impl Iterator<Item = Remembered> + 'a {
-    let known = |&candidate: &usize| !impulses[candidate].is_blank() || impacts[candidate].touches();
-    candidates.filter(known).map(move |candidate| {
-        let Impulse { normal, tangential: [x, y, z] } = impulses[candidate];
-        let ImpactMemory { speed, velocity } = impacts[candidate];
+    candidates.filter(|&candidate| memory.is_known(candidate)).map(move |candidate| {
+        let Impulse { normal, tangential: [x, y, z] } = memory.impulses[candidate];
+        let ImpactMemory { speed, velocity } = memory.impacts[candidate];
         let (first, second) = name(candidate);
         let (candidate, impulse, impact) = (candidate as u32, [normal, x, y, z], [speed, velocity]);
         Remembered { candidate, first, second, impulse, impact }
@@ -190,11 +188,11 @@ impl State {
         let pair = |c: usize| (id(pairs[c].first), id(pairs[c].second));
         let wall = |c: usize| (id(walls[c].body), walls[c].surface);
         let impulses = &candidates.impulses;
-        let pairs_borne: Vec<_> = remembered(pairs_named, (&impulses.pairs, &impulses.pair_impacts), pair).collect();
-        let walls_borne: Vec<_> = remembered(0..walls.len(), (&impulses.walls, &impulses.wall_impacts), wall).collect();
+        let pairs_borne: Vec<_> = remembered(pairs_named, &impulses.pairs, pair).collect();
+        let walls_borne: Vec<_> = remembered(0..walls.len(), &impulses.walls, wall).collect();
         State {
-            pair_torques: torques_of(&pairs_borne, &candidates.impulses.pair_torques),
-            wall_torques: torques_of(&walls_borne, &candidates.impulses.wall_torques),
+            pair_torques: torques_of(&pairs_borne, &impulses.pairs.torques),
+            wall_torques: torques_of(&walls_borne, &impulses.walls.torques),
             step: simulation.settings.step,
             steps: simulation.steps,
             contact_sweeps: simulation.contact_sweeps,
@@ -317,37 +315,24 @@ impl State {
     pub fn give_impulses(&self, simulation: &mut Simulation, scale: f64) -> Result<(), String> {
         let (grains, surfaces) = (self.grains.len() as u32, simulation.world.walls.faces() as u32);
         let candidates = &mut simulation.candidates;
-        candidates.impulses.pairs.clear();
-        candidates.impulses.walls.clear();
-        candidates.impulses.pair_impacts.clear();
-        candidates.impulses.wall_impacts.clear();
-        for known in &self.pairs {
+        // A scene that bears torques may start from one that bore none, and the other way round.
+        let torques = simulation.relaxation.effects.torques();
+        let (of_pairs, of_walls) = (&mut candidates.impulses.pairs, &mut candidates.impulses.walls);
+        of_pairs.resize(self.pairs.len(), torques);
+        of_walls.resize(self.walls.len(), torques);
+        for (number, known) in self.pairs.iter().enumerate() {
             if known.first >= grains || known.second >= grains {
                 return Err("names a grain that is not there".into());
             }
             candidates.pairs.push(PairCandidate { first: known.first, second: known.second });
-            candidates.impulses.pairs.push(known.scaled(scale));
-            candidates.impulses.pair_impacts.push(known.impact());
+            give(of_pairs, number, (known, self.pair_torques.get(number)), scale);
         }
-        for known in &self.walls {
+        for (number, known) in self.walls.iter().enumerate() {
             if known.first >= grains || known.second >= surfaces {
                 return Err("names a grain or a wall that is not there".into());
             }
             candidates.walls.push(WallCandidate { body: known.first, surface: known.second });
-            candidates.impulses.walls.push(known.scaled(scale));
-            candidates.impulses.wall_impacts.push(known.impact());
-        }
-        candidates.impulses.pairs.push(Impulse::default());
-        candidates.impulses.walls.push(Impulse::default());
-        candidates.impulses.pair_impacts.push(ImpactMemory::default());
-        candidates.impulses.wall_impacts.push(ImpactMemory::default());
-        // A scene that bears torques may start from one that bore none, and the other way round.
-        if simulation.relaxation.effects.torques() {
-            let scaled = |torque: &[f64; 3]| AngularImpulse(torque.map(|component| component * scale));
-            candidates.impulses.pair_torques = self.pair_torques.iter().map(scaled).collect();
-            candidates.impulses.wall_torques = self.wall_torques.iter().map(scaled).collect();
-            candidates.impulses.pair_torques.resize(self.pairs.len(), AngularImpulse::default());
-            candidates.impulses.wall_torques.resize(self.walls.len(), AngularImpulse::default());
+            give(of_walls, number, (known, self.wall_torques.get(number)), scale);
         }
         simulation.layout.replan(1, |plan| *plan = Plan::single(self.pairs.len() as u32, self.walls.len() as u32));
         simulation.candidates.find_borne(&simulation.layout.plan);
@@ -461,8 +446,7 @@ impl State {
         world.time = list.built_at;
         // The start has put its own candidates there, by id.
         (candidates.pairs, candidates.walls) = (Vec::new(), Vec::new());
-        candidates.impulses.pairs.clear();
-        candidates.impulses.pair_impacts.clear();
+        candidates.impulses.pairs = Memory::default();
         *layout = Layout::new(0);
         let set = relaxation.instruction_set;
         candidates.restore(world, layout, set, team, &self.altered.beyond).ok_or(OTHER)?;
@@ -480,9 +464,8 @@ impl State {
             if (id(pair.first), id(pair.second)) != (known.first, known.second) {
                 return Err(OTHER.into());
             }
-            candidates.impulses.pairs[known.candidate as usize] = known.scaled(1.0);
-            candidates.impulses.pair_impacts[known.candidate as usize] = known.impact();
-            give_torque(&mut candidates.impulses.pair_torques, known, self.pair_torques.get(number));
+            let borne = (known, self.pair_torques.get(number));
+            give(&mut candidates.impulses.pairs, known.candidate as usize, borne, 1.0);
         }
         candidates.find_borne(&layout.plan);
         for (number, known) in self.walls.iter().enumerate() {
@@ -490,9 +473,8 @@ impl State {
             if (id(wall.body), wall.surface) != (known.first, known.second) {
                 return Err(OTHER.into());
             }
-            candidates.impulses.walls[known.candidate as usize] = known.scaled(1.0);
-            candidates.impulses.wall_impacts[known.candidate as usize] = known.impact();
-            give_torque(&mut candidates.impulses.wall_torques, known, self.wall_torques.get(number));
+            let borne = (known, self.wall_torques.get(number));
+            give(&mut candidates.impulses.walls, known.candidate as usize, borne, 1.0);
         }
         Ok(())
     }

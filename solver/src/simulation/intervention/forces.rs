@@ -152,11 +152,10 @@ pub(super) struct Loads {
     pub torques: Vec<[f64; 3]>,
 }
 
-/// Number of the loads that are applied.
+/// Number of the loads that are applied, of those on top of them, and of all.
 const APPLIED: usize = 0;
-
-/// Number of those on top of them.
 const ADDED: usize = 1;
+pub(super) const LOADS: usize = 2;
 
 impl Loads {
     fn are_none(&self) -> bool {

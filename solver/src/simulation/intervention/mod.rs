@@ -22,7 +22,7 @@ use crate::Simulation;
 use crate::lanes::{minus, plus};
 use crate::wall::WallMotion;
 #[doc(hidden)]
-use forces::Loads;
+use forces::{LOADS, Loads};
 use serde::{Deserialize, Serialize};
 pub use states::{KeptContact, PairsInList, States};
 
@@ -100,7 +100,7 @@ pub enum InterventionError {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Interventions {
     /// Forces and torques of the step to come: those that are applied, and those on top of them.
-    loads: [Loads; 2],
+    loads: [Loads; LOADS],
     /// Scaled spins at the start of the step in which these act, m/s, by place.
     spins_before: Vec<[f64; 3]>,
     /// Work of forces and torques in the last step, J.

@@ -196,11 +196,11 @@ impl Simulation {
         let named = self.layout.plan.tasks().iter().flat_map(|task| task.named(&impulses.borne));
         let pairs = named.map(|candidate| {
             let PairCandidate { first, second } = candidates.pairs[candidate];
-            let (impact, impulse) = (impulses.pair_impacts[candidate], impulses.pairs[candidate].normal);
+            let (impact, impulse) = (impulses.pairs.impacts[candidate], impulses.pairs.impulses[candidate].normal);
             KeptContact { first: id(first), second: Some(id(second)), face: None, impact, impulse }
         });
         let walls = candidates.walls.iter().enumerate().map(|(candidate, wall)| {
-            let (impact, impulse) = (impulses.wall_impacts[candidate], impulses.walls[candidate].normal);
+            let (impact, impulse) = (impulses.walls.impacts[candidate], impulses.walls.impulses[candidate].normal);
             KeptContact { first: id(wall.body), second: None, face: Some(wall.surface), impact, impulse }
         });
         pairs.chain(walls).collect()
@@ -212,14 +212,14 @@ impl Simulation {
         self.clear_what_was_not_borne();
         let candidates = &self.candidates;
         let impulses = &candidates.impulses;
-        (&candidates.pairs, &impulses.pairs, &candidates.walls, &impulses.walls)
+        (&candidates.pairs, &impulses.pairs.impulses, &candidates.walls, &impulses.walls.impulses)
     }
 
     /// Gives these arrays away, as they lie in memory, and goes on with copies.
     #[doc(hidden)]
     pub fn hand_over_pairs(&mut self) -> PairsInList {
         let candidates = &mut self.candidates;
-        let [pairs, walls] = [&mut candidates.impulses.pairs, &mut candidates.impulses.walls];
+        let [pairs, walls] = [&mut candidates.impulses.pairs.impulses, &mut candidates.impulses.walls.impulses];
         PairsInList {
             pair_impulses: replaced_by_copy(pairs),
             wall_impulses: replaced_by_copy(walls),
@@ -235,7 +235,7 @@ impl Simulation {
         for task in self.layout.plan.tasks() {
             task.named(&candidates.impulses.borne).for_each(|pair| borne[pair] = true);
         }
-        for (impulse, _) in candidates.impulses.pairs.iter_mut().zip(borne).filter(|(_, borne)| !borne) {
+        for (impulse, _) in candidates.impulses.pairs.impulses.iter_mut().zip(borne).filter(|(_, borne)| !borne) {
             *impulse = Impulse::default();
         }
     }

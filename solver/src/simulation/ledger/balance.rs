@@ -2,9 +2,9 @@
 
 use crate::Simulation;
 use crate::detect::Candidates;
-use crate::effects::cohesion::Pull;
-use crate::effects::compliance::{NormalContact, NormalLaw};
 use crate::lanes::{cross, plus, times};
+use crate::laws::cohesion::Pull;
+use crate::laws::compliance::{NormalContact, NormalLaw};
 use crate::simulation::energy::{ContactEnergy, Energy};
 use crate::wall::Pose;
 use crate::world::{INVERSE_INERTIA, World};

@@ -40,10 +40,11 @@ pub(crate) use walls::WallImpulse;
 use super::energy::Energy;
 use crate::Simulation;
 use crate::detect::Candidates;
-use crate::effects::cohesion::Pull;
-use crate::effects::compliance::{NormalContact, NormalScheme};
-use crate::groups::{ContactLanes, SpringLanes, SpringTerms};
+use crate::effects::spring::SpringLanes;
+use crate::groups::ContactLanes;
 use crate::lanes::{Eight, cross, dot, minus, plus, times};
+use crate::laws::cohesion::Pull;
+use crate::laws::compliance::{NormalContact, NormalScheme};
 use crate::partition::TaskGroups;
 use crate::simulation::intervention::Booked;
 use crate::world::World;
@@ -203,7 +204,7 @@ impl Ledger {
             let contact = NormalContact { velocity: dot(normal, approach), ..contact };
             let contacts = &one.group.contacts;
             let tangential = contacts.tangential_impulse(one.lane);
-            let springs = into_spring(&contacts.tangential.spring, one.lane, tangential);
+            let springs = contacts.tangential.spring.taken_up(one.lane, tangential);
             let borne = Borne { normal, along: one.along(), tangential, springs, in_impact: one.in_impact };
             let passages = [minus(before, grain.before), minus(after, grain.after)];
             let expected = self.contact(&borne, contact, pull, passages, scheme);
@@ -327,11 +328,6 @@ struct Borne {
     in_impact: bool,
 }
 
-/// Energy (J) that a tangential spring takes up in a step in which it comes to bear an impulse (N s).
-fn into_spring(spring: &SpringTerms, lane: usize, impulse: [f64; 3]) -> f64 {
-    0.5 * spring.compliance.0[lane] * dot(impulse, impulse) - spring.held(lane)
-}
-
 impl Borne {
     fn of(lanes: &ContactLanes<Eight, SpringLanes>, lane: usize, pulls: Option<&Eight>) -> Borne {
         let tangential = lanes.tangential_impulse(lane);
@@ -339,7 +335,7 @@ impl Borne {
             normal: lanes.normal(lane),
             along: lanes.normal_impulse(lane) - pulls.map_or(0.0, |pulls| pulls.0[lane]),
             tangential,
-            springs: into_spring(&lanes.tangential.spring, lane, tangential),
+            springs: lanes.tangential.spring.taken_up(lane, tangential),
             in_impact: false,
         }
     }

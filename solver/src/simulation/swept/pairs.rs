@@ -21,8 +21,8 @@
 use super::{INVERSE_INERTIA, LONG_LEVEL, PairImpulse, Passage, Strike, Struck, Vector, friction};
 use crate::Simulation;
 use crate::effects::friction::slip_speed;
-use crate::effects::period::Period;
 use crate::effects::restitution::at_speed;
+use crate::laws::period::Period;
 use crate::schedule::{Each, Phase, Team};
 use crate::world::World;
 use std::ops::Range;
