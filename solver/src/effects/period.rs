@@ -92,7 +92,3 @@ impl Period {
         image
     }
 }
-
-#[cfg(test)]
-#[path = "../../tests/unit/effects_period.rs"]
-mod tests;
