@@ -16,9 +16,6 @@ pub struct Interrupt(Arc<Request>);
 #[derive(Debug, Default)]
 struct Request {
     made: AtomicBool,
-    /// Asks by itself when it is looked at for this time, counted from 1.
-    #[cfg(test)]
-    by_itself: std::sync::atomic::AtomicU64,
 }
 
 impl Interrupt {
@@ -35,10 +32,6 @@ impl Interrupt {
     /// Returns true if a stop was asked for.
     #[inline]
     pub fn is_requested(&self) -> bool {
-        #[cfg(test)]
-        if self.0.by_itself.fetch_sub(1, Ordering::SeqCst) == 1 {
-            self.request();
-        }
         self.0.made.load(Ordering::Relaxed)
     }
 
@@ -55,7 +48,3 @@ const UNASKED: u64 = 64;
 pub(crate) fn polls_interrupt(settings: &SolverSettings) -> bool {
     u64::from(settings.stop.max_sweeps()) * u64::from(settings.inner_sweeps.max(1)) > UNASKED
 }
-
-#[cfg(test)]
-#[path = "../tests/unit/interrupt.rs"]
-mod tests;

@@ -30,7 +30,7 @@ fn poured_by(law: TangentialLaw, wall: &str, change: impl Fn(&mut Material)) -> 
     scene.material.values_mut().for_each(change);
     scene.solver.tangential_law = law;
     let mut simulation = Simulation::new(&scene, 3).unwrap();
-    for _ in 0..600 {
+    for _ in 0..760 {
         simulation.step();
     }
     assert!(simulation.layout().contacts > 100, "{}", simulation.layout().contacts);

@@ -12,7 +12,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_core::{RngCore, SeedableRng};
 
 /// Scenes of a usual run.
-const FEW: u64 = 60;
+const FEW: u64 = 36;
 
 /// Steps of each, every one of which is a place to resume from.
 const STEPS: usize = 30;

@@ -357,3 +357,22 @@ fn a_grain_that_rattles_between_two_within_a_step_ends_the_run() {
         assert!(place.abs() < 0.015 && simulation.passage().is_none(), "{place}");
     }
 }
+
+#[test]
+fn only_paths_that_close_in_on_a_grain_meet_it() {
+    // The first goes four radii along x in the step, the second rests at the origin.
+    for (place, meets, what) in [
+        ([-3.5, 0.0], true, "head on"),
+        ([-3.5, 1.9], true, "at the rim"),
+        ([-3.5, 2.1], false, "it passes on the side"),
+        ([2.5, 0.0], false, "it leads away"),
+        ([-6.5, 0.0], false, "it ends before"),
+    ] {
+        let [x, y] = place.map(|part| 0.005 * part);
+        let body = grain(0.005, [x, y, 0.0], [4.0 * 0.005 / STEP, 0.0, 0.0]) + &grain(0.005, [0.0; 3], [0.0; 3]);
+        let mut simulation = Setup { gravity: [0.0; 3], body, ..Setup::default() }.start();
+        simulation.step();
+        let resting = simulation.snapshot().particles[1].velocity == [0.0; 3];
+        assert_eq!(resting, !meets, "{what}");
+    }
+}

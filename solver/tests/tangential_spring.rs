@@ -4,7 +4,7 @@ use crate::common::bits::{reference_scene, same_bits_everywhere};
 use crate::common::{DENSITY, FLOOR, Setup, grain, parse, run_until};
 use approx::assert_relative_eq;
 use makadam::Simulation;
-use makadam::scene::{Scene, TangentialLaw};
+use makadam::scene::{Material, Scene, TangentialLaw};
 use std::f64::consts::PI;
 
 const RADIUS: f64 = 0.005;
@@ -220,4 +220,20 @@ fn what_a_spring_does_not_go_with_is_refused_in_words() {
     // Written scenes say nothing of a law that is the default, and keep their hashes.
     let scene: Scene = parse(&text("").replace("tangential_law = { kind = 'spring' }\n", "")).unwrap();
     assert!(!toml::to_string(&scene).unwrap().contains("tangential_law"));
+}
+
+#[test]
+fn the_ratio_is_mindlins() {
+    for poisson_ratio in [0.0, 0.25, 0.3, 0.5] {
+        let one = Material { poisson_ratio, ..Material::default() };
+        let ratio = TangentialLaw::default().stiffness_ratio([&one, &one]);
+        let expected = 2.0 * (1.0 - poisson_ratio) / (2.0 - poisson_ratio);
+        assert!((ratio - expected).abs() < 1e-15, "{ratio} {expected}");
+    }
+    // A stiff partner gives nothing: the soft one's own ratio, whatever the other's.
+    let soft = Material { youngs_modulus: 1e5, ..Material::default() };
+    let stiff = Material { youngs_modulus: 1e15, poisson_ratio: 0.1, ..Material::default() };
+    let ratio = TangentialLaw::default().stiffness_ratio([&soft, &stiff]);
+    assert!((ratio - 2.0 * 0.7 / 1.7).abs() < 1e-9);
+    assert_eq!(TangentialLaw::Spring { stiffness_ratio: Some(0.5) }.stiffness_ratio([&soft, &stiff]), 0.5);
 }

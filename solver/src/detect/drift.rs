@@ -166,7 +166,3 @@ impl Drift {
         (self.patches.capacity() + self.boxes.capacity()) * size_of::<Bounds>()
     }
 }
-
-#[cfg(test)]
-#[path = "../../tests/unit/detect_drift.rs"]
-mod tests;

@@ -318,7 +318,3 @@ impl Neighbourhood {
         }
     }
 }
-
-#[cfg(test)]
-#[path = "../../tests/unit/detect_grid.rs"]
-mod tests;

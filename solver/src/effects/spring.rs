@@ -184,24 +184,3 @@ impl SpringTerms {
         0.5 * compliance * dot(impulse, impulse) - held
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_ratio_is_mindlins() {
-        for poisson_ratio in [0.0, 0.25, 0.3, 0.5] {
-            let one = Material { poisson_ratio, ..Material::default() };
-            let ratio = TangentialLaw::default().stiffness_ratio([&one, &one]);
-            let expected = 2.0 * (1.0 - poisson_ratio) / (2.0 - poisson_ratio);
-            assert!((ratio - expected).abs() < 1e-15, "{ratio} {expected}");
-        }
-        // A stiff partner gives nothing: the soft one's own ratio, whatever the other's.
-        let soft = Material { youngs_modulus: 1e5, ..Material::default() };
-        let stiff = Material { youngs_modulus: 1e15, poisson_ratio: 0.1, ..Material::default() };
-        let ratio = TangentialLaw::default().stiffness_ratio([&soft, &stiff]);
-        assert!((ratio - 2.0 * 0.7 / 1.7).abs() < 1e-9);
-        assert_eq!(TangentialLaw::Spring { stiffness_ratio: Some(0.5) }.stiffness_ratio([&soft, &stiff]), 0.5);
-    }
-}

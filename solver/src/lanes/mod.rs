@@ -269,8 +269,6 @@ impl InstructionSet {
             #[cfg(not(target_arch = "x86_64"))]
             _ => false,
         };
-        #[cfg(test)]
-        let found = found && !tests::is_hidden(self);
         found.then_some(Available(self))
     }
 
@@ -302,7 +300,7 @@ impl Available {
     }
 
     /// Runs a kernel on it.
-    pub(crate) fn run<K: Kernel>(self, kernel: K) -> K::Output {
+    pub fn run<K: Kernel>(self, kernel: K) -> K::Output {
         match self.0 {
             // SAFETY: this processor has the set: only asking it makes one of these.
             #[cfg(target_arch = "x86_64")]
@@ -316,7 +314,7 @@ impl Available {
 }
 
 /// A loop over lane groups that is compiled once for each instruction set.
-pub(crate) trait Kernel {
+pub trait Kernel {
     /// Result type.
     type Output;
 
@@ -390,10 +388,6 @@ impl Number for f64 {
     }
 }
 
-#[cfg(all(test, target_os = "linux", target_arch = "x86_64", not(target_feature = "avx512vl")))]
-#[path = "../../tests/unit/lanes_disassembly.rs"]
-mod disassembly;
-
 /// The lanes that a mask of bits names, the lowest first.
 #[inline(always)]
 pub(crate) fn lanes_of(mask: u8) -> impl Iterator<Item = usize> {
@@ -440,7 +434,3 @@ pub(crate) fn prefetch(address: *const i8) {
     #[cfg(not(target_arch = "x86_64"))]
     let _ = address;
 }
-
-#[cfg(test)]
-#[path = "../../tests/unit/lanes.rs"]
-mod tests;

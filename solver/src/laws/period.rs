@@ -75,7 +75,3 @@ impl Period {
         image
     }
 }
-
-#[cfg(test)]
-#[path = "../../tests/unit/effects_period.rs"]
-mod tests;

@@ -176,20 +176,3 @@ impl Method for Anderson {
             + (changes + self.before.capacity()) * size_of::<Body>()
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn weights_minimise_the_combined_change() {
-        // Two changes of squared lengths 1 and 9 that point nearly against each other.
-        let mut matrix = [[0.0; MOST]; MOST];
-        (matrix[0][0], matrix[0][1], matrix[1][0], matrix[1][1]) = (1.0, -2.9, -2.9, 9.0);
-        let found = weights(matrix, 2).unwrap();
-        // Of c.A c with c = (t, 1 - t): t = (9 + 2.9) / (1 + 9 + 5.8).
-        let expected = 11.9 / 15.8;
-        assert!((found[0] - expected).abs() < 1e-10 && (found[1] - 1.0 + expected).abs() < 1e-10, "{found:?}");
-        assert!(weights([[0.0; MOST]; MOST], 2).is_none(), "nothing changed");
-    }
-}

@@ -325,7 +325,3 @@ impl Kernel for FindWaits<'_> {
         });
     }
 }
-
-#[cfg(test)]
-#[path = "../../tests/unit/partition_assignment.rs"]
-mod tests;

@@ -396,7 +396,3 @@ impl Hasher for CoordinateHasher {
 pub(crate) fn towards(direction: usize) -> [i32; 3] {
     [direction % 3, direction / 3 % 3, direction / 9].map(|step| step as i32 - 1)
 }
-
-#[cfg(test)]
-#[path = "../../tests/unit/partition_boxes.rs"]
-mod tests;

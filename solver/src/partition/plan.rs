@@ -231,7 +231,3 @@ impl Plan {
         self.tasks.capacity() * size_of::<PlannedTask>() + self.batches.capacity() * size_of::<Range<usize>>()
     }
 }
-
-#[cfg(test)]
-#[path = "../../tests/unit/partition_plan.rs"]
-mod tests;

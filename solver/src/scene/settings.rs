@@ -384,19 +384,3 @@ pub(crate) fn precision_goes_with(
 fn names(sets: &[InstructionSet]) -> String {
     sets.iter().map(|set| set.name()).collect::<Vec<_>>().join(", ")
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn lists_of_long_steps_reach_further() {
-        let reach =
-            |step: f64, gravity: f64| SolverSettings { step, ..SolverSettings::default() }.reach(0.005, gravity);
-        assert_eq!(reach(5e-4, 9.81), 0.6 * 0.005, "the setting");
-        assert_eq!(reach(0.1, 0.0), 0.6 * 0.005, "nothing falls");
-        let (short, long) = (reach(1e-3, 9.81), reach(2e-3, 9.81));
-        assert!((long / short - 2.0_f64.sqrt()).abs() < 1e-12 && (long / 0.005 - 1.19).abs() < 0.01, "{short} {long}");
-        assert_eq!(reach(0.1, 9.81), LONGEST_REACH * 0.005);
-    }
-}

@@ -155,7 +155,3 @@ pub(super) fn remedy<'a>(unknown: &str, known: impl IntoIterator<Item = &'a str>
         None => wish(unknown).map(String::from),
     }
 }
-
-#[cfg(test)]
-#[path = "../../tests/unit/scene_suggestions.rs"]
-mod tests;

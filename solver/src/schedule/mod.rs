@@ -263,7 +263,3 @@ impl Tracer {
         std::mem::take(&mut self.trace)
     }
 }
-
-#[cfg(test)]
-#[path = "../../tests/unit/schedule.rs"]
-mod tests;

@@ -139,7 +139,3 @@ impl<A: Shares, const N: usize> Shares for [A; N] {
         self.each_ref().map(|shares| unsafe { shares.share(number) })
     }
 }
-
-#[cfg(test)]
-#[path = "../../tests/unit/schedule_shares.rs"]
-mod tests;

@@ -233,7 +233,3 @@ impl Simulation {
         &self.team
     }
 }
-
-#[cfg(test)]
-#[path = "../../tests/unit/simulation.rs"]
-mod tests;

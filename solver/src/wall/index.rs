@@ -132,7 +132,3 @@ fn divide(nodes: &mut Vec<Node>, order: &mut [u32], start: u32, bounds: &[[Vecto
     (nodes[place].next, nodes[place].faces) = (nodes.len() as u32, 0);
     divide(nodes, other, start + half as u32, bounds);
 }
-
-#[cfg(test)]
-#[path = "../../tests/unit/wall_index.rs"]
-mod tests;

@@ -212,7 +212,3 @@ pub fn sync_folder(folder: &Path) -> Result<(), Error> {
         done => done,
     }
 }
-
-#[cfg(test)]
-#[path = "../../../tests/unit/simulation_checkpoint.rs"]
-mod tests;

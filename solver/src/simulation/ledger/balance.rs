@@ -279,20 +279,3 @@ impl Stored {
         Stored { elastic: self.elastic + other.elastic, cohesive: self.cohesive + other.cohesive }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::Differences;
-
-    #[test]
-    fn each_cause_has_its_entry() {
-        let mut differences = Differences::default();
-        differences.add_pair(3.0, None);
-        differences.add_pair(3.0, Some(1.0));
-        differences.add_wall(3.0, Some(2.5), Some(1.0));
-        differences.add_wall(0.0, None, Some(4.0));
-        differences.add_wall(5.0, None, None);
-        let Differences { first_touch, turning, let_go, wall_paths } = differences;
-        assert_eq!([first_touch, turning, let_go, wall_paths], [8.0, 3.5, 4.0, 0.5]);
-    }
-}

@@ -144,7 +144,3 @@ impl Simulation {
         entries.wall_angular_impulse = plus(entries.wall_angular_impulse, cross(plus(centre, arm), impulse));
     }
 }
-
-#[cfg(test)]
-#[path = "../../../tests/unit/simulation_ledger_walls.rs"]
-mod tests;

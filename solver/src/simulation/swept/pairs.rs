@@ -251,18 +251,3 @@ impl Simulation {
         self.swept.strikes.push(Strike { place, struck, normal, along: borne, tangential });
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn paths_come_within_a_radius_once() {
-        let path = Vector::new(4.0, 0.0, 0.0);
-        assert_eq!(time_within(&Vector::new(3.0, 0.0, 0.0), &path, 1.0), Some(0.5));
-        assert_eq!(time_within(&Vector::new(3.0, 1.5, 0.0), &path, 1.0), None, "it passes beside");
-        assert_eq!(time_within(&Vector::new(-3.0, 0.0, 0.0), &path, 1.0), None, "it leads away");
-        assert_eq!(time_within(&Vector::new(0.5, 0.0, 0.0), &path, 1.0), None, "it begins inside");
-        assert_eq!(time_within(&Vector::new(6.0, 0.0, 0.0), &path, 1.0), None, "it ends before");
-    }
-}

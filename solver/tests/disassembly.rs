@@ -98,7 +98,7 @@ fn uses_zmm(instruction: &Instruction) -> bool {
 #[test]
 fn kernels_need_only_what_a_xeon_phi_has() {
     // Named here, a step is linked into this test, and with it every kernel.
-    std::hint::black_box(crate::Simulation::step as fn(&mut crate::Simulation) -> _);
+    std::hint::black_box(makadam::Simulation::step as fn(&mut makadam::Simulation) -> _);
     let functions = match std::env::var_os("MAKADAM_EXECUTABLE").map(PathBuf::from) {
         Some(path) => functions_of(&std::fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))),
         None => own_functions(),

@@ -1,6 +1,8 @@
-//! Unit tests of `src/simulation/checkpoint/mod.rs`.
+//! Files that are written whole or not at all, and whose damage is noticed.
 
-use super::*;
+use makadam::checkpoint::{open, replace_with, seal, write_atomically};
+use std::io::{ErrorKind, Write};
+use std::path::PathBuf;
 
 fn folder(name: &str) -> PathBuf {
     let folder = std::env::temp_dir().join(format!("makadam-draft-{name}-{}", std::process::id()));

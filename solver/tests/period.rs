@@ -1,6 +1,7 @@
-//! Unit tests of `src/laws/period.rs`.
+//! Minimum images and wrapped points of a periodic domain.
 
-use super::*;
+use makadam::effects::period::Period;
+use nalgebra::Vector3;
 
 fn period() -> Period {
     Period::new([3.0, 1.0, 5.0], [true, false, true])

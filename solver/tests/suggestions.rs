@@ -1,23 +1,36 @@
-//! Unit tests of `src/scene/suggestions.rs`.
+//! Suggestions for unknown names.
 
-use super::*;
-use super::{nearest, suggestion};
+use crate::common::parse;
+use makadam::scene::{nearest, suggestion, wish};
 
 #[test]
-fn wishes_are_answered_with_a_way() {
+fn known_wishes_have_an_answer() {
     for (word, way) in
         [("mesh", "wall spheres"), ("Insert", "Simulation.insert"), ("time_step", "solver.step"), ("rpm", "0.10472")]
     {
         assert!(wish(word).is_some_and(|answer| answer.contains(way)), "{word}");
     }
     assert_eq!(wish("zzz"), None);
-    assert_eq!(remedy("frcition", ["friction"]).unwrap(), "did you mean `friction`?");
 }
 
+/// A key of the scene is spelt better, or its wish is answered.
 #[test]
-fn no_word_is_listed_twice() {
-    let mut words: Vec<&str> = WISHES.iter().flat_map(|(words, _)| words.iter().copied()).collect();
+fn unknown_keys_get_a_remedy() {
+    for (line, remedy) in [("gravty = 1", "did you mean `gravity`?"), ("rpm = 1", "0.10472")] {
+        let message = parse(line).unwrap_err();
+        assert!(message.contains(remedy), "{message}");
+    }
+}
+
+/// The second answer to a word would never be given.
+#[test]
+fn no_wish_is_listed_twice() {
+    let source = include_str!("../src/scene/suggestions.rs");
+    let table = source.split("const WISHES").nth(1).and_then(|rest| rest.split("\n];").next()).unwrap();
+    let lists = table.split("&[").skip(2).map(|row| row.split(']').next().unwrap());
+    let mut words: Vec<&str> = lists.flat_map(|list| list.split('"').skip(1).step_by(2)).collect();
     let number = words.len();
+    assert!(number > 80 && words.iter().all(|word| wish(word).is_some()), "{words:?}");
     words.sort_unstable();
     words.dedup();
     assert_eq!(words.len(), number);
