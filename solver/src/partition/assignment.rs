@@ -33,6 +33,11 @@ impl Taken {
     }
 }
 
+/// Number of a group from which on a step starts the numbers again.
+const LAST: u32 = u32::MAX / 2;
+/// Number of the first group: so close to the last one that every run, those of the tests included, starts the numbers again once.
+const FIRST: u32 = LAST - 10_000;
+
 /// Groups of each body, from task to task and from step to step. Numbers of groups grow, so that nothing must be forgotten.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct TakenGroups {
@@ -44,7 +49,9 @@ pub(crate) struct TakenGroups {
 impl TakenGroups {
     /// Starts a step with so many bodies.
     pub fn start(&mut self, bodies: usize) {
-        if self.next == 0 || self.next > u32::MAX / 2 {
+        if self.next == 0 {
+            self.next = FIRST;
+        } else if self.next > LAST {
             self.of_body.fill(Taken::default());
             self.next = WINDOW;
         }
