@@ -208,7 +208,7 @@ fn methods_that_leave_torques_out_are_refused_where_there_are_any() {
     }
 }
 
-/// Where contacts neither open nor slide, sweeps are linear and their changes span few directions: combined by the weights that leave the
+/// Exactness on a linear problem. Where contacts neither open nor slide, changes of sweeps span few directions: combined by the weights that leave the
 /// least change, as many sweeps as directions are exact.
 #[test]
 fn anderson_is_exact_where_changes_span_few_directions() {
