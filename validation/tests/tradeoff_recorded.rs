@@ -35,6 +35,7 @@ fn deviation(record: &Record) -> Option<Deviation> {
         within: truth(record, "within"),
         interval_within: truth(record, "interval_within"),
         on_front: truth(record, "on_front")?,
+        differences: BTreeMap::new(),
     })
 }
 

@@ -35,10 +35,6 @@ pub(super) struct ScalingArguments {
     /// Number of repetitions of all measurements, in turn.
     #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u64).range(1..=1000))]
     pub repetitions: u64,
-    /// Memory bandwidth of this machine for any number of cores, GB/s, for the replay. If absent, the bandwidth of the available
-    /// cores is measured, and more cores are assumed to bring more memory.
-    #[arg(long, value_parser = positive)]
-    pub memory_bandwidth: Option<f64>,
     /// Write the tables also next to the scene, in a folder named after processor, instruction set and number of cores.
     #[arg(long)]
     pub record: bool,
@@ -71,9 +67,8 @@ pub(super) fn scaling(arguments: &ScalingArguments, console: &Console) -> Result
     let simulation = flowing(&scene, seed, &file, &execution, arguments.settle, console)?;
     let study = {
         let bar = console.bar(&scene.name);
-        let memory = arguments.memory_bandwidth.map(|gigabytes| 1e9 * gigabytes);
         let report = |message: &str| console.detail(message);
-        Study::measure(&scene.name, simulation, &plan, memory, provenance, &report, &|fraction| bar.set(fraction))?
+        Study::measure(&scene.name, simulation, &plan, provenance, &report, &|fraction| bar.set(fraction))?
     };
     console.publish(&study, &arguments.output.folder_of("scaling", &scene), arguments.output.json)?;
     if arguments.record {

@@ -1,9 +1,8 @@
 //! The study: rows of a measurement and its replays, findings, tables.
 
 use super::figures::figures;
-use super::measure::{Bandwidth, Measurement, Plan, Timing, Traces, WARM_UP, cache_bytes, clock};
-use super::replay::{Costs, MOST_WORKERS, Machine, curves};
-use super::{Check, MachineRow, MeasuredRow, ReplayedRow};
+use super::measure::{Measurement, Plan, Timing, WARM_UP};
+use super::replay::{Bandwidth, Costs, Machine, ReplayedRow, cache_bytes, clock, curves};
 use makadam::Simulation;
 use makadam::lanes::InstructionSet;
 use makadam::partition::Portion;
@@ -17,8 +16,61 @@ use makadam_frames::provenance::Provenance;
 use makadam_measure::statistics::{mean, median};
 use makadam_view::draw::figure::Figure;
 use makadam_view::draw::numbers::{count, short_time as time, two_digits};
-use rayon::prelude::*;
 use serde::Serialize;
+
+/// One measured configuration. Times are medians over the repetitions; speed-ups are medians of the ratios to the serial
+/// run of the same instruction set and portion in the same round.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "validation/docs/json.md describes the fields of documents")]
+pub struct MeasuredRow {
+    pub instruction_set: InstructionSet,
+    pub scheduler: Scheduler,
+    pub threads: usize,
+    /// Portion of work that a thread takes at a time.
+    pub portion: Portion,
+    pub step_seconds: f64,
+    pub step_seconds_least: f64,
+    pub step_seconds_most: f64,
+    pub sweep_seconds: f64,
+    pub speedup: f64,
+    pub sweep_speedup: f64,
+    pub nanoseconds_per_contact_sweep: Option<f64>,
+    pub state_hash: String,
+}
+
+/// A replay compared with its measurement, over the traced steps.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "validation/docs/json.md describes the fields of documents")]
+pub struct Check {
+    pub instruction_set: InstructionSet,
+    pub scheduler: Scheduler,
+    pub threads: usize,
+    pub portion: Portion,
+    pub measured_seconds: f64,
+    /// Time per step, replayed from the serial trace, s.
+    pub replayed_seconds: f64,
+    /// Replayed over measured, minus one, %.
+    pub deviation_percent: f64,
+}
+
+/// Properties of machine and scene that all configurations share.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "validation/docs/json.md describes the fields of documents")]
+pub struct MachineRow {
+    /// Cores that the process may use.
+    pub cores: usize,
+    pub cache_bytes: u64,
+    /// Memory bandwidth to one thread, bytes/s.
+    pub bandwidth_one_thread: f64,
+    /// Memory bandwidth to a thread on each core, bytes/s.
+    pub bandwidth_all_threads: f64,
+    pub particles: usize,
+    pub contacts: f64,
+    /// Memory that the simulation itself holds, bytes.
+    pub simulation_bytes: usize,
+    /// Memory traffic of a contact sweep that finds nothing in a cache, bytes; absent without contacts.
+    pub bytes_per_contact_sweep: Option<f64>,
+}
 
 /// Output of `makadam lab scaling --json` and content of `scaling.json`; documented in `validation/docs/json.md`.
 #[derive(Clone, Debug, Serialize)]
@@ -51,23 +103,8 @@ pub struct Study {
     pub provenance: Provenance,
 }
 
-/// Input of a study apart from the measurement.
-pub struct Setting {
-    /// Name of the scene.
-    pub scene: String,
-    /// Simulated time of the initial state, s.
-    pub started: f64,
-    /// Memory bandwidth of the available cores, measured.
-    pub bandwidth: Bandwidth,
-    /// This machine first, then models, which are replayed with the widest instruction set alone.
-    pub machines: Vec<Machine>,
-    /// Provenance.
-    pub provenance: Provenance,
-}
-
 impl Study {
-    /// Measures and replays a plan from the state of a simulation. `memory` is the memory bandwidth for any number of cores,
-    /// bytes/s; if absent, the measured bandwidth grows with the cores. `tell` receives messages, `progress` the completed fraction.
+    /// Measures and replays a plan from the state of a simulation. `tell` receives messages, `progress` the completed fraction.
     ///
     /// # Errors
     /// [`MeasureError`] if the machine cannot run the plan, or on an interruption.
@@ -75,73 +112,70 @@ impl Study {
         scene: &str,
         simulation: Simulation,
         plan: &Plan,
-        memory: Option<f64>,
         provenance: Provenance,
         tell: &dyn Fn(&str),
         progress: &dyn Fn(f64),
     ) -> Result<Study, MeasureError> {
-        let cores = cores();
         tell("measuring costs of scheduling and memory bandwidth");
-        let costs = Costs::measure(cores)?;
-        let bandwidth = Bandwidth::measure(cores)?;
-        let started = simulation.time();
+        let costs = Costs::measure(cores())?;
+        let bandwidth = Bandwidth::measure(cores())?;
         let measurement = plan.measure(&simulation, progress)?;
         drop(simulation);
         tell("replaying");
-        let memory = memory.map_or((bandwidth.all_threads, bandwidth.threads), |bytes| (bytes, MOST_WORKERS));
+        let memory = (bandwidth.all_threads, bandwidth.threads);
         let machines = vec![Machine::here(costs, memory, cache_bytes()), Machine::xeon_phi_3120(&costs, clock())];
-        let setting = Setting { scene: scene.into(), started, bandwidth, machines, provenance };
-        Ok(Study::new(plan, &measurement, setting))
+        Ok(Study::new(scene, plan, &measurement, bandwidth, machines, provenance))
     }
 
-    /// Derives rows, replays and findings from a measurement.
-    pub fn new(plan: &Plan, measurement: &Measurement, setting: Setting) -> Study {
-        let widest = plan.instruction_sets.last();
-        let jobs = setting.machines.iter().enumerate().flat_map(|(place, machine)| {
-            let replays = move |set: InstructionSet| place == 0 || Some(&set) == widest;
-            let traces = measurement.traces.iter();
-            traces
-                .filter(move |traces| replays(traces.configuration.instruction_set))
-                .map(move |traces| (machine, traces))
-        });
-        let replayed: Vec<ReplayedRow> = (jobs.collect::<Vec<_>>().into_par_iter())
-            .flat_map(|(machine, traces)| curves(machine, traces, measurement, &plan.threads))
-            .collect();
+    /// Derives rows, replays and findings from a measurement. This machine is the first of the machines; models are replayed with the
+    /// widest instruction set alone.
+    pub fn new(
+        scene: &str,
+        plan: &Plan,
+        measurement: &Measurement,
+        bandwidth: Bandwidth,
+        machines: Vec<Machine>,
+        provenance: Provenance,
+    ) -> Study {
+        let mut replayed = Vec::new();
+        for machine in &machines {
+            let is_replayed = |set| machine.name == Machine::HERE || Some(&set) == plan.instruction_sets.last();
+            let own = measurement.traces.iter().filter(|traces| is_replayed(traces.configuration.instruction_set));
+            replayed.extend(own.flat_map(|traces| curves(machine, traces, measurement, &plan.threads)));
+        }
         let differing = differing(measurement);
-        let here = setting.machines.first();
-        let machine = MachineRow {
-            cores: setting.bandwidth.threads,
-            cache_bytes: here.map_or(0, |here| here.cache_bytes),
-            bandwidth_one_thread: setting.bandwidth.one_thread,
-            bandwidth_all_threads: setting.bandwidth.all_threads,
-            particles: measurement.particles,
-            contacts: measurement.contacts,
-            simulation_bytes: measurement.simulation_bytes,
-            bytes_per_contact_sweep: (measurement.contacts > 0.0)
-                .then(|| measurement.sweep_bytes.moved as f64 / measurement.contacts),
-        };
+        let &Measurement { particles, contacts, contact_sweeps, simulation_bytes, sweep_bytes, .. } = measurement;
         let mut study = Study {
             version: JSON_VERSION,
             command: "scaling".into(),
-            scene: setting.scene,
-            start_seconds: setting.started,
-            machine,
-            contact_sweeps: measurement.contact_sweeps,
+            scene: scene.into(),
+            start_seconds: measurement.start_seconds,
+            machine: MachineRow {
+                cores: bandwidth.threads,
+                cache_bytes: machines.first().map_or(0, |here| here.cache_bytes),
+                bandwidth_one_thread: bandwidth.one_thread,
+                bandwidth_all_threads: bandwidth.all_threads,
+                particles,
+                contacts,
+                simulation_bytes,
+                bytes_per_contact_sweep: (contacts > 0.0).then(|| sweep_bytes.moved as f64 / contacts),
+            },
+            contact_sweeps,
             steps: plan.steps,
             traced_steps: plan.traced_steps,
             warm_up_steps: WARM_UP,
             repetitions: plan.repetitions,
-            bandwidth: setting.bandwidth,
+            bandwidth,
             same_bits: differing.is_empty(),
             differing,
-            measured: measured_rows(measurement),
+            measured: measurement.timings.iter().map(|timing| measured_row(timing, measurement)).collect(),
             checks: checks(plan, measurement, &replayed),
-            machines: setting.machines,
+            machines,
             replayed,
             findings: Vec::new(),
-            provenance: setting.provenance,
+            provenance,
         };
-        study.findings = findings(&study, measurement);
+        study.findings = findings(&study);
         study
     }
 
@@ -171,37 +205,35 @@ fn differing(measurement: &Measurement) -> Vec<String> {
         let (set, scheduler) = (own.instruction_set.name(), own.scheduler.name());
         format!("{set}, {scheduler}, threads: {}, {}", own.threads, own.portion.name())
     });
-    names.chain((!measurement.traces_same_bits).then(|| "the traced steps".into())).collect()
+    names.collect()
 }
 
-fn measured_rows(measurement: &Measurement) -> Vec<MeasuredRow> {
-    let of = |timing: &Timing, sweeps: bool| -> Vec<f64> {
-        timing.repetitions.iter().map(|times| mean(if sweeps { &times.sweeps } else { &times.steps })).collect()
+fn measured_row(timing: &Timing, measurement: &Measurement) -> MeasuredRow {
+    let configuration = timing.configuration;
+    let serial = measurement.timings.iter().find(|other| other.configuration.is_serial_of(&configuration));
+    let means = |timing: &Timing| -> [Vec<f64>; 2] {
+        let repetitions = timing.repetitions.iter();
+        repetitions.map(|times| (mean(&times.steps), mean(&times.sweeps))).unzip::<_, _, Vec<_>, Vec<_>>().into()
     };
-    let ratios = |serial: &[f64], own: &[f64]| median(serial.iter().zip(own).map(|(serial, own)| serial / own));
-    let rows = measurement.timings.iter().map(|timing| {
-        let configuration = timing.configuration;
-        let serial = measurement.timings.iter().find(|other| other.configuration.is_serial_of(&configuration));
-        let serial = serial.unwrap_or(timing);
-        let (steps, sweeps) = (of(timing, false), of(timing, true));
-        let sweep_seconds = median(sweeps.iter().copied());
-        MeasuredRow {
-            instruction_set: configuration.instruction_set,
-            scheduler: configuration.scheduler,
-            threads: configuration.threads,
-            portion: configuration.portion,
-            step_seconds: median(steps.iter().copied()),
-            step_seconds_least: steps.iter().copied().fold(f64::INFINITY, f64::min),
-            step_seconds_most: steps.iter().copied().fold(0.0, f64::max),
-            sweep_seconds,
-            speedup: ratios(&of(serial, false), &steps),
-            sweep_speedup: ratios(&of(serial, true), &sweeps),
-            nanoseconds_per_contact_sweep: (measurement.contact_sweeps > 0.0)
-                .then(|| 1e9 * sweep_seconds / measurement.contact_sweeps),
-            state_hash: format!("{:016x}", timing.hashes.last().copied().unwrap_or_default()),
-        }
-    });
-    rows.collect()
+    let [steps, sweeps] = means(timing);
+    let [serial_steps, serial_sweeps] = means(serial.unwrap_or(timing));
+    let ratio = |serial: &[f64], own: &[f64]| median(serial.iter().zip(own).map(|(serial, own)| serial / own));
+    let sweep_seconds = median(sweeps.iter().copied());
+    MeasuredRow {
+        instruction_set: configuration.instruction_set,
+        scheduler: configuration.scheduler,
+        threads: configuration.threads,
+        portion: configuration.portion,
+        step_seconds: median(steps.iter().copied()),
+        step_seconds_least: steps.iter().copied().fold(f64::INFINITY, f64::min),
+        step_seconds_most: steps.iter().copied().fold(0.0, f64::max),
+        sweep_seconds,
+        speedup: ratio(&serial_steps, &steps),
+        sweep_speedup: ratio(&serial_sweeps, &sweeps),
+        nanoseconds_per_contact_sweep: (measurement.contact_sweeps > 0.0)
+            .then(|| 1e9 * sweep_seconds / measurement.contact_sweeps),
+        state_hash: format!("{:016x}", timing.hashes.last().copied().unwrap_or_default()),
+    }
 }
 
 /// Compares the replay on this machine with the measured times of the same steps.
@@ -232,7 +264,7 @@ fn checks(plan: &Plan, measurement: &Measurement, replayed: &[ReplayedRow]) -> V
 /// Speed-up over number of threads down to which a curve is called linear.
 const LINEAR_SHARE: f64 = 0.8;
 
-fn findings(study: &Study, measurement: &Measurement) -> Vec<String> {
+fn findings(study: &Study) -> Vec<String> {
     let mut findings = vec![match study.same_bits {
         true => format!(
             "All {} configurations and the traced steps ended in the same state, bit for bit.",
@@ -267,18 +299,6 @@ fn findings(study: &Study, measurement: &Measurement) -> Vec<String> {
             linear[0],
             linear[1]
         ));
-    }
-    let batches = measurement.traces.iter().find(|Traces { configuration, .. }| {
-        Some(configuration.instruction_set) == study.widest() && configuration.portion == Portion::Batches
-    });
-    let regions = || batches.into_iter().flat_map(|traces| &traces.steps).flat_map(|step| &step.regions);
-    let seconds = |least: usize| {
-        regions().filter(|region| region.tasks.len() >= least).flat_map(|region| &region.tasks).sum::<f64>()
-    };
-    let serial = 1.0 - seconds(2) / seconds(0);
-    if serial > 0.0 {
-        let (percent, bound) = (two_digits(100.0 * serial), two_digits(1.0 / serial));
-        findings.push(format!("Of a traced step {percent}% is serial work, which bounds any speed-up to {bound}."));
     }
     findings
 }
@@ -347,7 +367,7 @@ impl Document for Study {
     }
 
     fn figures(&self) -> Vec<Figure> {
-        figures(self).into_iter().flatten().collect()
+        figures(self)
     }
 
     fn report(&self) -> Report {
@@ -394,50 +414,46 @@ impl Document for Study {
     }
 }
 
-const CONFIGURATION: [&str; 3] = ["instruction set", "scheduler", "of"];
+/// A table of rows by configuration; a group begins with each serial row.
+fn by_configuration(
+    numbers: &[&str],
+    rows: impl IntoIterator<Item = ((InstructionSet, Scheduler, Portion, usize), Vec<Cell>)>,
+) -> Table {
+    let mut table = Table::new(&["instruction set", "scheduler", "of"], &[&["threads"], numbers].concat());
+    for ((set, scheduler, portion, threads), cells) in rows {
+        let configuration = cells![set.name(), scheduler.name(), portion.name(), threads];
+        let row = configuration.into_iter().chain(cells);
+        if scheduler == Scheduler::Serial { table.first_row(row) } else { table.row(row) }
+    }
+    table
+}
 
 fn measured(study: &Study) -> Table {
-    let mut table = Table::new(&CONFIGURATION, &["threads", "a step", "speed-up", "sweeps", "speed-up", "ns"])
-        .on_a_page(&["time per step", "speed-up", "of it sweeps", "speed-up of the sweeps", "contact sweep (ns)"]);
-    for row in &study.measured {
+    let rows = study.measured.iter().map(|row| {
         let range = format!("{} to {}", time(row.step_seconds_least), time(row.step_seconds_most));
         let cells = cells![
-            row.instruction_set.name(),
-            row.scheduler.name(),
-            row.portion.name(),
-            row.threads,
             Cell::from(time(row.step_seconds)).above(Some(range)),
             format!("{:.2}", row.speedup),
             time(row.sweep_seconds),
             format!("{:.2}", row.sweep_speedup),
             row.nanoseconds_per_contact_sweep.map(two_digits),
         ];
-        push(&mut table, row.scheduler, cells);
-    }
-    table
+        ((row.instruction_set, row.scheduler, row.portion, row.threads), cells)
+    });
+    by_configuration(&["a step", "speed-up", "sweeps", "speed-up", "ns"], rows).on_a_page(&[
+        "time per step",
+        "speed-up",
+        "of it sweeps",
+        "speed-up of the sweeps",
+        "contact sweep (ns)",
+    ])
 }
 
 fn compared(study: &Study) -> Table {
-    let mut table = Table::new(&CONFIGURATION, &["threads", "measured", "replayed", "deviation"]);
-    for check in &study.checks {
-        let cells = cells![
-            check.instruction_set.name(),
-            check.scheduler.name(),
-            check.portion.name(),
-            check.threads,
-            time(check.measured_seconds),
-            time(check.replayed_seconds),
-            format!("{:+.1}%", check.deviation_percent).replace('-', "−"),
-        ];
-        push(&mut table, check.scheduler, cells);
-    }
-    table
-}
-
-/// Adds a row, which begins a group where the scheduler is the serial one.
-fn push(table: &mut Table, scheduler: Scheduler, cells: Vec<Cell>) {
-    match scheduler {
-        Scheduler::Serial => table.first_row(cells),
-        _ => table.row(cells),
-    }
+    let rows = study.checks.iter().map(|check| {
+        let deviation = format!("{:+.1}%", check.deviation_percent).replace('-', "−");
+        let cells = cells![time(check.measured_seconds), time(check.replayed_seconds), deviation];
+        ((check.instruction_set, check.scheduler, check.portion, check.threads), cells)
+    });
+    by_configuration(&["measured", "replayed", "deviation"], rows)
 }
