@@ -7,15 +7,12 @@
 //! The layout of files is documented in `solver/docs/problem.md`.
 
 mod check;
-mod layout;
-mod read;
+mod file;
 mod siconos;
-mod write;
 
 pub use check::{AGREEMENT, Answer, Check, FromSiconos, Method, Settings, check, solve, table, words};
-pub use read::{ProblemFileError, parse, read, solution};
+pub use file::{ProblemFileError, bytes, parse, read, solution, write};
 pub use siconos::{RECORDED, Recorded, SICONOS, SiconosError, version as siconos_version};
-pub use write::{bytes, write};
 
 use makadam::Simulation;
 use makadam::problem::{ContactProblem, LocalProblem};
