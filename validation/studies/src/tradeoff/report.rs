@@ -7,8 +7,8 @@ use makadam_compare::study::{
     Answer, Cell, Document, DocumentError, File, Medium, Report, Section, Table, cells, json, table as csv,
 };
 use makadam_view::draw::figure::Figure;
-use makadam_view::draw::names::{code_style, observable, unit};
-use makadam_view::draw::numbers::{compact, count, duration, two_digits};
+use makadam_view::draw::names::{code_style, observable, with_unit};
+use makadam_view::draw::numbers::{Rounding, compact, count, duration, four_digits, plural, two_digits, with_error};
 use serde::Serialize;
 use serde_json::{Map, Value};
 
@@ -39,7 +39,7 @@ impl Document for Study {
         let provenance = |key: &str| self.provenance.get(key).cloned();
         let facts = [
             Some(format!("{} grains", count(self.particles))),
-            Some(format!("{} seed{}", self.seeds, if self.seeds == 1 { "" } else { "s" })),
+            Some(plural(self.seeds as usize, "seed")),
             (!bounds.is_empty()).then(|| bounds.clone()),
             provenance("processor"),
             provenance("version").map(|version| format!("version {version}")),
@@ -106,11 +106,6 @@ impl Document for Study {
                  them ends it."
                     .into(),
                 "A mean within a bound may be there by luck; only an interval within it is evidence. More seeds make it narrower.".into(),
-                format!(
-                    "Runs expected to take more than {} of wall time were cut short. Their wall times come from the beginning of the run, \
-                     with few contacts, and are too small.",
-                    duration(self.time_limit)
-                ),
                 "A time is the processor time of the stepping on one core, without set-up and output, for every code. Reference codes run \
                  from the inputs from which they are fastest with the same physics (validation/docs/timing.md). Other load on caches and \
                  memory shows in the range over seeds."
@@ -175,7 +170,7 @@ impl Study {
         let names: Vec<&str> = self.observables().into_iter().take(observables).collect();
         let unit = |name: &str| self.references.iter().find(|row| row.observable == name).map_or("", |row| &row.unit);
         let mut table = Table::new(&["stiffness", "code", "setting"], &["seeds", "s per simulated s"])
-            .with_numbers(names.iter().map(|name| titled(name, unit(name))))
+            .with_numbers(names.iter().map(|name| with_unit(name, unit(name), Rounding::Decimals(0))))
             .with_words("bounds");
         let rank = |code: &str| self.points.iter().position(|point| point.code == code);
         let mut points: Vec<&Point> = self.points.iter().collect();
@@ -196,7 +191,16 @@ impl Study {
                 Cell::from(pace).above(range(point)),
             ];
             cells.extend(names.iter().map(|name| error(point, name)));
-            cells.push(self.verdict(point).into());
+            let verdict = match (point.reference, point.within_bounds, point.intervals_within_bounds) {
+                _ if point.failed => "failed with a seed",
+                _ if self.bounds.is_empty() => "",
+                (true, ..) => "reference",
+                (_, Some(true), Some(true)) => "within, interval too",
+                (_, Some(true), _) => "within",
+                (_, Some(false), _) => "beyond",
+                (_, None, _) => "",
+            };
+            cells.push(verdict.into());
             let group = (point.code.as_str(), point.stiffness_factor);
             match last.replace(group) == Some(group) {
                 true => table.row(cells),
@@ -204,18 +208,6 @@ impl Study {
             }
         }
         table
-    }
-
-    fn verdict(&self, point: &Point) -> &'static str {
-        match (point.reference, point.within_bounds, point.intervals_within_bounds) {
-            _ if point.failed => "failed with a seed",
-            _ if self.bounds.is_empty() => "",
-            (true, ..) => "reference",
-            (_, Some(true), Some(true)) => "within, interval too",
-            (_, Some(true), _) => "within",
-            (_, Some(false), _) => "beyond",
-            (_, None, _) => "",
-        }
     }
 
     fn converged(&self) -> Table {
@@ -232,7 +224,7 @@ impl Study {
             .with_numbers(shifted.then_some("shift from the scene's stiffness"))
             .of(&self.references, |row| {
                 let convergence = row.convergence.as_ref();
-                let mean = |value: f64| measured(value, row.standard_error.map(|error| error.max(1e-9)));
+                let mean = |value: f64| measured(value, row.standard_error);
                 // Grids share the reference's digits; its error stands next to its own mean alone.
                 let plain = |value: f64| mean(value).split(" ± ").next().unwrap_or_default().to_string();
                 let index =
@@ -297,11 +289,11 @@ pub(super) fn findings(study: &Study) -> Vec<String> {
     sentences.extend(study.references.iter().filter_map(|row| in_doubt(study, row)));
     let cut = study.points.iter().filter(|point| point.extrapolated).count();
     if cut > 0 {
+        let (limit, are) = (duration(study.time_limit), if cut == 1 { "is" } else { "are" });
         sentences.push(format!(
-            "{cut} configuration{} expected to take more than {} s a run: the wall time is extrapolated from the first part, in which \
-             grains still fall and a step costs less, and there is no error.",
-            if cut == 1 { " was" } else { "s were" },
-            two_digits(study.time_limit)
+            "{} {are} cut short, expected to take more than {limit} per run: wall times come from the beginning of the run, with few \
+             contacts, and are too small; there is no error.",
+            plural(cut, "configuration")
         ));
     }
     let share = study.points.iter().filter_map(|point| point.core_share_least).reduce(f64::min);
@@ -322,42 +314,37 @@ pub(super) fn findings(study: &Study) -> Vec<String> {
 
 /// The reason for a code without a fastest setting other than the reference itself.
 fn none_within(study: &Study, row: &Fastest) -> Option<String> {
-    let is_own = |point: &&Point| point.code == row.code && point.stiffness_factor == row.stiffness_factor;
-    let mut own = study.points.iter().filter(is_own);
+    let mut own = study.points.iter().filter(|point| point.is_of(&row.code, row.stiffness_factor));
     let (code, stiffness) = (&row.code, modulus(row.youngs_modulus));
-    match &row.setting {
-        Some(setting) => own
-            .any(|point| point.reference && point.setting == *setting)
-            .then(|| format!("At {stiffness} no setting of {code} keeps the bounds but the reference itself.")),
-        None if own.any(|point| !point.extrapolated) => {
-            Some(format!("At {stiffness} no setting of {code} that ran to its end keeps the bounds."))
+    let reason = match &row.setting {
+        Some(setting) if own.any(|point| point.reference && point.setting == *setting) => {
+            format!("no setting of {code} keeps the bounds but the reference itself.")
         }
-        None => Some(format!(
-            "At {stiffness} every run of {code} was cut short, so there is no error: raise --time-limit for one."
-        )),
-    }
+        Some(_) => return None,
+        None if own.any(|point| !point.extrapolated) => {
+            format!("no setting of {code} that ran to its end keeps the bounds.")
+        }
+        None => format!("every run of {code} was cut short, so there is no error: raise --time-limit for one."),
+    };
+    Some(format!("At {stiffness} {reason}"))
 }
 
 /// A reference that may be farther from its limit than the bound.
 fn in_doubt(study: &Study, row: &Reference) -> Option<String> {
-    let index = row.convergence.as_ref()?.grid_convergence_index;
     let bound = study.bounds.iter().find(|bound| bound.observable == row.observable)?.value;
-    (index > bound).then(|| {
-        format!(
-            "The reference at {} is itself in doubt: the grid convergence index of its {}, {}, lies above the bound.",
-            modulus(row.youngs_modulus),
-            observable(&row.observable),
-            two_digits(index)
-        )
-    })
+    let index = row.convergence.map(|convergence| convergence.grid_convergence_index).filter(|index| *index > bound)?;
+    let (stiffness, observable, index) = (modulus(row.youngs_modulus), observable(&row.observable), two_digits(index));
+    Some(format!(
+        "The reference at {stiffness} is itself in doubt: the grid convergence index of its {observable}, {index}, lies above the bound."
+    ))
 }
 
-/// A value to the second digit of its error; to four digits if the error is not known.
+/// A value with its error, if that is known.
 fn measured(value: f64, error: Option<f64>) -> String {
-    let scale = error.filter(|error| *error > 0.0).unwrap_or(1e-2 * value.abs());
-    let decimals = (1.0 - scale.max(1e-12).log10().floor()).clamp(0.0, 8.0) as usize;
-    let error = error.map_or(String::new(), |error| format!(" ± {error:.decimals$}"));
-    format!("{value:.decimals$}{error}").replace('-', "−")
+    match error.filter(|error| *error > 0.0) {
+        Some(error) => with_error(value, error).replace('-', "−"),
+        None => four_digits(value).replace('-', "−"),
+    }
 }
 
 fn signed(value: f64, error: Option<f64>) -> String {
@@ -376,15 +363,6 @@ pub(super) fn modulus(pascal: f64) -> String {
     match pascal {
         p if p >= 1e9 => format!("{} GPa", compact(1e-9 * p)),
         p => format!("{} MPa", compact(1e-6 * p)),
-    }
-}
-
-/// An observable with its unit in brackets.
-pub(super) fn titled(name: &str, of: &str) -> String {
-    match unit(of) {
-        "" => observable(name),
-        "°" => format!("{} (degrees)", observable(name)),
-        symbol => format!("{} ({symbol})", observable(name)),
     }
 }
 
