@@ -1,6 +1,6 @@
 //! `makadam effects`: active effects of a scene, their costs, their influence.
 
-use super::arguments::{JobArguments, OutputArguments, SceneArguments, positive, time_limit};
+use super::arguments::{SceneArguments, StudyArguments, positive, time_limit};
 use super::beforehand::{flowing, settle};
 use super::{Console, Failure, within_tolerance};
 use clap::Args;
@@ -31,13 +31,8 @@ pub(super) struct EffectsArguments {
     /// Wall time after which a run of --ablate is stopped, s.
     #[arg(long, default_value_t = 3600.0, value_parser = time_limit)]
     pub time_limit: f64,
-    /// Start again: repeat runs of --ablate whose results are stored.
-    #[arg(long)]
-    pub restart: bool,
     #[command(flatten)]
-    pub jobs: JobArguments,
-    #[command(flatten)]
-    pub output: OutputArguments,
+    pub study: StudyArguments,
 }
 
 pub(super) fn effects(arguments: &EffectsArguments, console: &Console) -> Result<ExitCode, Failure> {
@@ -58,16 +53,16 @@ pub(super) fn effects(arguments: &EffectsArguments, console: &Console) -> Result
     console.detail("timing kernels");
     let costs = Costs::measure(&simulation);
     drop(simulation);
-    let folder = arguments.output.folder_of("effects", &scene);
+    let folder = arguments.study.output.folder_of("effects", &scene);
     let ablation = if arguments.ablate {
-        arguments.jobs.apply()?;
+        arguments.study.jobs.apply()?;
         let seeds: Vec<u64> = (seed..seed + u64::from(arguments.seeds)).collect();
         let plan = Plan {
             scene: &scene,
             scene_file: &file,
             seeds: &seeds,
             time_limit: Duration::from_secs_f64(arguments.time_limit),
-            cache: &RunCache::open(&folder.join("runs"), arguments.restart)?,
+            cache: &RunCache::open(&folder.join("runs"), arguments.study.restart)?,
             announce: &console.bars(),
         };
         Some(Ablation::run(&plan)?)
@@ -76,7 +71,7 @@ pub(super) fn effects(arguments: &EffectsArguments, console: &Console) -> Result
     };
     let provenance = Provenance::of_run(&scene, &file, seed, &execution);
     let study = Study::new(&scene, &text, (look, costs), ablation, provenance);
-    console.publish(&study, &folder, arguments.output.json)?;
+    console.publish(&study, &folder, arguments.study.output.json)?;
     let lacking = study.ablation.iter().flat_map(|ablation| &ablation.rows).find(|row| row.mean.is_none());
     if let Some(row) = lacking {
         console.warn(&format!("{} was not measured in every seed of the unchanged scene", row.observable));

@@ -68,7 +68,7 @@ pub(super) fn scaling(arguments: &ScalingArguments, console: &Console) -> Result
     let study = {
         let bar = console.bar(&scene.name);
         let report = |message: &str| console.detail(message);
-        Study::measure(&scene.name, simulation, &plan, provenance, &report, &|fraction| bar.set(fraction))?
+        Study::measure(&scene.name, simulation, plan, provenance, &report, &|fraction| bar.set(fraction))?
     };
     console.publish(&study, &arguments.output.folder_of("scaling", &scene), arguments.output.json)?;
     if arguments.record {

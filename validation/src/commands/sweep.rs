@@ -1,6 +1,6 @@
 //! `makadam sweep`: a scene over values of some of its keys.
 
-use super::arguments::{JobArguments, OutputArguments, SourceArguments, observable};
+use super::arguments::{SourceArguments, StudyArguments, observable};
 use super::beforehand::refuse_time_budget;
 use super::{Console, Failure, within_tolerance};
 use clap::Args;
@@ -22,13 +22,8 @@ pub(super) struct SweepArguments {
     /// Observables to print; if absent, those that the scene compares, or all that it measures. The files contain all.
     #[arg(long, value_name = "NAME", value_delimiter = ',', value_parser = observable)]
     pub observables: Vec<String>,
-    /// Start again: repeat runs whose results are stored, and replace the tables of another sweep in the folder.
-    #[arg(long)]
-    pub restart: bool,
     #[command(flatten)]
-    pub jobs: JobArguments,
-    #[command(flatten)]
-    pub output: OutputArguments,
+    pub study: StudyArguments,
 }
 
 pub(super) fn sweep(arguments: &SweepArguments, console: &Console) -> Result<ExitCode, Failure> {
@@ -48,22 +43,22 @@ pub(super) fn sweep(arguments: &SweepArguments, console: &Console) -> Result<Exi
             scene.name
         )));
     }
-    arguments.jobs.apply()?;
-    let folder = arguments.output.folder_of("sweep", &scene);
+    arguments.study.jobs.apply()?;
+    let folder = arguments.study.output.folder_of("sweep", &scene);
     let seeds: Vec<u64> = (scene.seed..scene.seed.saturating_add(arguments.seeds)).collect();
     let plan = Plan {
         file: &file,
         ranges: &arguments.over,
         seeds: &seeds,
         folder: &folder,
-        again: arguments.restart,
+        again: arguments.study.restart,
         announce: &console.bars(),
     };
     let _lock = take(&plan, &scene)?;
     let compared = || scene.compare.iter().map(|expectation| expectation.observable.clone()).collect();
     let shown = if arguments.observables.is_empty() { compared() } else { arguments.observables.clone() };
     let study = Study::make(&plan, &scene, account(1, &[&scene]), shown)?;
-    console.publish(&study, &folder, arguments.output.json)?;
+    console.publish(&study, &folder, arguments.study.output.json)?;
     for point in &study.points {
         for (run, alarm) in point.runs.iter().flat_map(|run| run.alarms.iter().map(move |alarm| (run, alarm))) {
             console.warn(&format!("{}, seed {}: {}", point.values.join(", "), run.seed, alarm.words()));

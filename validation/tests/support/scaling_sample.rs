@@ -95,7 +95,7 @@ pub fn study_of(change: impl Fn(&mut Measurement)) -> Study {
     let bandwidth = Bandwidth { one_thread: 20e9, all_threads: 300e9, threads: 16 };
     let machines = vec![here, Machine::xeon_phi_3120(&COSTS, 3.3e9)];
     let provenance = Provenance::of_run(&scene, Path::new("invented.toml"), 1, &Execution::serial());
-    Study::new("invented", &plan, &measurement, bandwidth, machines, provenance)
+    Study::new("invented", plan, &measurement, bandwidth, machines, provenance)
 }
 
 /// The study.

@@ -9,17 +9,20 @@ use makadam::sweep::SweepBytes;
 use makadam_frames::execution::{Execution, MeasureError};
 use makadam_frames::stepping::{Stepping, Taken};
 use makadam_measure::statistics::median;
+use serde::Serialize;
 use std::time::Instant;
 
 /// Steps before the timed ones: they fill caches and buffers.
 pub(super) const WARM_UP: u64 = 3;
 
 /// Configurations, steps and repetitions of a measurement.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Plan {
     /// Instruction sets, narrowest first.
+    #[serde(skip)]
     pub instruction_sets: Vec<InstructionSet>,
     /// Numbers of threads of the parallel schedulers.
+    #[serde(skip)]
     pub threads: Vec<usize>,
     /// Timed steps.
     pub steps: u64,

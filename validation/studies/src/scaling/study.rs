@@ -15,7 +15,7 @@ use makadam_frames::output::JSON_VERSION;
 use makadam_frames::provenance::Provenance;
 use makadam_measure::statistics::{mean, median};
 use makadam_view::draw::figure::Figure;
-use makadam_view::draw::numbers::{count, short_time as time, two_digits};
+use makadam_view::draw::numbers::{count, plural, short_time as time, two_digits};
 use serde::Serialize;
 
 /// One measured configuration. Times are medians over the repetitions; speed-ups are medians of the ratios to the serial
@@ -84,11 +84,9 @@ pub struct Study {
     #[serde(flatten)]
     pub machine: MachineRow,
     pub contact_sweeps: f64,
-    pub steps: u64,
-    /// Number of these steps, from the first, that were traced and replayed.
-    pub traced_steps: u64,
+    #[serde(flatten)]
+    pub plan: Plan,
     pub warm_up_steps: u64,
-    pub repetitions: usize,
     pub bandwidth: Bandwidth,
     /// True if all configurations ended in the same state, bit for bit.
     pub same_bits: bool,
@@ -111,7 +109,7 @@ impl Study {
     pub fn measure(
         scene: &str,
         simulation: Simulation,
-        plan: &Plan,
+        plan: Plan,
         provenance: Provenance,
         tell: &dyn Fn(&str),
         progress: &dyn Fn(f64),
@@ -131,7 +129,7 @@ impl Study {
     /// widest instruction set alone.
     pub fn new(
         scene: &str,
-        plan: &Plan,
+        plan: Plan,
         measurement: &Measurement,
         bandwidth: Bandwidth,
         machines: Vec<Machine>,
@@ -161,15 +159,13 @@ impl Study {
                 bytes_per_contact_sweep: (contacts > 0.0).then(|| sweep_bytes.moved as f64 / contacts),
             },
             contact_sweeps,
-            steps: plan.steps,
-            traced_steps: plan.traced_steps,
             warm_up_steps: WARM_UP,
-            repetitions: plan.repetitions,
             bandwidth,
             same_bits: differing.is_empty(),
             differing,
             measured: measurement.timings.iter().map(|timing| measured_row(timing, measurement)).collect(),
-            checks: checks(plan, measurement, &replayed),
+            checks: checks(&plan, measurement, &replayed),
+            plan,
             machines,
             replayed,
             findings: Vec::new(),
@@ -245,8 +241,7 @@ fn checks(plan: &Plan, measurement: &Measurement, replayed: &[ReplayedRow]) -> V
                 && (row.instruction_set, row.portion) == (own.instruction_set, own.portion)
                 && (row.scheduler, row.workers) == (own.scheduler, own.threads)
         })?;
-        let of_step =
-            |step: usize| median(timing.repetitions.iter().filter_map(|times| times.steps.get(step)).copied());
+        let of_step = |step: usize| median(timing.repetitions.iter().map(|times| times.steps[step]));
         let measured_seconds = mean(&(0..plan.traced_steps as usize).map(of_step).collect::<Vec<_>>());
         Some(Check {
             instruction_set: own.instruction_set,
@@ -303,34 +298,30 @@ fn findings(study: &Study) -> Vec<String> {
     findings
 }
 
-/// The largest measured speed-up of a step with the widest instruction set.
+/// The largest measured speed-up of a step on several threads, or one thread alone, with the widest instruction set.
 fn answer(study: &Study) -> Answer {
     let own = || study.measured.iter().filter(|row| Some(row.instruction_set) == study.widest());
-    let parallel = own().filter(|row| row.threads > 1);
-    let best = parallel.max_by(|one, other| one.speedup.total_cmp(&other.speedup));
-    let bits = study.findings.first().cloned().unwrap_or_default();
-    let gains = best.is_some_and(|best| best.speedup > 1.0);
-    let class = match (study.same_bits, gains) {
+    let best = own().filter(|row| row.threads > 1).max_by(|one, other| one.speedup.total_cmp(&other.speedup));
+    let best = best.or(own().next()).expect("each instruction set is measured on one thread");
+    let serial = own().find(|row| row.scheduler == Scheduler::Serial && row.portion == best.portion).unwrap_or(best);
+    let class = match (study.same_bits, best.speedup > 1.0) {
         (false, _) => "disagree",
         (true, true) => "agree",
         (true, false) => "undecided",
     };
-    let Some(best) = best else {
-        let step = own().next().map_or(String::new(), |row| format!("A step takes {}. ", time(row.step_seconds)));
-        return Answer { class, word: "Measured on one thread alone.".into(), sentence: step + &bits };
-    };
-    let serial = own().find(|row| row.scheduler == Scheduler::Serial && row.portion == best.portion);
-    let instead = serial.map_or(String::new(), |serial| format!(" instead of {}", time(serial.step_seconds)));
-    let faster = format!("{} times as fast on {} threads.", two_digits(best.speedup), best.threads);
+    let prefix = if best.speedup > 1.0 { "" } else { "No gain: " };
+    let threads = plural(best.threads, "thread");
     Answer {
         class,
-        word: if gains { faster } else { format!("No gain: {faster}") },
+        word: format!("{prefix}{} times as fast on {threads}.", two_digits(best.speedup)),
         sentence: format!(
-            "A step takes {}{instead} ({}, {}); its sweeps are {} times as fast. {bits}",
+            "A step takes {} instead of {} ({}, {}); its sweeps are {} times as fast. {}",
             time(best.step_seconds),
+            time(serial.step_seconds),
             best.scheduler.name().replace('-', " "),
             best.instruction_set.name(),
             two_digits(best.sweep_speedup),
+            study.findings[0],
         ),
     }
 }
@@ -390,7 +381,7 @@ impl Document for Study {
                 format!("{} contacts", count(contacts.round() as usize)),
                 self.provenance.build.processor.clone(),
                 format!("cores {cores}"),
-                format!("{} steps, {} repetitions", self.steps, self.repetitions),
+                format!("{} steps, {} repetitions", self.plan.steps, self.plan.repetitions),
                 format!("version {}", self.provenance.build.version),
                 self.provenance.time.clone(),
             ],
