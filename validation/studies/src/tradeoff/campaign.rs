@@ -85,14 +85,17 @@ impl Campaign<'_> {
     /// [`RunError`]; a run that fails by itself is only noted.
     pub fn carry_out(&self) -> Result<Outcome, RunError> {
         let grains = populate(self.scene, 1).map_err(in_file(self.scene_file))?;
-        let mut costs = Costs::new(self.scene, grains.len(), self.scene.rayleigh_step(&grains));
+        let mut costs = Costs {
+            scene: self.scene,
+            grains: grains.len() as f64,
+            rayleigh_step: self.scene.rayleigh_step(&grains),
+            known: BTreeMap::new(),
+        };
         let configurations = &self.plan.configurations;
         let mut outcome = Outcome::none(configurations.len());
-        let mut missing = self.find(&mut outcome, &mut costs)?;
+        let missing = self.find(&mut outcome, &mut costs)?;
         let mut unsupported: BTreeSet<String> = BTreeSet::new();
-        let mut done = 0.0;
-        while let Some((seed, place)) = self.next(&missing, &costs) {
-            missing.remove(&(seed, place));
+        for (number, &(seed, place)) in missing.iter().enumerate() {
             let configuration = &configurations[place];
             // A run that was cut short tells its wall time; another seed would tell the same.
             let known = outcome.runs[place].first().is_some_and(|first| first.extrapolated);
@@ -101,13 +104,9 @@ impl Campaign<'_> {
             if known || unsupported.contains(&configuration.code) {
                 continue;
             }
-            let here = self.expected(place, &costs);
-            let left: f64 = missing.iter().map(|&(_, place)| self.expected(place, &costs)).sum();
             let label = format!("{} {}, seed {seed}", configuration.code, configuration.setting());
-            let progress = self.progress.clone();
-            let progress =
-                Arc::new(move |fraction: f64| progress(&label, (done + fraction * here) / (done + here + left)));
-            let clock = Instant::now();
+            let (progress, count) = (self.progress.clone(), missing.len() as f64);
+            let progress = Arc::new(move |fraction: f64| progress(&label, (number as f64 + fraction) / count));
             // Only a first seed: what it tells of the wall time decides for the others.
             let may_cut = outcome.runs[place].is_empty() && !self.plan.is_grid(place);
             match self.attempt(configuration, seed, may_cut, &mut costs, progress) {
@@ -138,50 +137,38 @@ impl Campaign<'_> {
                 }
                 Err(error) => return Err(error.into()),
             }
-            done += clock.elapsed().as_secs_f64();
         }
         Ok(outcome)
     }
 
-    /// Takes what is on the shelf; returns seed and place of what is not.
-    fn find(&self, outcome: &mut Outcome, costs: &mut Costs) -> Result<BTreeSet<(u64, usize)>, RunError> {
-        let mut missing = BTreeSet::new();
+    /// Takes what is stored; returns seed and place of what is not, in the order of execution: every configuration with its first seed,
+    /// then with the next one. Within a seed the reference at the scene's stiffness comes first, without which nothing has an error,
+    /// then what is cheapest.
+    fn find(&self, outcome: &mut Outcome, costs: &mut Costs<'_>) -> Result<Vec<(u64, usize)>, RunError> {
+        let mut missing = Vec::new();
         for (place, configuration) in self.plan.configurations.iter().enumerate() {
             for seed in 1..=self.seeds {
-                if let Some(kept) = self.cache.find::<KeptRun>(&self.key(place, seed))?
-                    && self.serves(&kept)
-                {
-                    costs.learn(configuration, kept.core_seconds(), kept.run.simulated_seconds);
-                    outcome.runs[place].push(kept);
-                    continue;
+                let kept = self.cache.find::<KeptRun>(&self.key(place, seed))?;
+                // One that was cut short may run longer under the present limit.
+                let is_short =
+                    |kept: &KeptRun| kept.extrapolated && kept.pace() * self.scene.duration <= self.time_limit;
+                match kept.filter(|kept| !is_short(kept)) {
+                    Some(kept) => {
+                        costs.learn(configuration, kept.core_seconds(), kept.run.simulated_seconds);
+                        outcome.runs[place].push(kept);
+                    }
+                    None => missing.push((seed, place)),
                 }
-                missing.insert((seed, place));
             }
         }
         outcome.notes.extend(self.cache.damaged());
-        Ok(missing)
-    }
-
-    /// Returns false for a stored run that was cut short and would run longer under the present limit.
-    fn serves(&self, kept: &KeptRun) -> bool {
-        !kept.extrapolated || kept.pace() * self.scene.duration > self.time_limit
-    }
-
-    /// Selects the next run: every configuration with its first seed, then with the next one. Within a seed the reference at
-    /// the scene's stiffness comes first, without which nothing has an error, then what is cheapest.
-    fn next(&self, missing: &BTreeSet<(u64, usize)>, costs: &Costs) -> Option<(u64, usize)> {
         let reference = self.plan.refinement(1.0).map(|refinement| refinement.grids[2]);
         let cost = |place: usize| costs.seconds(&self.plan.configurations[place]);
-        missing.iter().copied().min_by(|a, b| {
+        missing.sort_by(|a, b| {
             let later = |place: usize| Some(place) != reference;
             a.0.cmp(&b.0).then(later(a.1).cmp(&later(b.1))).then(cost(a.1).total_cmp(&cost(b.1)))
-        })
-    }
-
-    /// Expected wall time of a run, s.
-    fn expected(&self, place: usize, costs: &Costs) -> f64 {
-        let seconds = costs.seconds(&self.plan.configurations[place]);
-        if self.plan.is_grid(place) { seconds } else { seconds.min(self.time_limit) }
+        });
+        Ok(missing)
     }
 
     fn key(&self, place: usize, seed: u64) -> Key {
@@ -200,7 +187,7 @@ impl Campaign<'_> {
         configuration: &Configuration,
         seed: u64,
         may_cut: bool,
-        costs: &mut Costs,
+        costs: &mut Costs<'_>,
         progress: Arc<impl Fn(f64) + Send + Sync + 'static>,
     ) -> Result<KeptRun, CodeError> {
         let mut simulated = may_cut.then(|| self.stretch(configuration, costs)).flatten();
@@ -248,7 +235,7 @@ impl Campaign<'_> {
 
     /// Simulated time that takes about the limit of wall time, s, a whole number of frames; absent where the whole
     /// duration does.
-    fn stretch(&self, configuration: &Configuration, costs: &Costs) -> Option<f64> {
+    fn stretch(&self, configuration: &Configuration, costs: &Costs<'_>) -> Option<f64> {
         let seconds = costs.seconds(configuration);
         if seconds <= self.time_limit {
             return None;
@@ -336,8 +323,8 @@ const SWEEP: f64 = 0.17;
 /// Sweeps that a solve is expected to take where its residual or its time says when to stop.
 const OPEN_ENDED: u32 = 20;
 
-struct Costs {
-    scene: Scene,
+struct Costs<'a> {
+    scene: &'a Scene,
     grains: f64,
     /// Rayleigh step at the scene's stiffness, s.
     rayleigh_step: f64,
@@ -345,21 +332,13 @@ struct Costs {
     known: BTreeMap<String, [f64; 2]>,
 }
 
-impl Costs {
-    fn new(scene: &Scene, grains: usize, rayleigh_step: f64) -> Costs {
-        Costs { scene: scene.clone(), grains: grains as f64, rayleigh_step, known: BTreeMap::new() }
-    }
-
+impl Costs<'_> {
     /// Grain steps of a second, those of Makadam weighted by their sweeps.
     fn units(&self, configuration: &Configuration) -> f64 {
         let per_second = match &configuration.knobs {
             Knobs::Solver { settings, .. } => {
-                let sweeps = match settings.stop {
-                    Stop::Sweeps { sweeps } => sweeps,
-                    Stop::Residual { max_sweeps, .. } | Stop::TimeBudget { max_sweeps, .. } => {
-                        max_sweeps.min(OPEN_ENDED)
-                    }
-                };
+                let is_open = !matches!(settings.stop, Stop::Sweeps { .. });
+                let sweeps = settings.stop.max_sweeps().min(if is_open { OPEN_ENDED } else { u32::MAX });
                 (1.0 + SWEEP * f64::from(sweeps) * sweeps_of_iteration(settings)) / settings.step
             }
             // The Rayleigh step goes as the inverse root of the stiffness.

@@ -19,7 +19,7 @@ pub(super) fn figures(study: &Study) -> Vec<Figure> {
     factors.sort_by(|a, b| (*a != 1.0).cmp(&(*b != 1.0)).then(a.total_cmp(b)));
     let mut all = Vec::new();
     for factor in factors {
-        let room = if factor == 1.0 { SHOWN.max(study.bounds.len()) } else { study.bounds.len() };
+        let room = if factor == 1.0 { SHOWN.max(study.terms.bounds.len()) } else { study.terms.bounds.len() };
         for name in study.observables().into_iter().take(room) {
             all.extend(study.reference(name, factor).and_then(|reference| codes(study, reference)));
         }
@@ -82,7 +82,7 @@ fn codes(study: &Study, reference: &Reference) -> Option<Figure> {
     // Seed noise: the median standard error.
     let noises = all.iter().filter_map(|point| point.deviation(name)?.deviation_standard_error);
     let noise = Some(median(noises)).filter(|noise| noise.is_finite()).unwrap_or(0.0);
-    let bound = study.bounds.iter().find(|bound| bound.observable == name).map(|bound| bound.value);
+    let bound = study.terms.bounds.iter().find(|bound| bound.observable == name).map(|bound| bound.value);
     Some(Figure {
         name: format!("{}-{}", file_stem(name), file_stem(&stiffness.replace(' ', ""))),
         svg: panel(&with_unit(name, &reference.unit, Rounding::Decimals(0)), &series, noise, bound)?.finish(&about),

@@ -26,7 +26,7 @@ impl Document for Study {
             point_rows(&self.points).csv("points")?,
             reference_rows(&self.references).csv("references")?,
             csv("fastest", &self.fastest)?,
-            json("provenance", &self.provenance)?,
+            json("provenance", &self.terms.provenance)?,
         ])
     }
 
@@ -35,11 +35,11 @@ impl Document for Study {
     }
 
     fn report(&self) -> Report {
-        let bounds = self.bounds.iter().map(bound_text).collect::<Vec<_>>().join(", ");
-        let provenance = |key: &str| self.provenance.get(key).cloned();
+        let bounds = self.terms.bounds.iter().map(bound_text).collect::<Vec<_>>().join(", ");
+        let provenance = |key: &str| self.terms.provenance.get(key).cloned();
         let facts = [
             Some(format!("{} grains", count(self.particles))),
-            Some(plural(self.seeds as usize, "seed")),
+            Some(plural(self.terms.seeds as usize, "seed")),
             (!bounds.is_empty()).then(|| bounds.clone()),
             provenance("processor"),
             provenance("version").map(|version| format!("version {version}")),
@@ -111,7 +111,7 @@ impl Document for Study {
                  memory shows in the range over seeds."
                     .into(),
             ],
-            provenance: self.provenance.clone().into_iter().collect(),
+            provenance: self.terms.provenance.clone().into_iter().collect(),
             files: "tradeoff.json, points.csv, references.csv and fastest.csv, and every run in a file of the folder runs,",
         }
     }
@@ -193,7 +193,7 @@ impl Study {
             cells.extend(names.iter().map(|name| error(point, name)));
             let verdict = match (point.reference, point.within_bounds, point.intervals_within_bounds) {
                 _ if point.failed => "failed with a seed",
-                _ if self.bounds.is_empty() => "",
+                _ if self.terms.bounds.is_empty() => "",
                 (true, ..) => "reference",
                 (_, Some(true), Some(true)) => "within, interval too",
                 (_, Some(true), _) => "within",
@@ -289,7 +289,7 @@ pub(super) fn findings(study: &Study) -> Vec<String> {
     sentences.extend(study.references.iter().filter_map(|row| in_doubt(study, row)));
     let cut = study.points.iter().filter(|point| point.extrapolated).count();
     if cut > 0 {
-        let (limit, are) = (duration(study.time_limit), if cut == 1 { "is" } else { "are" });
+        let (limit, are) = (duration(study.terms.time_limit), if cut == 1 { "is" } else { "are" });
         sentences.push(format!(
             "{} {are} cut short, expected to take more than {limit} per run: wall times come from the beginning of the run, with few \
              contacts, and are too small; there is no error.",
@@ -304,7 +304,7 @@ pub(super) fn findings(study: &Study) -> Vec<String> {
             100.0 * share
         ));
     }
-    if study.bounds.is_empty() {
+    if study.terms.bounds.is_empty() {
         sentences.push(
             "No observable of this scene has a bound, so there is no fastest setting; give one with --bound.".into(),
         );
@@ -331,7 +331,7 @@ fn none_within(study: &Study, row: &Fastest) -> Option<String> {
 
 /// A reference that may be farther from its limit than the bound.
 fn in_doubt(study: &Study, row: &Reference) -> Option<String> {
-    let bound = study.bounds.iter().find(|bound| bound.observable == row.observable)?.value;
+    let bound = study.terms.bounds.iter().find(|bound| bound.observable == row.observable)?.value;
     let index = row.convergence.map(|convergence| convergence.grid_convergence_index).filter(|index| *index > bound)?;
     let (stiffness, observable, index) = (modulus(row.youngs_modulus), observable(&row.observable), two_digits(index));
     Some(format!(

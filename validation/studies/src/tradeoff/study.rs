@@ -14,7 +14,7 @@ use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Input of a study apart from its runs.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Terms {
     /// True if few configurations were asked for.
     pub quick: bool,
@@ -38,11 +38,8 @@ pub struct Study {
     pub particles: usize,
     /// True if everything that was planned has run; what failed counts as run.
     pub complete: bool,
-    pub quick: bool,
-    pub seeds: u64,
-    /// Wall time beyond which a run was cut short, s.
-    pub time_limit: f64,
-    pub bounds: Vec<Bound>,
+    #[serde(flatten)]
+    pub terms: Terms,
     /// Converged references of Makadam, an observable after the other, by stiffness.
     pub references: Vec<Reference>,
     pub points: Vec<Point>,
@@ -51,16 +48,14 @@ pub struct Study {
     pub variations: Vec<Varied>,
     pub findings: Vec<String>,
     pub notes: Vec<String>,
-    pub provenance: BTreeMap<String, String>,
 }
 
 impl Study {
     /// Puts runs into rows.
-    pub fn new(scene: &Scene, plan: &Plan, outcome: &Outcome, terms: Terms) -> Study {
+    pub fn new(scene: &Scene, plan: &Plan, outcome: &Outcome, mut terms: Terms) -> Study {
         let names = observables(scene, plan, outcome, &terms.bounds);
-        let known = |bound: &Bound| names.iter().any(|(name, _)| *name == bound.observable);
-        let bounds: Vec<Bound> = terms.bounds.into_iter().filter(known).collect();
-        let table = Table { scene, plan, outcome, names: &names, bounds: &bounds };
+        terms.bounds.retain(|bound| names.iter().any(|(name, _)| *name == bound.observable));
+        let table = Table { scene, plan, outcome, names: &names, bounds: &terms.bounds };
         let references = plan.refinements.iter().flat_map(|refinement| table.references(refinement)).collect();
         let mut points: Vec<Point> = (0..plan.configurations.len()).filter_map(|place| table.point(place)).collect();
         mark_fronts(&mut points, &names);
@@ -70,17 +65,13 @@ impl Study {
             scene: scene.name.clone(),
             particles: scene.grain_count(),
             complete: !outcome.interrupted,
-            quick: terms.quick,
-            seeds: terms.seeds,
-            time_limit: terms.time_limit,
             references,
-            fastest: fastest(&points, &bounds),
+            fastest: fastest(&points, &terms.bounds),
             variations: variations(&points),
+            terms,
             points,
-            bounds,
             findings: Vec::new(),
             notes: outcome.sentences(plan),
-            provenance: terms.provenance,
         };
         study.findings = findings(&study);
         study
@@ -101,7 +92,7 @@ impl Study {
 
     /// Names of the observables, bounded ones first.
     pub fn observables(&self) -> Vec<&str> {
-        let bounded = self.bounds.iter().map(|bound| bound.observable.as_str());
+        let bounded = self.terms.bounds.iter().map(|bound| bound.observable.as_str());
         let mut names: Vec<&str> = Vec::new();
         for name in bounded.chain(self.references.iter().map(|row| row.observable.as_str())) {
             if !names.contains(&name) {
