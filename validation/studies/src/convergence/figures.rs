@@ -50,7 +50,7 @@ fn directions(study: &Study, curve: &Curve) -> Figure {
         .collect();
     let parts: Vec<Part> = shown.iter().map(|(_, _, part)| *part).collect();
     let keys: Vec<Key<'_>> = shown.iter().map(|(name, class, _)| Key::Line(class, name)).collect();
-    let x = Axis::linear("iterations", 0.0, f64::from(study.iterations));
+    let x = Axis::linear("iterations", 0.0, f64::from(study.effort.iterations));
     let mut plot = Plot::with_legend(x, residual_axis(study, std::slice::from_ref(curve), &parts), &keys);
     for (_, class, part) in shown {
         plot.curve(class, line(curve, part, |point| f64::from(point.iterations)));
@@ -76,7 +76,7 @@ fn all_methods(study: &Study, against_time: bool) -> Figure {
     let ends = study.methods.iter().map(|curve| curve.points.last().map_or(0.0, across));
     let x = match against_time {
         true => Axis::linear("wall time (ms)", 0.0, median(ends)),
-        false => Axis::linear("iterations", 0.0, f64::from(study.iterations)),
+        false => Axis::linear("iterations", 0.0, f64::from(study.effort.iterations)),
     };
     let mut plot = Plot::with_legend(x, residual_axis(study, &study.methods, &[Residuals::rms]), &keys);
     for (curve, (class, _)) in study.methods.iter().zip(&styles) {

@@ -37,9 +37,8 @@ pub struct Study {
     pub command: String,
     #[serde(flatten)]
     pub problem: Problem,
-    pub iterations: u32,
-    /// Solves of the problem by each method; each iteration counts with its shortest time.
-    pub repetitions: u32,
+    #[serde(flatten)]
+    pub effort: Effort,
     /// Residuals that methods were timed to, in units of `residual_unit`.
     pub tolerances: Vec<f64>,
     pub methods: Vec<Curve>,
@@ -50,11 +49,11 @@ pub struct Study {
 }
 
 /// Effort of each method.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Effort {
     /// Iterations of a solve.
     pub iterations: u32,
-    /// Solves of the same problem.
+    /// Solves of the same problem; each iteration counts with its shortest time.
     pub repetitions: u32,
 }
 
@@ -164,8 +163,7 @@ impl Study {
             version: JSON_VERSION,
             command: "convergence".into(),
             problem,
-            iterations: effort.iterations,
-            repetitions: effort.repetitions,
+            effort,
             tolerances: TOLERANCES.into(),
             methods,
             findings: left_out.iter().map(|one| format!("Not run: {}.", one.reason)).collect(),
@@ -287,7 +285,7 @@ impl Document for Study {
                     "Iterations and milliseconds to a root mean square residual ({}); - if not reached",
                     problem.residual_unit_name
                 ),
-                format!("Over contacts and directions, within {} iterations.", self.iterations),
+                format!("Over contacts and directions, within {} iterations.", self.effort.iterations),
                 reached(self),
             )],
             notes: Vec::new(),
@@ -313,7 +311,7 @@ impl Document for Study {
                 format!(
                     "Wall time is that of the iterations and of their preparation, without measuring the residual. The problem was solved \
                      {} with each method, in turn, and each iteration counts with its shortest time.",
-                    plural(self.repetitions as usize, "time")
+                    plural(self.effort.repetitions as usize, "time")
                 ),
                 "Curves of methods that diverge are cut off at ten times the residual that they start from.".into(),
             ],
@@ -360,7 +358,7 @@ fn answer(study: &Study) -> Answer {
         sentence += ".";
     }
     if !others.is_empty() {
-        sentence += &format!(" Not within {} iterations: {}.", study.iterations, others.join(", "));
+        sentence += &format!(" Not within {} iterations: {}.", study.effort.iterations, others.join(", "));
     }
     if tolerance < TOLERANCE {
         sentence += &format!(" The start is below {} {unit} already.", compact(TOLERANCE));

@@ -10,10 +10,11 @@ use serde::Serialize;
 use std::time::Instant;
 
 /// A solver of problems from files.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
     /// Projected Gauss-Seidel, one contact after another.
+    #[default]
     Reference,
     /// Newton's method with dense matrices, up to 500 contacts.
     Direct,
@@ -41,7 +42,7 @@ impl Settings {
 pub const AGREEMENT: f64 = 1e-5;
 
 /// Answer of a solver.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[expect(missing_docs, reason = "validation/docs/json.md describes the fields of documents")]
 pub struct Answer {
     pub method: Method,
@@ -196,18 +197,7 @@ impl Method {
 
 impl Answer {
     fn of(method: Method) -> Answer {
-        Answer {
-            method,
-            iterations: None,
-            converged: true,
-            seconds: None,
-            residual: None,
-            velocity_difference: None,
-            impulse_difference: None,
-            contact_velocities: Vec::new(),
-            bodies: None,
-            impulses: Vec::new(),
-        }
+        Answer { method, converged: true, ..Answer::default() }
     }
 
     fn compare_with(&mut self, first: &Answer, problem: Option<&ContactProblem>, unique_impulses: bool) {

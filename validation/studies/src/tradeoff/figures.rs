@@ -15,8 +15,9 @@ const SHOWN: usize = 4;
 
 /// Figures of the scene's stiffness first, then the bounded observables at the others.
 pub(super) fn figures(study: &Study) -> Vec<Figure> {
-    let mut factors = study.stiffness_factors();
+    let mut factors: Vec<f64> = study.points.iter().map(|point| point.stiffness_factor).collect();
     factors.sort_by(|a, b| (*a != 1.0).cmp(&(*b != 1.0)).then(a.total_cmp(b)));
+    factors.dedup();
     let mut all = Vec::new();
     for factor in factors {
         let room = if factor == 1.0 { SHOWN.max(study.terms.bounds.len()) } else { study.terms.bounds.len() };

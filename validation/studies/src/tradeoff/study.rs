@@ -77,14 +77,6 @@ impl Study {
         study
     }
 
-    /// Stiffness factors of the study, rising.
-    pub fn stiffness_factors(&self) -> Vec<f64> {
-        let mut factors: Vec<f64> = self.points.iter().map(|point| point.stiffness_factor).collect();
-        factors.sort_by(f64::total_cmp);
-        factors.dedup();
-        factors
-    }
-
     /// The reference of an observable at a stiffness.
     pub fn reference(&self, observable: &str, stiffness_factor: f64) -> Option<&Reference> {
         self.references.iter().find(|row| row.observable == observable && row.stiffness_factor == stiffness_factor)
