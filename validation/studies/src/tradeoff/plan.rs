@@ -167,6 +167,9 @@ fn calm_contacts(settings: &mut SolverSettings) {
     settings.stop = down_to(0.1, settings);
 }
 
+/// Steps of Makadam, and the sweeps of each.
+type Grid = &'static [(f64, &'static [u32])];
+
 /// Values of the settings of a plan. Steps are over the scene's own step.
 struct Extent {
     /// Steps of Makadam's grid.
@@ -180,9 +183,9 @@ struct Extent {
     /// Their sweeps.
     most_sweeps: u32,
     /// Steps and sweeps of Makadam at other stiffnesses than the scene's.
-    elsewhere: &'static [(f64, u32)],
+    elsewhere: Grid,
     /// Steps and most sweeps of solves there that stop at the residual of [`FORGIVING`].
-    elsewhere_forgiving: &'static [(f64, u32)],
+    elsewhere_forgiving: Grid,
     /// Time steps of explicit codes over the Rayleigh step at the scene's stiffness.
     rayleigh_fractions: &'static [f64],
     /// Time steps of explicit codes at other stiffnesses.
@@ -195,19 +198,8 @@ const FULL: Extent = Extent {
     varied_steps: &[4.0, 2.0, 1.0],
     refinement: [1.0, 0.5, 0.25],
     most_sweeps: 40,
-    elsewhere: &[
-        (4.0, 10),
-        (4.0, 20),
-        (2.0, 5),
-        (2.0, 10),
-        (1.0, 5),
-        (1.0, 10),
-        (1.0, 20),
-        (0.5, 5),
-        (0.5, 10),
-        (0.5, 20),
-    ],
-    elsewhere_forgiving: &[(4.0, 20), (4.0, 40), (2.0, 10), (2.0, 20), (1.0, 20)],
+    elsewhere: &[(4.0, &[10, 20]), (2.0, &[5, 10]), (1.0, &[5, 10, 20]), (0.5, &[5, 10, 20])],
+    elsewhere_forgiving: &[(4.0, &[20, 40]), (2.0, &[10, 20]), (1.0, &[20])],
     rayleigh_fractions: &[0.8, 0.5, 0.3, 0.2, 0.1, 0.05, 0.01],
     rayleigh_fractions_elsewhere: &[0.8, 0.5, 0.3, 0.2, 0.05],
 };
@@ -220,22 +212,16 @@ const QUICK: Extent = Extent {
     varied_steps: &[4.0, 2.0],
     refinement: [2.0, 1.0, 0.5],
     most_sweeps: 20,
-    elsewhere: &[(4.0, 10), (4.0, 20), (2.0, 5), (2.0, 10), (2.0, 20), (1.0, 10)],
-    elsewhere_forgiving: &[(4.0, 20), (4.0, 40), (2.0, 10), (2.0, 20)],
+    elsewhere: &[(4.0, &[10, 20]), (2.0, &[5, 10, 20]), (1.0, &[10])],
+    elsewhere_forgiving: &[(4.0, &[20, 40]), (2.0, &[10, 20])],
     // With tangential damping LIGGGHTS packs too densely from 40% on (`validation/docs/timing.md`).
     rayleigh_fractions: &[0.5, 0.3, 0.25, 0.2],
     rayleigh_fractions_elsewhere: &[0.5, 0.3, 0.2],
 };
 
 /// Variations of a quick plan and their iterations.
-const QUICK_VARIATIONS: [(&str, u32); 6] = [
-    ("single precision", 10),
-    ("Anderson", 5),
-    ("residual 0.1", 10),
-    ("residual 0.1", 20),
-    ("residual 0.03", 10),
-    ("residual 0.03", 20),
-];
+const QUICK_VARIATIONS: [(&str, &[u32]); 4] =
+    [("single precision", &[10]), ("Anderson", &[5]), ("residual 0.1", &[10, 20]), ("residual 0.03", &[10, 20])];
 
 /// The variation by the largest residual that packing fractions and angles forgive, as solves at the scene's stiffness show.
 const FORGIVING: &str = "residual 0.1";
@@ -244,7 +230,7 @@ const FORGIVING: &str = "residual 0.1";
 const CALM: &str = "calm contacts, residual 0.1";
 
 /// Steps over the scene's own, and most sweeps, at which it is tried at every stiffness.
-const LONG_STEPS: &[(f64, u32)] = &[(8.0, 20), (6.0, 20), (4.0, 10), (4.0, 20)];
+const LONG_STEPS: Grid = &[(8.0, &[20]), (6.0, &[20]), (4.0, &[10, 20])];
 
 /// Factors on every Young's modulus that the full extent covers: 5 MPa to 1 GPa where the scene's is 10 MPa.
 pub const STIFFNESS_FACTORS: [f64; 4] = [0.5, 1.0, 10.0, 100.0];
@@ -281,6 +267,8 @@ impl Plan {
             let stop = Stop::Sweeps { sweeps };
             SolverSettings { step: step * scene.solver.step, stop, ..scene.solver.clone() }
         };
+        let all =
+            |grid: Grid| grid.iter().flat_map(move |(step, sweeps)| sweeps.iter().map(move |&count| at(*step, count)));
         for stiffness_factor in factors {
             let is_own = stiffness_factor == 1.0;
             let makadam = |settings, variation| {
@@ -297,17 +285,18 @@ impl Plan {
                 plain.extend(grid.map(|(step, sweeps)| at(step, sweeps)));
                 for Variation { name, iterations, .. } in &VARIATIONS {
                     varied.extend((!quick).then(|| (*name, scene.solver.clone())));
+                    let planned =
+                        QUICK_VARIATIONS.iter().find(|(planned, _)| planned == name).map(|(_, counts)| *counts);
+                    let counts = if quick { planned.unwrap_or_default() } else { iterations };
                     for &step in extent.varied_steps {
-                        let planned = |count: &&u32| !quick || QUICK_VARIATIONS.contains(&(*name, **count));
-                        varied.extend(iterations.iter().filter(planned).map(|&sweeps| (*name, at(step, sweeps))));
+                        varied.extend(counts.iter().map(|&sweeps| (*name, at(step, sweeps))));
                     }
                 }
             } else {
-                plain.extend(extent.elsewhere.iter().map(|&(step, sweeps)| at(step, sweeps)));
-                let forgiving = extent.elsewhere_forgiving.iter();
-                varied.extend(forgiving.map(|&(step, sweeps)| (FORGIVING, at(step, sweeps))));
+                plain.extend(all(extent.elsewhere));
+                varied.extend(all(extent.elsewhere_forgiving).map(|settings| (FORGIVING, settings)));
             }
-            varied.extend(LONG_STEPS.iter().map(|&(step, sweeps)| (CALM, at(step, sweeps))));
+            varied.extend(all(LONG_STEPS).map(|settings| (CALM, settings)));
             if codes.contains(&"Makadam") {
                 for settings in plain {
                     plan.add(makadam(settings, None));
