@@ -7,7 +7,7 @@ use makadam::schedule::{Phase, Region, Scheduler, StepTrace};
 use makadam::sweep::SweepBytes;
 use makadam_frames::execution::Execution;
 use makadam_frames::provenance::Provenance;
-use makadam_studies::scaling::{Bandwidth, Costs, Machine, Measurement, Plan, Study, Times, Timing, Traces, replay};
+use makadam_studies::scaling::{Bandwidth, Costs, Machine, Measurement, Plan, Study, Timing, Traces, replay};
 use std::path::Path;
 
 /// Factor of the invented measurement on its replay.
@@ -69,13 +69,14 @@ pub fn study_of(change: impl Fn(&mut Measurement)) -> Study {
         let factor = SETS.iter().find(|(set, _)| *set == instruction_set).map_or(1.0, |&(_, factor)| factor);
         let step = if portion == Portion::Boxes { cut(step(factor)) } else { step(factor) };
         let seconds = SLOWER * replay(&step.regions, scheduler, &here, 0.0, threads).seconds;
-        let repetition = |noise: f64| Times { steps: vec![noise * seconds; 2], sweeps: vec![0.7 * noise * seconds; 2] };
+        let noise = [0.97, 1.0, 1.06];
         if scheduler == Scheduler::Serial {
             traces.push(Traces { configuration, steps: vec![step; 2], sweeps: vec![SWEEPS; 2] });
         }
         timings.push(Timing {
             configuration,
-            repetitions: [0.97, 1.0, 1.06].map(repetition).to_vec(),
+            steps: noise.map(|noise| vec![noise * seconds; 2]).to_vec(),
+            sweeps: noise.map(|noise| vec![0.7 * noise * seconds; 2]).to_vec(),
             hashes: vec![7; 3],
         });
     }

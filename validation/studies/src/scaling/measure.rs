@@ -32,23 +32,16 @@ pub struct Plan {
     pub repetitions: usize,
 }
 
-/// Wall time of each step of one repetition, s.
-#[derive(Clone, Debug, Default)]
-pub struct Times {
-    /// Whole steps.
-    pub steps: Vec<f64>,
-    /// Their sweeps.
-    pub sweeps: Vec<f64>,
-}
-
-/// Timed steps of one configuration.
+/// Timed steps of one configuration, by repetition.
 #[derive(Clone, Debug)]
 pub struct Timing {
     /// The configuration.
     pub configuration: Execution,
-    /// Times of each repetition.
-    pub repetitions: Vec<Times>,
-    /// Hash of the final state of each repetition.
+    /// Wall time of each step, s.
+    pub steps: Vec<Vec<f64>>,
+    /// Wall time of its sweeps, s.
+    pub sweeps: Vec<Vec<f64>>,
+    /// Hashes of the final states.
     pub hashes: Vec<u64>,
 }
 
@@ -108,7 +101,8 @@ impl Plan {
 
     /// Measures from a state; `progress` receives the completed fraction.
     pub fn measure(&self, start: &Simulation, progress: &dyn Fn(f64)) -> Result<Measurement, MeasureError> {
-        let timing = |configuration| Timing { configuration, repetitions: Vec::new(), hashes: Vec::new() };
+        let timing =
+            |configuration| Timing { configuration, steps: Vec::new(), sweeps: Vec::new(), hashes: Vec::new() };
         let mut found = Measurement {
             start_seconds: start.time(),
             particles: start.snapshot().particles.len(),
@@ -141,19 +135,20 @@ impl Plan {
     fn time(&self, start: &Simulation, job: usize, found: &mut Measurement) -> Result<(), MeasureError> {
         let timing = &mut found.timings[job];
         let mut simulation = warmed_up(start, timing.configuration)?;
-        let (mut times, mut contacts) = (Times::default(), 0);
+        let (mut steps, mut sweeps, mut contacts) = (Vec::new(), Vec::new(), 0);
         let before = simulation.contact_sweeps();
         let mut swept = simulation.phase_seconds().sweep;
         let each = |simulation: &Simulation, taken: &Taken| {
-            let sweeps = simulation.phase_seconds().sweep;
-            times.steps.push(taken.seconds);
-            times.sweeps.push(sweeps - swept);
-            swept = sweeps;
+            let now = simulation.phase_seconds().sweep;
+            steps.push(taken.seconds);
+            sweeps.push(now - swept);
+            swept = now;
             contacts += taken.report.contacts;
         };
         // Without a watchdog only an interruption ends the run early.
         Stepping::new(self.steps, &|_| {}).carry_out(&mut simulation, each).map_err(|_| MeasureError::Interrupted)?;
-        timing.repetitions.push(times);
+        timing.steps.push(steps);
+        timing.sweeps.push(sweeps);
         timing.hashes.push(simulation.state_hash());
         found.contacts = contacts as f64 / self.steps as f64;
         found.contact_sweeps = (simulation.contact_sweeps() - before) as f64 / self.steps as f64;

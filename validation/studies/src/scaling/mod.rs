@@ -13,6 +13,6 @@ mod measure;
 mod replay;
 mod study;
 
-pub use measure::{Measurement, Plan, Times, Timing, Traces};
+pub use measure::{Measurement, Plan, Timing, Traces};
 pub use replay::{Bandwidth, Costs, Machine, Replayed, ReplayedRow, replay};
 pub use study::{Check, MachineRow, MeasuredRow, Study};

@@ -207,12 +207,10 @@ fn differing(measurement: &Measurement) -> Vec<String> {
 fn measured_row(timing: &Timing, measurement: &Measurement) -> MeasuredRow {
     let configuration = timing.configuration;
     let serial = measurement.timings.iter().find(|other| other.configuration.is_serial_of(&configuration));
-    let means = |timing: &Timing| -> [Vec<f64>; 2] {
-        let repetitions = timing.repetitions.iter();
-        repetitions.map(|times| (mean(&times.steps), mean(&times.sweeps))).unzip::<_, _, Vec<_>, Vec<_>>().into()
-    };
-    let [steps, sweeps] = means(timing);
-    let [serial_steps, serial_sweeps] = means(serial.unwrap_or(timing));
+    let serial = serial.unwrap_or(timing);
+    let means = |repetitions: &[Vec<f64>]| repetitions.iter().map(|times| mean(times)).collect::<Vec<f64>>();
+    let [steps, sweeps] = [&timing.steps, &timing.sweeps].map(|times| means(times));
+    let [serial_steps, serial_sweeps] = [&serial.steps, &serial.sweeps].map(|times| means(times));
     let ratio = |serial: &[f64], own: &[f64]| median(serial.iter().zip(own).map(|(serial, own)| serial / own));
     let sweep_seconds = median(sweeps.iter().copied());
     MeasuredRow {
@@ -241,7 +239,7 @@ fn checks(plan: &Plan, measurement: &Measurement, replayed: &[ReplayedRow]) -> V
                 && (row.instruction_set, row.portion) == (own.instruction_set, own.portion)
                 && (row.scheduler, row.workers) == (own.scheduler, own.threads)
         })?;
-        let of_step = |step: usize| median(timing.repetitions.iter().map(|times| times.steps[step]));
+        let of_step = |step: usize| median(timing.steps.iter().map(|times| times[step]));
         let measured_seconds = mean(&(0..plan.traced_steps as usize).map(of_step).collect::<Vec<_>>());
         Some(Check {
             instruction_set: own.instruction_set,

@@ -8,7 +8,7 @@ use makadam_compare::study::{
 };
 use makadam_view::draw::figure::Figure;
 use makadam_view::draw::names::{code_style, observable, with_unit};
-use makadam_view::draw::numbers::{Rounding, compact, count, duration, four_digits, plural, two_digits, with_error};
+use makadam_view::draw::numbers::{Rounding, compact, count, duration, plural, two_digits};
 use serde::Serialize;
 use serde_json::{Map, Value};
 
@@ -224,7 +224,7 @@ impl Study {
             .with_numbers(shifted.then_some("shift from the scene's stiffness"))
             .of(&self.references, |row| {
                 let convergence = row.convergence.as_ref();
-                let mean = |value: f64| measured(value, row.standard_error);
+                let mean = |value: f64| measured(value, row.standard_error.map(|error| error.max(1e-9)));
                 // Grids share the reference's digits; its error stands next to its own mean alone.
                 let plain = |value: f64| mean(value).split(" ± ").next().unwrap_or_default().to_string();
                 let index =
@@ -339,12 +339,12 @@ fn in_doubt(study: &Study, row: &Reference) -> Option<String> {
     ))
 }
 
-/// A value with its error, if that is known.
+/// A value to the second digit of its error; to four digits if the error is not known.
 fn measured(value: f64, error: Option<f64>) -> String {
-    match error.filter(|error| *error > 0.0) {
-        Some(error) => with_error(value, error).replace('-', "−"),
-        None => four_digits(value).replace('-', "−"),
-    }
+    let scale = error.filter(|error| *error > 0.0).unwrap_or(1e-2 * value.abs());
+    let decimals = (1.0 - scale.max(1e-12).log10().floor()).clamp(0.0, 8.0) as usize;
+    let error = error.map_or(String::new(), |error| format!(" ± {error:.decimals$}"));
+    format!("{value:.decimals$}{error}").replace('-', "−")
 }
 
 fn signed(value: f64, error: Option<f64>) -> String {
