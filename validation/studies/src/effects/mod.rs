@@ -21,12 +21,10 @@ use serde::Serialize;
 
 /// Content of `effects.json`.
 #[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "validation/docs/json.md describes the fields of documents")]
 pub struct Study {
-    /// Version of the document.
     pub version: u32,
-    /// "effects".
     pub command: &'static str,
-    /// Name of the scene.
     pub scene: String,
     /// Effects, active or not.
     pub effects: Vec<Called>,
@@ -34,11 +32,9 @@ pub struct Study {
     pub costs: Option<Costs>,
     /// Energy and overlaps over a stretch of the run.
     pub look: Option<Look>,
-    /// Warnings of the runs.
     pub warnings: Vec<String>,
     /// Each effect off or on; absent where it was not requested.
     pub ablation: Option<Ablation>,
-    /// Provenance of the runs.
     pub provenance: Provenance,
 }
 

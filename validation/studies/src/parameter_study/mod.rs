@@ -100,12 +100,11 @@ pub struct Plan<'a> {
 
 /// Measurements of one run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "validation/docs/json.md describes the fields of documents")]
 pub struct Run {
-    /// Seed of the initial positions.
     pub seed: u64,
     /// Wall time of the stepping, s.
     pub wall_seconds: f64,
-    /// Observables.
     pub measurements: Vec<Measurement>,
     /// Violations that a watchdog found.
     pub alarms: Vec<Noticed>,
@@ -113,34 +112,31 @@ pub struct Run {
 
 /// A run that failed.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "validation/docs/json.md describes the fields of documents")]
 pub struct Failed {
     /// Values, in the order of the keys.
     pub values: Vec<String>,
-    /// Seed of the initial positions.
     pub seed: u64,
-    /// Reason.
     pub problem: String,
 }
 
 /// A combination of values, over its seeds.
 #[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "validation/docs/json.md describes the fields of documents")]
 pub struct Point {
     /// Values, in the order of the keys.
     pub values: Vec<String>,
     /// Mean and standard deviation by observable, over the seeds that have a value.
     pub observables: BTreeMap<String, Ensemble>,
-    /// Runs of the study.
     pub runs: Vec<Run>,
 }
 
 /// Content of `sweep.json`.
 #[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "validation/docs/json.md describes the fields of documents")]
 pub struct Study {
-    /// Version of this document.
     pub version: u32,
-    /// "sweep".
     pub command: &'static str,
-    /// Name of the scene.
     pub scene: String,
     /// Keys of the scene that vary.
     pub keys: Vec<String>,
@@ -150,7 +146,6 @@ pub struct Study {
     pub points: Vec<Point>,
     /// Runs that failed; the means are over the others.
     pub failed: Vec<Failed>,
-    /// Provenance by name.
     pub provenance: BTreeMap<String, String>,
     /// Observables of the report; all if empty.
     #[serde(skip)]

@@ -156,14 +156,13 @@ pub fn check(file: &ProblemFile, settings: &Settings, siconos: &FromSiconos) -> 
     if *siconos == FromSiconos::Run {
         siconos::version()?;
     }
-    let own = [Method::Reference, Method::Direct, Method::Lanes].map(|method| (method, solve(file, method, settings)));
-    let of_siconos = match siconos {
-        FromSiconos::Nothing => None,
-        FromSiconos::Run => Some(solve(file, Method::Siconos, settings)),
-        FromSiconos::Recorded(impulses) => Some(recorded(file, impulses)),
-    };
     let (mut answers, mut left_out) = (Vec::new(), Vec::new());
-    for (method, answer) in own.into_iter().chain(of_siconos.map(|answer| (Method::Siconos, answer))) {
+    for method in [Method::Reference, Method::Direct, Method::Lanes, Method::Siconos] {
+        let answer = match (method, siconos) {
+            (Method::Siconos, FromSiconos::Nothing) => continue,
+            (Method::Siconos, FromSiconos::Recorded(impulses)) => recorded(file, impulses),
+            _ => solve(file, method, settings),
+        };
         match answer {
             Ok(answer) => answers.push(answer),
             Err(why) => left_out.push(format!("{}: {why}", method.name())),

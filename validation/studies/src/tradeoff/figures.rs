@@ -83,10 +83,10 @@ fn codes(study: &Study, reference: &Reference) -> Option<Figure> {
     // Seed noise: the median standard error.
     let noises = all.iter().filter_map(|point| point.deviation(name)?.deviation_standard_error);
     let noise = Some(median(noises)).filter(|noise| noise.is_finite()).unwrap_or(0.0);
-    let bound = study.terms.bounds.iter().find(|bound| bound.observable == name).map(|bound| bound.value);
     Some(Figure {
         name: format!("{}-{}", file_stem(name), file_stem(&stiffness.replace(' ', ""))),
-        svg: panel(&with_unit(name, &reference.unit, Rounding::Decimals(0)), &series, noise, bound)?.finish(&about),
+        svg: panel(&with_unit(name, &reference.unit, Rounding::Decimals(0)), &series, noise, study.terms.bound(name))?
+            .finish(&about),
         caption: format!(
             "{about}. Lines are Pareto fronts, bars one standard error over seeds; points at the lower edge lie below it. \
              The numbered settings are named below the plot."

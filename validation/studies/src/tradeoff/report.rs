@@ -126,12 +126,13 @@ impl Study {
             (true, None) => ("No bounds.", "undecided"),
         };
         let own = self.fastest.iter().find(|row| row.code == "Makadam" && row.stiffness_factor == 1.0);
-        let sentence = own.and_then(|row| row.setting.as_ref().zip(row.wall_seconds_per_simulated_second));
-        let sentence = sentence.map(|(setting, wall)| {
-            let wall = two_digits(wall);
-            format!("The fastest setting of Makadam that keeps them is {setting}: {wall} s per simulated second.")
-        });
-        let sentence = sentence.or_else(|| self.findings.first().cloned()).unwrap_or_default();
+        let sentence = match own.and_then(|row| row.setting.as_ref().zip(row.wall_seconds_per_simulated_second)) {
+            Some((setting, wall)) => format!(
+                "The fastest setting of Makadam that keeps them is {setting}: {} s per simulated second.",
+                two_digits(wall)
+            ),
+            None => self.findings.first().cloned().unwrap_or_default(),
+        };
         Answer { class, word: word.into(), sentence }
     }
 
@@ -331,7 +332,7 @@ fn none_within(study: &Study, row: &Fastest) -> Option<String> {
 
 /// A reference that may be farther from its limit than the bound.
 fn in_doubt(study: &Study, row: &Reference) -> Option<String> {
-    let bound = study.terms.bounds.iter().find(|bound| bound.observable == row.observable)?.value;
+    let bound = study.terms.bound(&row.observable)?;
     let index = row.convergence.map(|convergence| convergence.grid_convergence_index).filter(|index| *index > bound)?;
     let (stiffness, observable, index) = (modulus(row.youngs_modulus), observable(&row.observable), two_digits(index));
     Some(format!(

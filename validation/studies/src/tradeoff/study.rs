@@ -28,6 +28,13 @@ pub struct Terms {
     pub provenance: BTreeMap<String, String>,
 }
 
+impl Terms {
+    /// The tolerated deviation of an observable.
+    pub(super) fn bound(&self, observable: &str) -> Option<f64> {
+        self.bounds.iter().find(|bound| bound.observable == observable).map(|bound| bound.value)
+    }
+}
+
 /// Accuracy and wall time of the settings of each code on one scene; its fields are documented in `validation/docs/json.md`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[expect(missing_docs, reason = "validation/docs/json.md describes the fields of documents")]
@@ -55,7 +62,7 @@ impl Study {
     pub fn new(scene: &Scene, plan: &Plan, outcome: &Outcome, mut terms: Terms) -> Study {
         let names = observables(scene, plan, outcome, &terms.bounds);
         terms.bounds.retain(|bound| names.iter().any(|(name, _)| *name == bound.observable));
-        let table = Table { scene, plan, outcome, names: &names, bounds: &terms.bounds };
+        let table = Table { scene, plan, outcome, names: &names, terms: &terms };
         let references = plan.refinements.iter().flat_map(|refinement| table.references(refinement)).collect();
         let mut points: Vec<Point> = (0..plan.configurations.len()).filter_map(|place| table.point(place)).collect();
         mark_fronts(&mut points, &names);
@@ -129,7 +136,7 @@ struct Table<'a> {
     outcome: &'a Outcome,
     /// Observables and their units.
     names: &'a [(String, String)],
-    bounds: &'a [Bound],
+    terms: &'a Terms,
 }
 
 impl Table<'_> {
@@ -201,7 +208,7 @@ impl Table<'_> {
             self.names.iter().filter_map(|(name, unit)| self.deviation(place, name, unit)).collect();
         let failed = self.outcome.failures.contains_key(&place);
         let verdict = |part: fn(&Deviation) -> Option<bool>| {
-            let each = self.bounds.iter().map(|bound| {
+            let each = self.terms.bounds.iter().map(|bound| {
                 deviations.iter().find(|deviation| deviation.observable == bound.observable).and_then(part)
             });
             let all: Option<Vec<bool>> = each.collect();
@@ -239,7 +246,7 @@ impl Table<'_> {
         let differences = self.differences(&own, factor, observable)?;
         let shared: Vec<f64> = differences.keys().map(|seed| own[seed]).collect();
         let ensemble = Ensemble::of(&differences.values().copied().collect::<Vec<f64>>())?;
-        let bound = self.bounds.iter().find(|bound| bound.observable == observable).map(|bound| bound.value);
+        let bound = self.terms.bound(observable);
         // The reference's deviation is zero by definition, and says nothing of its interval.
         let is_reference = self.plan.refinement(factor)?.grids[2] == place;
         let interval90 = ensemble.interval90().filter(|_| !is_reference);
