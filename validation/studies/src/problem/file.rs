@@ -47,13 +47,10 @@ type Described = (&'static str, usize, bool);
 
 const CHECKSUM: &str = "makadam/checksum";
 const TITLE: &str = "fclib_local/info/title";
-
 /// Impulses of a solution, which are no part of the problem.
 const SOLUTION: &str = "solution/r";
-
 /// Version of the group `makadam`.
 const VERSION: i32 = 1;
-
 /// Version with tangential springs, which a reader of the first one would ignore.
 const VERSION_WITH_SPRINGS: i32 = 2;
 
@@ -99,7 +96,7 @@ const SPRINGS: [Field<Contact>; 2] = [
 ];
 
 /// Numbers of the bodies of contacts; the second one is -1 for a wall.
-const ENDS: [&str; 2] = ["makadam/contacts/first", "makadam/contacts/second"];
+const ENDS: [Described; 2] = [("makadam/contacts/first", 1, true), ("makadam/contacts/second", 1, true)];
 
 /// Numbers of the whole problem.
 const GENERAL: [Described; 5] = [
@@ -242,7 +239,7 @@ fn put_problem(datasets: &mut Datasets, problem: &ContactProblem) {
     put(datasets, GENERAL, general.map(|number| vec![number]));
     let firsts = contacts.iter().map(|contact| contact.first as f64).collect();
     let seconds = contacts.iter().map(|contact| contact.second.map_or(-1.0, |body| body as f64)).collect();
-    put(datasets, ENDS.map(|path| (path, 1, true)), [firsts, seconds]);
+    put(datasets, ENDS, [firsts, seconds]);
     put_rows(datasets, &BODY, bodies);
     put_rows(datasets, &CONTACT, contacts);
     if has_springs {
@@ -302,10 +299,9 @@ pub fn parse(bytes: Vec<u8>) -> Result<ProblemFile, String> {
         Ok::<usize, String>(integer(&datasets, GENERAL[0].0).unwrap_or_default())
     };
     if has_bodies {
-        let ends = ENDS.map(|path| (path, 1, true));
         let bodies = BODY.iter().map(Field::described);
         let contacts = CONTACT.iter().map(Field::described);
-        let version = take(GENERAL.into_iter().chain(bodies).chain(ends).chain(contacts).collect())?;
+        let version = take(GENERAL.into_iter().chain(bodies).chain(ENDS).chain(contacts).collect())?;
         if version == VERSION_WITH_SPRINGS as usize {
             take(SPRINGS.iter().map(Field::described).collect())?;
         }
@@ -389,16 +385,16 @@ fn integer(datasets: &Datasets, path: &str) -> Result<usize, String> {
 
 fn problem_with_bodies(datasets: &Datasets) -> Result<ContactProblem, String> {
     let version = integer(datasets, "makadam/version")?;
-    let known = [VERSION, VERSION_WITH_SPRINGS];
-    if known.iter().all(|&known| version != known as usize) {
-        let [first, second] = known;
-        return Err(format!("makadam/version is {version}; this program reads versions {first} and {second}"));
+    if ![VERSION, VERSION_WITH_SPRINGS].map(|known| known as usize).contains(&version) {
+        return Err(format!(
+            "makadam/version is {version}; this program reads versions {VERSION} and {VERSION_WITH_SPRINGS}"
+        ));
     }
     let mut bodies = vec![Body::default(); numbers(datasets, BODY[2].0).len() / 3];
     fill(datasets, &BODY, &mut bodies)?;
-    let [firsts, seconds] = ENDS.map(|path| numbers(datasets, path));
+    let [firsts, seconds] = ENDS.map(|(path, ..)| numbers(datasets, path));
     if seconds.len() != firsts.len() {
-        return Err(format!("{} has {} rows, {} has {}", ENDS[1], seconds.len(), ENDS[0], firsts.len()));
+        return Err(format!("{} has {} rows, {} has {}", ENDS[1].0, seconds.len(), ENDS[0].0, firsts.len()));
     }
     let ends = firsts.iter().zip(seconds).enumerate();
     let contact = |(number, (&first, &second))| match place(first) {
