@@ -1,7 +1,7 @@
 //! Recorded trade-offs, read back from their tables: reproduced cell by cell, and figures without overlapping text.
 
 use makadam_compare::study::Document as _;
-use makadam_studies::tradeoff::{Bound, Convergence, Deviation, Point, Reference, Study};
+use makadam_studies::tradeoff::{Bound, Convergence, Deviation, Point, Reference, Study, Terms};
 use roxmltree::{Document, Node};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -35,6 +35,7 @@ fn deviation(record: &Record) -> Option<Deviation> {
         within: truth(record, "within"),
         interval_within: truth(record, "interval_within"),
         on_front: truth(record, "on_front")?,
+        differences: BTreeMap::new(),
     })
 }
 
@@ -120,10 +121,7 @@ fn study(folder: &Path) -> Study {
         scene: String::new(),
         particles: 0,
         complete: true,
-        quick: false,
-        seeds: 1,
-        time_limit: 1.0,
-        bounds,
+        terms: Terms { quick: false, seeds: 1, bounds, time_limit: 1.0, provenance: BTreeMap::new() },
         references: records(&folder.join("references.csv")).iter().map(reference).collect(),
         points,
         fastest: csv::Reader::from_path(folder.join("fastest.csv"))
@@ -134,7 +132,6 @@ fn study(folder: &Path) -> Study {
         variations: Vec::new(),
         findings: Vec::new(),
         notes: Vec::new(),
-        provenance: BTreeMap::new(),
     }
 }
 

@@ -97,6 +97,18 @@ impl JobArguments {
     }
 }
 
+/// Runs and results of a study that stores its runs.
+#[derive(Debug, Args)]
+pub(super) struct StudyArguments {
+    /// Start again: repeat runs whose results are stored, and replace the tables of an earlier study in the folder.
+    #[arg(long)]
+    pub restart: bool,
+    #[command(flatten)]
+    pub jobs: JobArguments,
+    #[command(flatten)]
+    pub output: OutputArguments,
+}
+
 /// Parses the name of a value in a list.
 pub(super) fn one_of<T: Copy + Send + Sync + 'static, const N: usize>(
     all: [T; N],

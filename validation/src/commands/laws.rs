@@ -1,6 +1,6 @@
 //! `makadam laws`: published laws of granular matter, measured and compared with their values.
 
-use super::arguments::{JobArguments, OutputArguments};
+use super::arguments::StudyArguments;
 use super::{Console, Failure, within_tolerance};
 use clap::Args;
 use makadam_compare::laws::{LAWS, Law, LawResult, Study, run_cases};
@@ -26,13 +26,8 @@ pub(super) struct LawsArguments {
     /// Number of seeds of each case, consecutive from --seed; figures are judged by their means.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1000))]
     pub seeds: u16,
-    /// Start again: repeat runs whose results are stored.
-    #[arg(long)]
-    pub restart: bool,
     #[command(flatten)]
-    pub jobs: JobArguments,
-    #[command(flatten)]
-    pub output: OutputArguments,
+    pub study: StudyArguments,
 }
 
 /// Measures the laws one after the other, and writes each when it is done.
@@ -43,8 +38,8 @@ pub(super) fn laws(arguments: &LawsArguments, console: &Console) -> Result<ExitC
         console.result(&laws.iter().map(line).collect::<Vec<_>>().join("\n"))?;
         return Ok(ExitCode::SUCCESS);
     }
-    arguments.jobs.apply()?;
-    let folder = arguments.output.folder("laws");
+    arguments.study.jobs.apply()?;
+    let folder = arguments.study.output.folder("laws");
     let seeds: Vec<u64> = (arguments.seed..).take(usize::from(arguments.seeds)).collect();
     let study = |laws: Vec<LawResult>| Study {
         version: JSON_VERSION,
@@ -63,7 +58,7 @@ pub(super) fn laws(arguments: &LawsArguments, console: &Console) -> Result<ExitC
         results.push(result);
     }
     let study = study(results);
-    console.document(&study, arguments.output.json, || study.report().text())?;
+    console.document(&study, arguments.study.output.json, || study.report().text())?;
     Ok(within_tolerance(study.hold))
 }
 
@@ -92,6 +87,6 @@ fn measured(
     let cases = (law.cases)(arguments.quick);
     write_scenes(cases.iter().map(|case| &case.scene), folder)?;
     let bar = console.bar(law.name);
-    let cache = RunCache::open(&folder.join("runs"), arguments.restart)?;
+    let cache = RunCache::open(&folder.join("runs"), arguments.study.restart)?;
     Ok(LawResult::new(law, run_cases(law, &cases, seeds, &cache, &|fraction| bar.set(fraction))?))
 }

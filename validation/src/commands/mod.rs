@@ -5,10 +5,9 @@ mod beforehand;
 mod check;
 mod compare;
 mod console;
-mod convergence;
-mod effects;
 mod export;
 mod failure;
+mod lab;
 mod laws;
 mod measure;
 mod new;
@@ -18,10 +17,8 @@ mod problem;
 mod qualify;
 mod renamed;
 mod run;
-mod scaling;
 mod stability;
-mod sweep;
-mod tradeoff;
+mod studies;
 mod view;
 
 pub use console::Console;
@@ -99,7 +96,7 @@ enum Command {
     /// Simulate a scene: frames, observables as CSV, provenance as JSON.
     Run(run::RunArguments),
     /// Run a scene over values of its keys, several seeds each; write one table.
-    Sweep(sweep::SweepArguments),
+    Sweep(studies::SweepArguments),
     /// Write a run as one HTML file to turn, cut and play in a browser.
     View(view::ViewArguments),
     /// Draw a frame of a run as PNG, or all frames as animated GIF or APNG.
@@ -117,9 +114,9 @@ enum Command {
     /// Run stress tests: pathological scenes, each with its expected outcome.
     Stability(stability::StabilityArguments),
     /// List the active physical effects of a scene, their costs and influence.
-    Effects(effects::EffectsArguments),
+    Effects(studies::EffectsArguments),
     /// Measure error against wall time over the settings of each code.
-    Tradeoff(tradeoff::TradeoffArguments),
+    Tradeoff(studies::TradeoffArguments),
     /// Study the solver: convergence, scaling, single contact problems.
     Lab(LabArguments),
     /// Print references: scenes, observables, schemas, completions, manual.
@@ -136,9 +133,9 @@ struct LabArguments {
 #[derive(Debug, Subcommand)]
 enum Lab {
     /// Measure how each method converges on the problem of one step: residual against iterations and wall time.
-    Convergence(convergence::ConvergenceArguments),
+    Convergence(lab::ConvergenceArguments),
     /// Measure how a scene's step scales with threads, and replay it on more cores than this machine has.
-    Scaling(scaling::ScalingArguments),
+    Scaling(lab::ScalingArguments),
     /// Write the contact problem of one step to a file, and solve it with every available solver.
     Problem(problem::ProblemArguments),
 }
@@ -162,7 +159,7 @@ pub fn run_program(arguments: Vec<OsString>) -> ExitCode {
         Command::New(new) => new::new(new, &console),
         Command::Check(check) => check::check(check, &console),
         Command::Run(run) => run::run(run, &console),
-        Command::Sweep(sweep) => sweep::sweep(sweep, &console),
+        Command::Sweep(sweep) => studies::sweep(sweep, &console),
         Command::View(view) => view::view(view, &console),
         Command::Picture(picture) => picture::picture(picture, &console),
         Command::Measure(measure) => measure::measure(measure, &console),
@@ -171,11 +168,11 @@ pub fn run_program(arguments: Vec<OsString>) -> ExitCode {
         Command::Qualify(qualify) => qualify::qualify(qualify, &console),
         Command::Laws(laws) => laws::laws(laws, &console),
         Command::Stability(stability) => stability::stability(stability, &console),
-        Command::Effects(effects) => effects::effects(effects, &console),
-        Command::Tradeoff(tradeoff) => tradeoff::tradeoff(tradeoff, &console),
+        Command::Effects(effects) => studies::effects(effects, &console),
+        Command::Tradeoff(tradeoff) => studies::tradeoff(tradeoff, &console),
         Command::Lab(lab) => match &lab.study {
-            Lab::Convergence(convergence) => convergence::convergence(convergence, &console),
-            Lab::Scaling(scaling) => scaling::scaling(scaling, &console),
+            Lab::Convergence(convergence) => lab::convergence(convergence, &console),
+            Lab::Scaling(scaling) => lab::scaling(scaling, &console),
             Lab::Problem(problem) => problem::problem(problem, &console),
         },
         Command::Print(print) => print::print(print, &console),

@@ -127,18 +127,18 @@ fn export(arguments: &ExportArguments, console: &Console) -> Result<ExitCode, Fa
     stepped.map_err(|_: Halt| Failure::interrupted("none, the problem was not reached"))?;
     let title = format!("{}, seed {seed}, t = {} s", scene.name, simulation.time());
     let posed = problem::pose(&simulation, &title);
-    if posed.file.contacts() == 0 {
+    if posed.contacts() == 0 {
         return Err(Failure::Usage(format!(
             "{} has no contacts at {} s, so there is no problem to export; give another time with --time",
             scene.name,
             simulation.time()
         )));
     }
-    if !posed.lanes_converged {
+    if posed.lanes.is_none() {
         console.warn("the sweeps over lanes did not converge; the file is written without their answer");
     }
-    problem::write(&arguments.output, &posed.file, None)?;
-    console.result(&format!("{title}: {} contacts, {}", posed.file.contacts(), arguments.output.display()))?;
+    problem::write(&arguments.output, &posed, None)?;
+    console.result(&format!("{title}: {} contacts, {}", posed.contacts(), arguments.output.display()))?;
     Ok(ExitCode::SUCCESS)
 }
 

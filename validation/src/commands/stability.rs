@@ -1,6 +1,6 @@
 //! `makadam stability`: stress tests, in Makadam and in reference codes.
 
-use super::arguments::{JobArguments, OutputArguments, time_limit};
+use super::arguments::{StudyArguments, time_limit};
 use super::compare::installed;
 use super::{Console, Failure, within_tolerance};
 use clap::Args;
@@ -26,13 +26,8 @@ pub(super) struct StabilityArguments {
     /// Wall time after which a run is stopped, s; if absent, 600, or 60 with --quick.
     #[arg(long, value_parser = time_limit)]
     pub time_limit: Option<f64>,
-    /// Start again: repeat cases whose outcomes are stored.
-    #[arg(long)]
-    pub restart: bool,
     #[command(flatten)]
-    pub jobs: JobArguments,
-    #[command(flatten)]
-    pub output: OutputArguments,
+    pub study: StudyArguments,
 }
 
 pub(super) fn stability(arguments: &StabilityArguments, console: &Console) -> Result<ExitCode, Failure> {
@@ -44,14 +39,14 @@ pub(super) fn stability(arguments: &StabilityArguments, console: &Console) -> Re
         return Ok(ExitCode::SUCCESS);
     }
     let codes = installed(&arguments.codes)?;
-    arguments.jobs.apply()?;
-    let folder = arguments.output.folder("stability");
+    arguments.study.jobs.apply()?;
+    let folder = arguments.study.output.folder("stability");
     let campaign = Campaign {
         cases: &cases,
         codes: &codes,
         time_limit: arguments.time_limit.unwrap_or(if arguments.quick { 60.0 } else { 600.0 }),
         folder: &folder,
-        cache: &RunCache::open(&folder.join("outcomes"), arguments.restart)?,
+        cache: &RunCache::open(&folder.join("outcomes"), arguments.study.restart)?,
     };
     let bar = console.bar("stress tests");
     let study = campaign.run(
@@ -62,7 +57,7 @@ pub(super) fn stability(arguments: &StabilityArguments, console: &Console) -> Re
         &|fraction| bar.set(fraction),
     )?;
     drop(bar);
-    console.document(&study, arguments.output.json, || study.report().text())?;
+    console.document(&study, arguments.study.output.json, || study.report().text())?;
     Ok(within_tolerance(study.as_stated))
 }
 

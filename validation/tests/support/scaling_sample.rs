@@ -7,9 +7,7 @@ use makadam::schedule::{Phase, Region, Scheduler, StepTrace};
 use makadam::sweep::SweepBytes;
 use makadam_frames::execution::Execution;
 use makadam_frames::provenance::Provenance;
-use makadam_studies::scaling::{
-    Bandwidth, Costs, Machine, Measurement, Plan, Setting, Study, Times, Timing, Traces, replay,
-};
+use makadam_studies::scaling::{Bandwidth, Costs, Machine, Measurement, Plan, Study, Timing, Traces, replay};
 use std::path::Path;
 
 /// Factor of the invented measurement on its replay.
@@ -55,8 +53,8 @@ fn step(factor: f64) -> StepTrace {
     StepTrace { regions }
 }
 
-/// Parts of a study.
-pub fn parts() -> (Plan, Measurement, Setting) {
+/// The study of a changed measurement.
+pub fn study_of(change: impl Fn(&mut Measurement)) -> Study {
     let plan = Plan {
         instruction_sets: SETS.map(|(set, _)| set).to_vec(),
         threads: vec![1, 2, 4, 8, 16],
@@ -70,18 +68,20 @@ pub fn parts() -> (Plan, Measurement, Setting) {
         let Execution { instruction_set, scheduler, threads, portion, .. } = configuration;
         let factor = SETS.iter().find(|(set, _)| *set == instruction_set).map_or(1.0, |&(_, factor)| factor);
         let step = if portion == Portion::Boxes { cut(step(factor)) } else { step(factor) };
-        let seconds = SLOWER * replay(&step.regions, scheduler, &here, None, threads).seconds;
-        let repetition = |noise: f64| Times { steps: vec![noise * seconds; 2], sweeps: vec![0.7 * noise * seconds; 2] };
+        let seconds = SLOWER * replay(&step.regions, scheduler, &here, 0.0, threads).seconds;
+        let noise = [0.97, 1.0, 1.06];
         if scheduler == Scheduler::Serial {
             traces.push(Traces { configuration, steps: vec![step; 2], sweeps: vec![SWEEPS; 2] });
         }
         timings.push(Timing {
             configuration,
-            repetitions: [0.97, 1.0, 1.06].map(repetition).to_vec(),
+            steps: noise.map(|noise| vec![noise * seconds; 2]).to_vec(),
+            sweeps: noise.map(|noise| vec![0.7 * noise * seconds; 2]).to_vec(),
             hashes: vec![7; 3],
         });
     }
-    let measurement = Measurement {
+    let mut measurement = Measurement {
+        start_seconds: 1.0,
         particles: 50_000,
         contacts: 130_000.0,
         contact_sweeps: 130_000.0 * f64::from(SWEEPS),
@@ -89,22 +89,17 @@ pub fn parts() -> (Plan, Measurement, Setting) {
         sweep_bytes: SweepBytes { touched: 96 * 130_000, moved: 110 * 130_000 },
         timings,
         traces,
-        traces_same_bits: true,
     };
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/scenes/smoke.toml");
     let scene = makadam_frames::plan::Scene::load(&file).expect("the small scene is valid");
-    let setting = Setting {
-        scene: "invented".into(),
-        started: 1.0,
-        bandwidth: Bandwidth { one_thread: 20e9, all_threads: 300e9, threads: 16 },
-        machines: vec![here, Machine::xeon_phi_3120(&COSTS, 3.3e9)],
-        provenance: Provenance::of_run(&scene, Path::new("invented.toml"), 1, &Execution::serial()),
-    };
-    (plan, measurement, setting)
+    change(&mut measurement);
+    let bandwidth = Bandwidth { one_thread: 20e9, all_threads: 300e9, threads: 16 };
+    let machines = vec![here, Machine::xeon_phi_3120(&COSTS, 3.3e9)];
+    let provenance = Provenance::of_run(&scene, Path::new("invented.toml"), 1, &Execution::serial());
+    Study::new("invented", plan, &measurement, bandwidth, machines, provenance)
 }
 
 /// The study.
 pub fn study() -> Study {
-    let (plan, measurement, setting) = parts();
-    Study::new(&plan, &measurement, setting)
+    study_of(|_| {})
 }

@@ -1,10 +1,12 @@
 //! Residuals against iterations and against wall time.
 
-use super::study::{Curve, Study};
+use super::{Curve, Study};
 use makadam::ConvergencePoint;
 use makadam::scene::SolverMethod;
 use makadam::sweep::Residuals;
+use makadam_measure::statistics::median;
 use makadam_view::draw::figure::Figure;
+use makadam_view::draw::numbers::plural;
 use makadam_view::draw::plot::{Axis, Key, Plot};
 
 /// Residuals below this, in the study's unit, are rounding errors: no figure reaches below.
@@ -21,17 +23,6 @@ const DIRECTIONS: [(&str, &str, Part); 4] = [
     ("tangent v", "direction-tangent-v curve", |residuals| residuals.tangential_v.rms),
     ("turning", "direction-turning curve", |residuals| residuals.turning.rms),
 ];
-
-fn class(method: SolverMethod) -> &'static str {
-    match method {
-        SolverMethod::GaussSeidel => "method-gauss-seidel curve",
-        SolverMethod::Anderson { .. } => "method-anderson curve",
-        SolverMethod::NonlinearConjugateGradients => "method-nonlinear-conjugate-gradients curve",
-        SolverMethod::AcceleratedProjectedGradients => "method-accelerated-projected-gradients curve",
-        SolverMethod::Jacobi { .. } => "method-jacobi curve",
-        SolverMethod::ProjectedConjugateGradients => "method-projected-conjugate-gradients curve",
-    }
-}
 
 fn title(method: SolverMethod) -> String {
     match method {
@@ -59,7 +50,7 @@ fn directions(study: &Study, curve: &Curve) -> Figure {
         .collect();
     let parts: Vec<Part> = shown.iter().map(|(_, _, part)| *part).collect();
     let keys: Vec<Key<'_>> = shown.iter().map(|(name, class, _)| Key::Line(class, name)).collect();
-    let x = Axis::linear("iterations", 0.0, f64::from(study.iterations));
+    let x = Axis::linear("iterations", 0.0, f64::from(study.effort.iterations));
     let mut plot = Plot::with_legend(x, residual_axis(study, std::slice::from_ref(curve), &parts), &keys);
     for (_, class, part) in shown {
         plot.curve(class, line(curve, part, |point| f64::from(point.iterations)));
@@ -72,43 +63,37 @@ fn directions(study: &Study, curve: &Curve) -> Figure {
     }
 }
 
-/// The residuals of all methods over all directions, against iterations or against wall time.
+/// The residuals of all methods over all directions, against iterations or against wall time. Wall time ends where the median method does:
+/// the slowest would press all others against the edge.
 fn all_methods(study: &Study, against_time: bool) -> Figure {
-    let names: Vec<String> = study.methods.iter().map(|curve| title(curve.method)).collect();
-    let keys: Vec<Key<'_>> =
-        study.methods.iter().zip(&names).map(|(curve, name)| Key::Line(class(curve.method), name)).collect();
+    let classes = study.methods.iter().map(|curve| format!("method-{} curve", curve.method.name()));
+    let styles: Vec<(String, String)> = classes.zip(study.methods.iter().map(|curve| title(curve.method))).collect();
+    let keys: Vec<Key<'_>> = styles.iter().map(|(class, name)| Key::Line(class, name)).collect();
+    let across = |point: &ConvergencePoint| match against_time {
+        true => 1e3 * point.seconds,
+        false => f64::from(point.iterations),
+    };
+    let ends = study.methods.iter().map(|curve| curve.points.last().map_or(0.0, across));
     let x = match against_time {
-        true => time_axis(study),
-        false => Axis::linear("iterations", 0.0, f64::from(study.iterations)),
+        true => Axis::linear("wall time (ms)", 0.0, median(ends)),
+        false => Axis::linear("iterations", 0.0, f64::from(study.effort.iterations)),
     };
     let mut plot = Plot::with_legend(x, residual_axis(study, &study.methods, &[Residuals::rms]), &keys);
-    for curve in &study.methods {
-        let across = |point: &ConvergencePoint| match against_time {
-            true => 1e3 * point.seconds,
-            false => f64::from(point.iterations),
-        };
-        plot.curve(class(curve.method), line(curve, Residuals::rms, across));
+    for (curve, (class, _)) in study.methods.iter().zip(&styles) {
+        plot.curve(class, line(curve, Residuals::rms, across));
     }
     let (against, name) = if against_time { ("wall time", "time") } else { ("iterations", "iterations") };
     let about = format!("Residuals of all methods against {against}");
-    let threads = study.provenance.threads;
-    let how = match (against_time, threads) {
-        (false, _) => String::new(),
-        (true, 1) => " One thread; the figure ends where half of the methods are done.".into(),
-        (true, _) => format!(" {threads} threads; the figure ends where half of the methods are done."),
+    let threads = plural(study.provenance.threads, "thread");
+    let how = match against_time {
+        false => String::new(),
+        true => format!(" {threads}; the figure ends where half of the methods are done."),
     };
     Figure {
         name: format!("methods-{name}"),
         svg: plot.finish(&about),
         caption: format!("{about}: root mean square over contacts and all directions.{how}"),
     }
-}
-
-/// Wall time in ms, up to what the median method takes: the slowest would press all others against the edge.
-fn time_axis(study: &Study) -> Axis {
-    let total = |curve: &Curve| curve.points.last().map_or(0.0, |point| 1e3 * point.seconds);
-    let most = makadam_measure::statistics::median(study.methods.iter().map(total));
-    Axis::linear("wall time (ms)", 0.0, most)
 }
 
 fn residual_axis(study: &Study, curves: &[Curve], parts: &[Part]) -> Axis {

@@ -6,7 +6,6 @@ use makadam_compare::compare::{Announce, MeasuredRun, Runs};
 use makadam_compare::study::{RunCache, RunError, run_jobs};
 use makadam_frames::plan::{Expectation, Scene};
 use makadam_measure::statistics::{Ensemble, Equivalence, Outcome, equivalence};
-use makadam_view::draw::numbers::Rounding;
 use serde::Serialize;
 use std::path::Path;
 use std::time::Duration;
@@ -72,13 +71,6 @@ pub struct Ablated {
     pub margin: f64,
     /// Verdict.
     pub need: Need,
-}
-
-impl Ablated {
-    /// Rounding of values of the observable.
-    pub(super) fn rounding(&self) -> Rounding {
-        Rounding::to_margin(self.margin)
-    }
 }
 
 /// The variations of a scene over seeds.

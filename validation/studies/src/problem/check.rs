@@ -10,10 +10,11 @@ use serde::Serialize;
 use std::time::Instant;
 
 /// A solver of problems from files.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
     /// Projected Gauss-Seidel, one contact after another.
+    #[default]
     Reference,
     /// Newton's method with dense matrices, up to 500 contacts.
     Direct,
@@ -41,7 +42,7 @@ impl Settings {
 pub const AGREEMENT: f64 = 1e-5;
 
 /// Answer of a solver.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[expect(missing_docs, reason = "validation/docs/json.md describes the fields of documents")]
 pub struct Answer {
     pub method: Method,
@@ -155,14 +156,13 @@ pub fn check(file: &ProblemFile, settings: &Settings, siconos: &FromSiconos) -> 
     if *siconos == FromSiconos::Run {
         siconos::version()?;
     }
-    let own = [Method::Reference, Method::Direct, Method::Lanes].map(|method| (method, solve(file, method, settings)));
-    let of_siconos = match siconos {
-        FromSiconos::Nothing => None,
-        FromSiconos::Run => Some(solve(file, Method::Siconos, settings)),
-        FromSiconos::Recorded(impulses) => Some(recorded(file, impulses)),
-    };
     let (mut answers, mut left_out) = (Vec::new(), Vec::new());
-    for (method, answer) in own.into_iter().chain(of_siconos.map(|answer| (Method::Siconos, answer))) {
+    for method in [Method::Reference, Method::Direct, Method::Lanes, Method::Siconos] {
+        let answer = match (method, siconos) {
+            (Method::Siconos, FromSiconos::Nothing) => continue,
+            (Method::Siconos, FromSiconos::Recorded(impulses)) => recorded(file, impulses),
+            _ => solve(file, method, settings),
+        };
         match answer {
             Ok(answer) => answers.push(answer),
             Err(why) => left_out.push(format!("{}: {why}", method.name())),
@@ -196,18 +196,7 @@ impl Method {
 
 impl Answer {
     fn of(method: Method) -> Answer {
-        Answer {
-            method,
-            iterations: None,
-            converged: true,
-            seconds: None,
-            residual: None,
-            velocity_difference: None,
-            impulse_difference: None,
-            contact_velocities: Vec::new(),
-            bodies: None,
-            impulses: Vec::new(),
-        }
+        Answer { method, converged: true, ..Answer::default() }
     }
 
     fn compare_with(&mut self, first: &Answer, problem: Option<&ContactProblem>, unique_impulses: bool) {

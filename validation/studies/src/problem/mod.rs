@@ -7,15 +7,12 @@
 //! The layout of files is documented in `solver/docs/problem.md`.
 
 mod check;
-mod layout;
-mod read;
+mod file;
 mod siconos;
-mod write;
 
 pub use check::{AGREEMENT, Answer, Check, FromSiconos, Method, Settings, check, solve, table, words};
-pub use read::{ProblemFileError, parse, read, solution};
+pub use file::{ProblemFileError, bytes, parse, read, solution, write};
 pub use siconos::{RECORDED, Recorded, SICONOS, SiconosError, version as siconos_version};
-pub use write::{bytes, write};
 
 use makadam::Simulation;
 use makadam::problem::{ContactProblem, LocalProblem};
@@ -65,20 +62,12 @@ impl ProblemFile {
 /// Sweeps over lanes end at this residual, over g h.
 const LANES: Stop = Stop::Residual { tolerance: 1e-11, max_sweeps: 200_000 };
 
-/// The problem of a step.
-pub struct Posed {
-    /// The problem, with the answer of the sweeps over lanes if they converged.
-    pub file: ProblemFile,
-    /// True if they did.
-    pub lanes_converged: bool,
-}
-
-/// Poses the problem of the next step, with the answer of the sweeps over lanes; the step is not taken.
-pub fn pose(simulation: &Simulation, title: &str) -> Posed {
+/// Poses the problem of the next step, with the answer of the sweeps over lanes if they converge; the step is not taken.
+pub fn pose(simulation: &Simulation, title: &str) -> ProblemFile {
     let (state, report) = simulation.solution_in_lanes(LANES);
-    let lanes_converged = report.reason == StopReason::Residual;
-    let lanes = lanes_converged.then_some(BodyVelocities { velocities: state.velocities, spins: state.spins });
-    Posed { file: ProblemFile::new(title, simulation.contact_problem(), lanes), lanes_converged }
+    let answer = BodyVelocities { velocities: state.velocities, spins: state.spins };
+    let lanes = (report.reason == StopReason::Residual).then_some(answer);
+    ProblemFile::new(title, simulation.contact_problem(), lanes)
 }
 
 /// W of a local problem in compressed columns: starts of the columns, rows, values.

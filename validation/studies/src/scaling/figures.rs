@@ -1,9 +1,8 @@
 //! Figures 5.1 to 5.6 of the thesis: wall time per step and speed-up against threads, in pairs, for the schedulers on this machine, on
 //! the model of the thesis's machine, and for the instruction sets. Points are measured, lines replayed.
 
-use super::replay::Machine;
-use super::study::{Study, site};
-use super::{MeasuredRow, ReplayedRow};
+use super::replay::{Machine, ReplayedRow};
+use super::study::{MeasuredRow, Study, site};
 use makadam::lanes::InstructionSet;
 use makadam::partition::Portion;
 use makadam::schedule::Scheduler;
@@ -55,7 +54,30 @@ fn set_style(set: InstructionSet) -> CodeStyle {
     }
 }
 
-pub(super) fn figures(study: &Study) -> Vec<[Figure; 2]> {
+/// A quantity against threads.
+struct Quantity {
+    name: &'static str,
+    title: &'static str,
+    replayed: fn(&ReplayedRow) -> f64,
+    /// Least, median and most.
+    measured: fn(&MeasuredRow) -> [f64; 3],
+}
+
+const TIME: Quantity = Quantity {
+    name: "time",
+    title: "Wall time a step",
+    replayed: |row| 1e3 * row.step_seconds,
+    measured: |row| [row.step_seconds_least, row.step_seconds, row.step_seconds_most].map(|seconds| 1e3 * seconds),
+};
+
+const SPEEDUP: Quantity = Quantity {
+    name: "speedup",
+    title: "Speed-up over one serial thread",
+    replayed: |row| row.speedup,
+    measured: |row| [row.speedup; 3],
+};
+
+pub(super) fn figures(study: &Study) -> Vec<Figure> {
     let Some(set) = study.widest() else { return Vec::new() };
     let mut all = Vec::new();
     for machine in &study.machines {
@@ -66,7 +88,7 @@ pub(super) fn figures(study: &Study) -> Vec<[Figure; 2]> {
         let all_ways: Vec<Series<'_>> = WAYS.iter().map(of_way).collect();
         let serial = study.curve(machine, (Scheduler::Serial, Portion::Batches), Some(set)).next();
         let about = format!("the two schedulers on {}, {}", site(machine, ""), set.name());
-        all.push(pair(&machine.name, &about, machine, &all_ways, serial.map(|row| row.step_seconds)));
+        all.extend(pair(&machine.name, &about, machine, &all_ways, serial.map(TIME.replayed)));
     }
     if let Some(here) = study.machines.first() {
         let mut sets: Vec<InstructionSet> = study.measured.iter().map(|row| row.instruction_set).collect();
@@ -75,82 +97,73 @@ pub(super) fn figures(study: &Study) -> Vec<[Figure; 2]> {
         let all_sets: Vec<Series<'_>> =
             sets.into_iter().map(|set| Series::of(study, here, way, set, set_style(set), set.name())).collect();
         let about = format!("work stealing with each instruction set on {}", site(here, ""));
-        all.push(pair("instruction-sets", &about, here, &all_sets, None));
+        all.extend(pair("instruction-sets", &about, here, &all_sets, None));
     }
     all
 }
 
-/// Draws wall time and speed-up of the same series. `serial` is the time of one thread without a scheduler, s.
+/// Draws wall time and speed-up of the same series. `serial` is the time of one thread without a scheduler, ms.
 fn pair(name: &str, about: &str, machine: &Machine, series: &[Series<'_>], serial: Option<f64>) -> [Figure; 2] {
     let most = machine.most_workers() as f64;
-    let measured = series.iter().any(|series| !series.points.is_empty());
-    let how = if measured { "points: measured; lines: replayed" } else { "all replayed" };
-    let legend = match measured {
-        true => "Points are measured, lines are replayed.",
-        false => {
-            "Everything here is replayed; nothing was measured on such a machine. In the shaded range threads share cores."
-        }
+    let is_measured = series.iter().any(|series| !series.points.is_empty());
+    let (how, legend) = match is_measured {
+        true => ("points: measured; lines: replayed", "Points are measured, lines are replayed."),
+        false => (
+            "all replayed",
+            "Everything here is replayed; nothing was measured on such a machine. In the shaded range threads share cores.",
+        ),
     };
-    let finished = |plot: Plot, kind: &str, about: String| Figure {
-        name: format!("{name}-{kind}"),
-        caption: format!("{about}. {legend}"),
-        svg: plot.finish(&about),
-    };
-
-    let measured_times = |row: &&MeasuredRow| [row.step_seconds_least, row.step_seconds, row.step_seconds_most];
-    let times = series.iter().flat_map(|series| {
-        series.line.iter().map(|row| row.step_seconds).chain(series.points.iter().flat_map(measured_times))
-    });
-    // Room below for words.
-    let (least, longest) = times.fold((f64::INFINITY, 0.0), |(a, b): (f64, f64), t| (a.min(t), b.max(t)));
-    let seconds = Axis::fine("time a step (ms)", 700.0 * least, 1e3 * longest);
-    let mut plot = plot_of(series, machine, seconds, |threads| serial.map(|serial| 1e3 * serial / threads));
-    for (place, series) in series.iter().enumerate() {
-        let line = series.line.iter().map(|row| [row.workers as f64, 1e3 * row.step_seconds]);
-        plot.curve(&format!("{} curve", series.style.class), line);
-        for row in &series.points {
-            let [low, middle, high] = measured_times(row).map(|seconds| 1e3 * seconds);
-            plot.error_bar(&format!("{} error", series.style.class), row.threads as f64, low, high);
-            plot.marker(series.style, row.threads as f64, middle, size(place));
+    [TIME, SPEEDUP].map(|quantity| {
+        let is_time = quantity.name == TIME.name;
+        let values = series.iter().flat_map(|series| {
+            let lines = series.line.iter().map(|row| (quantity.replayed)(row));
+            lines.chain(series.points.iter().flat_map(|row| (quantity.measured)(row)))
+        });
+        let (least, longest) = values.fold((f64::INFINITY, 0.0_f64), |(a, b), value| (a.min(value), b.max(value)));
+        let (axis, ideal) = if is_time {
+            // Room below for words.
+            (Axis::fine("time a step (ms)", 0.7 * least, longest), serial.map(|serial| [serial, serial / most]))
+        } else {
+            // Speed-ups below one have their place too.
+            (Axis::doublings("speed-up", least.min(1.0).log2().floor().exp2(), most), Some([1.0, most]))
+        };
+        let mut plot = plot_of(series, machine, axis, ideal);
+        for (place, series) in series.iter().enumerate() {
+            let class = series.style.class;
+            let line = series.line.iter().map(|row| [row.workers as f64, (quantity.replayed)(row)]);
+            plot.curve(&format!("{class} curve"), line);
+            for row in &series.points {
+                let (threads, [low, middle, high]) = (row.threads as f64, (quantity.measured)(row));
+                if low < high {
+                    plot.error_bar(&format!("{class} error"), threads, low, high);
+                }
+                // Earlier markers are larger, so that they show behind later ones.
+                plot.marker(series.style, threads, middle, 6.0 - 1.2 * place as f64);
+            }
         }
-    }
-    plot.remark(false, how);
-    let time = finished(plot, "time", format!("Wall time a step against threads: {about}"));
-
-    let speedups = series.iter().flat_map(|series| {
-        series.line.iter().map(|row| row.speedup).chain(series.points.iter().map(|row| row.speedup))
-    });
-    // Speed-ups below one have their place too.
-    let slowest = speedups.fold(1.0, f64::min).log2().floor().exp2();
-    let mut plot = plot_of(series, machine, Axis::doublings("speed-up", slowest, most), Some);
-    for (place, series) in series.iter().enumerate() {
-        let line = series.line.iter().map(|row| [row.workers as f64, row.speedup]);
-        plot.curve(&format!("{} curve", series.style.class), line);
-        series.points.iter().for_each(|row| plot.marker(series.style, row.threads as f64, row.speedup, size(place)));
-    }
-    plot.remark(true, how);
-    [time, finished(plot, "speedup", format!("Speed-up over one serial thread against threads: {about}"))]
+        plot.remark(!is_time, how);
+        let about = format!("{} against threads: {about}", quantity.title);
+        Figure {
+            name: format!("{name}-{}", quantity.name),
+            caption: format!("{about}. {legend}"),
+            svg: plot.finish(&about),
+        }
+    })
 }
 
-/// Size of the markers of a series: earlier ones are larger, so that they show behind later ones.
-fn size(place: usize) -> f64 {
-    6.0 - 1.2 * place as f64
-}
-
-/// Makes a plot against numbers of threads, with a legend, the range of shared cores and the ideal line.
-fn plot_of(series: &[Series<'_>], machine: &Machine, y: Axis, ideal: impl Fn(f64) -> Option<f64>) -> Plot {
+/// Makes a plot against numbers of threads, with a legend, the range of shared cores and the ideal line between its ends.
+fn plot_of(series: &[Series<'_>], machine: &Machine, y: Axis, ideal: Option<[f64; 2]>) -> Plot {
     let most = machine.most_workers() as f64;
     let classes: Vec<String> = series.iter().map(|series| format!("{} curve", series.style.class)).collect();
     let keys = series.iter().zip(&classes).map(|(series, class)| match series.points.is_empty() {
         true => Key::Line(class, &series.label),
         false => Key::Series(series.style, &series.label),
     });
-    let ends: Vec<[f64; 2]> = [1.0, most].into_iter().filter_map(|threads| Some([threads, ideal(threads)?])).collect();
-    let keys: Vec<Key<'_>> = keys.chain((!ends.is_empty()).then_some(Key::Line("ideal", "ideal"))).collect();
+    let keys: Vec<Key<'_>> = keys.chain(ideal.map(|_| Key::Line("ideal", "ideal"))).collect();
     let mut plot = Plot::with_legend(Axis::doublings("threads", 1.0, most), y, &keys);
     if machine.cores < machine.most_workers() {
         plot.window(machine.cores as f64, most, "cores shared");
     }
-    plot.curve("ideal", ends.into_iter());
+    plot.curve("ideal", ideal.into_iter().flat_map(|[first, last]| [[1.0, first], [most, last]]));
     plot
 }

@@ -1,4 +1,5 @@
-//! The replay: duration of a traced step on P cores of a modelled machine, from who takes which task when.
+//! The replay: duration of traced steps on P cores of a modelled machine, from who takes which task when; and the costs of scheduling,
+//! which are measured apart from the solver, so that a replay predicts a measurement and is not fitted to it.
 //!
 //! ```text
 //! region  |--wake--| worker 0: pop task     pop task          |  a region ends with its last task,
@@ -13,23 +14,28 @@
 //! - **Central queue:** a free worker takes the lock, first come first served, for one pop, and runs the task.
 //! - **Work stealing:** the tasks are split among the workers as stretches, down to single tasks. A worker without tasks
 //!   steals the later half of the fullest deque.
-//! - **Memory:** running tasks request bytes at a fixed rate. Where all of them request more than the memory delivers, all
-//!   are slowed alike (processor sharing). As the slow-down is common, the ends of running tasks stay in order, and one
-//!   clock of work done, which runs slower than time, gives them.
+//! - **Memory:** a region of a sweep takes no less time than the memory needs for its bytes.
 //!
 //! A thief finds the fullest deque at once, and no task disturbs another's cache: a replay is a bound of the scheduler, not a
 //! forecast with noise.
 
-use super::ReplayedRow;
-use super::measure::{Measurement, Traces};
-use makadam::schedule::{Phase, Region, Scheduler};
+use super::{Measurement, Traces};
+use makadam::lanes::InstructionSet;
+use makadam::partition::Portion;
+use makadam::schedule::{CentralQueue, Phase, Region, Scheduler};
+use makadam_frames::execution::MeasureError;
 use rayon::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde::Serialize;
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};
+use std::hint::{black_box, spin_loop};
+use std::sync::Barrier;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
 
 /// Largest number of workers of a replay.
-pub(super) const MOST_WORKERS: usize = 256;
+const MOST_WORKERS: usize = 256;
 
 /// Costs of scheduling, s.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -87,15 +93,11 @@ impl Machine {
     /// cores bring memory of their own, as further sockets do.
     pub fn here(costs: Costs, memory: (f64, usize), cache_bytes: u64) -> Machine {
         let (bytes, threads) = memory;
-        let beyond = match threads < MOST_WORKERS {
-            true => format!("; every {threads} more bring as much memory of their own"),
-            false => String::new(),
-        };
         Machine {
             name: Machine::HERE.into(),
             description: format!(
                 "The machine of the measurement with as many cores as workers, all alike; costs of scheduling as measured on the \
-                 available cores; {threads} threads share {:.0} GB/s of memory{beyond}.",
+                 available cores; {threads} threads share {:.0} GB/s of memory; every {threads} more bring as much memory of their own.",
                 bytes / 1e9
             ),
             cores: MOST_WORKERS,
@@ -141,11 +143,6 @@ impl Machine {
         }
     }
 
-    /// Memory bandwidth of a number of workers, bytes/s.
-    fn ceiling(&self, workers: usize) -> f64 {
-        self.memory_bytes_per_second * (workers as f64 / self.threads_a_memory as f64).max(1.0)
-    }
-
     /// Most workers: every thread of every core, but no more than `MOST_WORKERS`.
     pub fn most_workers(&self) -> usize {
         (self.cores * self.core_throughput.len()).min(MOST_WORKERS)
@@ -161,18 +158,70 @@ impl Machine {
             })
             .collect()
     }
+    /// Time in which several workers run several tasks, and the time for which workers wait for the lock, summed over workers, s.
+    fn share(&self, tasks: &[f64], scheduler: Scheduler, workers: usize) -> [f64; 2] {
+        let (costs, workers) = (self.costs, workers.min(tasks.len()));
+        let speeds = self.speeds(workers);
+        let mut queue = 0..tasks.len();
+        let stretch = |worker: usize| (worker * tasks.len() / workers..(worker + 1) * tasks.len() / workers).collect();
+        let mut deques: Vec<VecDeque<usize>> = (0..workers).map(stretch).collect();
+        // Free workers by the time at which they ask for a task. Times are not negative, so their bits have the same order.
+        let arrival = |worker: usize| costs.region + ((worker + 1) as f64).log2().ceil() * costs.steal;
+        let mut free: BinaryHeap<_> = (0..workers).map(|worker| Reverse((arrival(worker).to_bits(), worker))).collect();
+        let (mut end, mut waiting, mut unlocked) = (0.0_f64, 0.0, 0.0_f64);
+        while let Some(Reverse((at, worker))) = free.pop() {
+            let now = f64::from_bits(at);
+            let (task, begin) = if scheduler == Scheduler::CentralQueue {
+                let Some(task) = queue.next() else { break };
+                let locked = unlocked.max(now);
+                waiting += locked - now;
+                unlocked = locked + costs.pop_contended;
+                (task, unlocked)
+            } else {
+                let mut cost = costs.task_start;
+                if deques[worker].is_empty() {
+                    let fullest = (0..workers).max_by_key(|&other| (deques[other].len(), Reverse(other)));
+                    let fullest = &mut deques[fullest.unwrap_or(worker)];
+                    let stolen = fullest.split_off(fullest.len() / 2);
+                    deques[worker] = stolen;
+                    cost += costs.steal;
+                }
+                // A worker that finds no task leaves the region.
+                let Some(task) = deques[worker].pop_front() else { continue };
+                (task, now + cost)
+            };
+            let own_end = begin + self.duration_factor * tasks[task] / speeds[worker];
+            free.push(Reverse((own_end.to_bits(), worker)));
+            end = end.max(own_end);
+        }
+        [end, waiting]
+    }
 }
 
-/// Numbers of workers that a curve is replayed at: all up to four, then steps of about a fifth, and the ends of what the
-/// thesis showed.
-fn worker_counts(most: usize, besides: &[usize]) -> Vec<usize> {
-    let usual =
-        [1, 2, 3, 4, 6, 8, 10, 12, 14, 16, 20, 25, 28, 32, 40, 48, 57, 64, 80, 96, 114, 128, 160, 192, 228, 256];
-    let mut counts: Vec<usize> = usual.into_iter().chain(besides.iter().copied()).filter(|&p| p <= most).collect();
-    counts.sort_unstable();
-    counts.dedup();
-    counts
+/// One replayed configuration.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "validation/docs/json.md describes the fields of documents")]
+pub struct ReplayedRow {
+    /// Always "replayed".
+    pub source: String,
+    pub machine: String,
+    pub instruction_set: InstructionSet,
+    pub scheduler: Scheduler,
+    pub workers: usize,
+    pub portion: Portion,
+    pub step_seconds: f64,
+    pub sweep_seconds: f64,
+    /// Speed-up of whole steps over the serial replay on the same machine.
+    pub speedup: f64,
+    pub sweep_speedup: f64,
+    /// Fraction of the workers' time spent waiting for the queue's lock.
+    pub waiting_share: f64,
 }
+
+/// Numbers of workers that a curve is replayed at, in addition to the measured ones: all up to four, then steps of about a fifth, and the
+/// ends of what the thesis showed.
+const WORKERS: [usize; 26] =
+    [1, 2, 3, 4, 6, 8, 10, 12, 14, 16, 20, 25, 28, 32, 40, 48, 57, 64, 80, 96, 114, 128, 160, 192, 228, 256];
 
 /// Replays traces on a machine, by scheduler and number of workers; the serial replay comes first.
 pub(super) fn curves(
@@ -181,17 +230,18 @@ pub(super) fn curves(
     measurement: &Measurement,
     threads: &[usize],
 ) -> Vec<ReplayedRow> {
-    let counts = worker_counts(machine.most_workers(), threads);
+    let most = machine.most_workers();
+    let mut counts: Vec<usize> = WORKERS.iter().chain(threads).copied().filter(|&workers| workers <= most).collect();
+    counts.sort_unstable();
+    counts.dedup();
     let parallel = [Scheduler::CentralQueue, Scheduler::WorkStealing].into_iter();
     let parallel = parallel.flat_map(|scheduler| counts.iter().map(move |&workers| (scheduler, workers)));
     let jobs: Vec<(Scheduler, usize)> = [(Scheduler::Serial, 1)].into_iter().chain(parallel).collect();
-    let replays: Vec<Replayed> = (jobs.par_iter())
-        .map(|&(scheduler, workers)| {
-            let traffic = traffic(machine, traces, measurement, workers);
-            mean_replay(traces, scheduler, machine, traffic, workers)
-        })
-        .collect();
-    let serial = replays[0];
+    let one = |&(scheduler, workers): &(Scheduler, usize)| {
+        replay(traces.regions(), scheduler, machine, memory_share(machine, traces, measurement, workers), workers)
+    };
+    let replays: Vec<Replayed> = jobs.par_iter().map(one).collect();
+    let (serial, steps) = (replays[0], traces.steps.len().max(1) as f64);
     let rows = jobs.iter().zip(&replays).map(|(&(scheduler, workers), own)| ReplayedRow {
         source: "replayed".into(),
         machine: machine.name.clone(),
@@ -199,8 +249,8 @@ pub(super) fn curves(
         scheduler,
         workers,
         portion: traces.configuration.portion,
-        step_seconds: own.seconds,
-        sweep_seconds: own.sweep_seconds,
+        step_seconds: own.seconds / steps,
+        sweep_seconds: own.sweep_seconds / steps,
         speedup: serial.seconds / own.seconds,
         sweep_speedup: serial.sweep_seconds / own.sweep_seconds,
         waiting_share: own.waiting / (own.seconds * workers as f64),
@@ -208,47 +258,15 @@ pub(super) fn curves(
     rows.collect()
 }
 
-/// Mean over the traced steps.
-fn mean_replay(
-    traces: &Traces,
-    scheduler: Scheduler,
-    machine: &Machine,
-    traffic: Option<Traffic>,
-    workers: usize,
-) -> Replayed {
-    let mut sum = Replayed::default();
-    for step in &traces.steps {
-        let own = replay(&step.regions, scheduler, machine, traffic, workers);
-        sum.seconds += own.seconds;
-        sum.sweep_seconds += own.sweep_seconds;
-        sum.waiting += own.waiting;
-    }
-    let steps = traces.steps.len().max(1) as f64;
-    Replayed { seconds: sum.seconds / steps, sweep_seconds: sum.sweep_seconds / steps, waiting: sum.waiting / steps }
-}
-
-/// The traffic of a running sweep: its bytes over its traced time. None where all that a sweep touches fits into the last-level cache:
-/// then the next sweep finds it there.
-fn traffic(machine: &Machine, traces: &Traces, measurement: &Measurement, workers: usize) -> Option<Traffic> {
-    let ceiling = machine.ceiling(workers);
-    if measurement.sweep_bytes.touched as u64 <= machine.cache_bytes {
-        return None;
-    }
-    let sweeping = |region: &&Region| region.phase == Phase::Sweep;
-    let regions = traces.steps.iter().flat_map(|step| &step.regions).filter(sweeping);
-    let seconds: f64 = regions.map(|region| region.tasks.iter().sum::<f64>()).sum();
-    let sweeps: u32 = traces.sweeps.iter().sum();
-    let bytes = f64::from(sweeps) * measurement.sweep_bytes.moved as f64;
-    (seconds > 0.0).then(|| Traffic { bytes_per_second: bytes / (seconds * machine.duration_factor), ceiling })
-}
-
-/// Memory traffic of a running task.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Traffic {
-    /// Bytes/s that a task of a sweep requests on a thread alone on its core, on the machine of the replay.
-    pub bytes_per_second: f64,
-    /// Memory bandwidth, bytes/s.
-    pub ceiling: f64,
+/// Time that the memory needs for the bytes of a sweep, over its traced time. 0 where all that a sweep touches fits into the last-level
+/// cache: then the next sweep finds it there.
+fn memory_share(machine: &Machine, traces: &Traces, measurement: &Measurement, workers: usize) -> f64 {
+    let memories = (workers as f64 / machine.threads_a_memory as f64).max(1.0);
+    let sweeps = traces.regions().filter(|region| region.phase == Phase::Sweep);
+    let traced_seconds: f64 = sweeps.flat_map(|region| &region.tasks).sum();
+    let bytes = f64::from(traces.sweeps.iter().sum::<u32>()) * measurement.sweep_bytes.moved as f64;
+    let is_limited = measurement.sweep_bytes.touched as u64 > machine.cache_bytes && traced_seconds > 0.0;
+    if is_limited { bytes / (machine.memory_bytes_per_second * memories) / traced_seconds } else { 0.0 }
 }
 
 /// Result of a replay.
@@ -262,202 +280,216 @@ pub struct Replayed {
     pub waiting: f64,
 }
 
-/// Replays regions, one after the other, on a number of workers.
+/// Replays regions, one after the other, on a number of workers. `memory` is the time that the memory needs for the bytes of a sweep, over
+/// its traced time.
 ///
 /// # Panics
 /// If there is no worker.
-pub fn replay(
-    regions: &[Region],
+pub fn replay<'a>(
+    regions: impl IntoIterator<Item = &'a Region>,
     scheduler: Scheduler,
     machine: &Machine,
-    traffic: Option<Traffic>,
+    memory: f64,
     workers: usize,
 ) -> Replayed {
     assert!(workers > 0, "a replay needs a worker");
     let mut done = Replayed::default();
-    let mut speeds = Vec::new();
-    for region in regions {
-        let seconds = if region.tasks.len() < 2 || workers == 1 || scheduler == Scheduler::Serial {
-            let queued = scheduler == Scheduler::CentralQueue && region.tasks.len() > 1;
-            let pops = if queued { region.tasks.len() as f64 } else { 0.0 };
-            machine.duration_factor * region.tasks.iter().sum::<f64>() + pops * machine.costs.pop_alone
+    for Region { phase, tasks } in regions {
+        let traced: f64 = tasks.iter().sum();
+        let [seconds, waiting] = if tasks.len() < 2 || workers == 1 || scheduler == Scheduler::Serial {
+            let queued = scheduler == Scheduler::CentralQueue && tasks.len() > 1;
+            let pops = if queued { tasks.len() as f64 } else { 0.0 };
+            [machine.duration_factor * traced + pops * machine.costs.pop_alone, 0.0]
         } else {
-            let active = workers.min(region.tasks.len());
-            if speeds.len() != active {
-                speeds = machine.speeds(active);
-            }
-            let traffic = traffic.filter(|_| region.phase == Phase::Sweep);
-            let mut running = Running::new(region, scheduler, machine, traffic, &speeds);
-            let seconds = running.run();
-            done.waiting += running.waiting;
-            seconds
+            let [seconds, waiting] = machine.share(tasks, scheduler, workers);
+            let least = if *phase == Phase::Sweep { memory * traced } else { 0.0 };
+            [seconds.max(least), waiting]
         };
         done.seconds += seconds;
-        if region.phase == Phase::Sweep {
+        done.waiting += waiting;
+        if *phase == Phase::Sweep {
             done.sweep_seconds += seconds;
         }
     }
     done
 }
 
-/// A time (s, not negative) as heaps order it.
-fn key(time: f64) -> u64 {
-    time.to_bits()
+/// Memory bandwidth, bytes/s.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Bandwidth {
+    /// To one thread.
+    pub one_thread: f64,
+    /// To a thread on each core.
+    pub all_threads: f64,
+    /// Number of cores.
+    pub threads: usize,
 }
 
-/// Next action of a worker, which uses no memory.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Next {
-    Ask,
-    Begin(usize),
-}
+/// Triads per measurement; the fastest counts.
+const TRIADS: usize = 12;
+/// Doubles in each of three arrays; beyond the last-level cache of most machines.
+const TRIAD_LENGTH: usize = 16 << 20;
 
-/// One region during its replay.
-struct Running<'a> {
-    tasks: &'a [f64],
-    costs: Costs,
-    factor: f64,
-    speeds: &'a [f64],
-    traffic: Option<Traffic>,
-    work: Work,
-    time: f64,
-    /// Clock of work done: work of a worker of speed 1 since the region began, s.
-    done: f64,
-    /// Speeds of the running workers, summed.
-    running: f64,
-    /// Next actions of workers, by time.
-    soon: BinaryHeap<Reverse<(u64, usize, Next)>>,
-    /// Ends of running tasks, by the clock of work done.
-    ends: BinaryHeap<Reverse<(u64, usize)>>,
-    waiting: f64,
-}
-
-/// Waiting tasks.
-enum Work {
-    Queue {
-        next: usize,
-        free_at: f64,
-    },
-    /// One deque per worker, and the number of tasks in all of them.
-    Deques(Vec<VecDeque<usize>>, usize),
-}
-
-impl<'a> Running<'a> {
-    fn new(
-        region: &'a Region,
-        scheduler: Scheduler,
-        machine: &Machine,
-        traffic: Option<Traffic>,
-        speeds: &'a [f64],
-    ) -> Running<'a> {
-        let (tasks, workers, costs) = (region.tasks.len(), speeds.len(), machine.costs);
-        let mut soon = BinaryHeap::new();
-        let work = match scheduler {
-            Scheduler::WorkStealing => {
-                let stretch = |w: usize| (w * tasks / workers..(w + 1) * tasks / workers).collect();
-                Work::Deques((0..workers).map(stretch).collect(), tasks)
+impl Bandwidth {
+    /// Measures with a triad, a = b + s c, counted as three arrays (the fetch of the overwritten array is not counted).
+    pub fn measure(threads: usize) -> Result<Bandwidth, MeasureError> {
+        let (b, c) = (vec![1.0; TRIAD_LENGTH], vec![2.0; TRIAD_LENGTH]);
+        let mut a = vec![0.0; TRIAD_LENGTH];
+        let mut best = |threads: usize| -> Result<f64, MeasureError> {
+            let (pool, piece) = (pool(threads)?, TRIAD_LENGTH / threads);
+            let mut shortest = f64::INFINITY;
+            for _ in 0..TRIADS {
+                std::thread::sleep(PAUSE);
+                let parts = a.par_chunks_mut(piece).zip(b.par_chunks(piece)).zip(c.par_chunks(piece));
+                let triad = |((a, b), c): ((&mut [f64], &[f64]), &[f64])| {
+                    a.iter_mut().zip(b).zip(c).for_each(|((a, b), c)| *a = b + 3.0 * c);
+                };
+                shortest = shortest.min(seconds_of(|| pool.install(|| parts.for_each(triad))));
             }
-            _ => Work::Queue { next: 0, free_at: 0.0 },
+            black_box(&a);
+            Ok((3 * TRIAD_LENGTH * size_of::<f64>()) as f64 / shortest)
         };
-        for worker in 0..workers {
-            let late = ((worker + 1) as f64).log2().ceil() * costs.steal;
-            soon.push(Reverse((key(costs.region + late), worker, Next::Ask)));
-        }
-        Running {
-            tasks: &region.tasks,
-            costs,
-            factor: machine.duration_factor,
-            speeds,
-            traffic,
-            work,
-            time: 0.0,
-            done: 0.0,
-            running: 0.0,
-            soon,
-            ends: BinaryHeap::new(),
-            waiting: 0.0,
-        }
+        let one_thread = best(1)?;
+        let all_threads = if threads > 1 { best(threads)? } else { one_thread };
+        Ok(Bandwidth { one_thread, all_threads, threads })
     }
+}
 
-    /// Runs until all tasks are done; returns the time of the last end, s.
-    fn run(&mut self) -> f64 {
-        let mut left = self.tasks.len();
-        while left > 0 {
-            let rate = self.rate();
-            let end = self
-                .ends
-                .peek()
-                .map(|Reverse((end, _))| self.time + (f64::from_bits(*end) - self.done).max(0.0) / rate);
-            let next = self.soon.peek().map(|Reverse((time, ..))| f64::from_bits(*time));
-            // An end goes first: the worker that it frees asks before one that comes at the same time.
-            if end.is_some_and(|end| next.is_none_or(|next| end <= next)) {
-                let Some(Reverse((at, worker))) = self.ends.pop() else { break };
-                self.advance(end.unwrap_or(self.time), rate);
-                self.done = self.done.max(f64::from_bits(at));
-                self.running -= self.speeds[worker];
-                left -= 1;
-                self.ask(worker);
-            } else {
-                let Some(Reverse((at, worker, action))) = self.soon.pop() else { break };
-                self.advance(f64::from_bits(at), rate);
-                match action {
-                    Next::Ask => self.ask(worker),
-                    Next::Begin(task) => self.begin(worker, task),
-                }
+/// Size of the last-level cache, bytes; 0 if the system does not report it.
+pub(super) fn cache_bytes() -> u64 {
+    let size = |index: usize| {
+        let text = std::fs::read_to_string(format!("/sys/devices/system/cpu/cpu0/cache/index{index}/size")).ok()?;
+        let (number, shift) = match text.trim().strip_suffix('K') {
+            Some(number) => (number, 10),
+            None => (text.trim().strip_suffix('M')?, 20),
+        };
+        Some(number.parse::<u64>().ok()? << shift)
+    };
+    (0..8).filter_map(size).max().unwrap_or(0)
+}
+
+/// Multiplications of one trial of the clock, and cycles of each in a dependent chain: those of 64-bit integers on Intel's processors
+/// since Nehalem and on AMD's since Zen (A. Fog, *Instruction tables*).
+const MULTIPLICATIONS: u32 = 100_000;
+const MULTIPLICATION_CYCLES: f64 = 3.0;
+
+/// Clock of the cores, Hz, from a chain of multiplications. Many virtual machines report the clock of their time stamps instead.
+pub(super) fn clock() -> f64 {
+    let chain = || {
+        let mut number = black_box(3_u64);
+        (0..MULTIPLICATIONS).for_each(|_| number = number.wrapping_mul(number));
+        black_box(number);
+    };
+    f64::from(MULTIPLICATIONS) * MULTIPLICATION_CYCLES
+        / quantile(FASTEST, || Some(seconds_of(chain))).unwrap_or(f64::NAN)
+}
+
+/// Batches of a cost measurement, and trials per batch. Batches lie apart in time, so that another program that holds a core spoils some
+/// and not all.
+const BATCHES: usize = 30;
+const TRIALS: usize = 10;
+/// Fraction of the trials that are at most as slow as the cost itself; the others hold the load of the machine.
+const FASTEST: f64 = 0.1;
+/// Pause before a batch.
+const PAUSE: Duration = Duration::from_millis(10);
+/// Costs where no second thread runs, s: of the order of those of servers.
+const USUAL_CONTENDED_POP: f64 = 25e-9;
+const USUAL_STEAL: f64 = 1.5e-6;
+const POPS: usize = 2_000;
+/// Tasks of a large region.
+const MANY: usize = 1_000;
+/// Duration of a task that another thread has time to steal, s.
+const LONG_TASK: f64 = 50e-6;
+
+impl Costs {
+    /// Measures on up to `threads` threads, about two seconds.
+    pub fn measure(threads: usize) -> Result<Costs, MeasureError> {
+        let empty = |count: usize| {
+            (0..count).into_par_iter().with_max_len(1).for_each(|task| {
+                black_box(task);
+            });
+        };
+        let alone = pool(1)?;
+        let of_region = |tasks: usize| {
+            alone.install(|| quantile(FASTEST, || Some(seconds_of(|| empty(tasks))))).unwrap_or_default()
+        };
+        let (region, many) = (of_region(2), of_region(MANY));
+        let pop_alone = quantile(FASTEST, || pop_seconds(1)).unwrap_or_default();
+        let task_start = ((many - region) / (MANY - 2) as f64).max(0.0);
+        let mut costs = Costs { pop_alone, pop_contended: USUAL_CONTENDED_POP, task_start, steal: USUAL_STEAL, region };
+        if threads > 1 {
+            if let Some(contended) = quantile(0.5, || pop_seconds(threads.min(4))) {
+                costs.pop_contended = contended.max(pop_alone);
+            }
+            // Two long tasks on two threads take as long as one, plus waking the other thread and stealing.
+            if let Some(two) = pool(2)?.install(|| quantile(FASTEST, pair_seconds)) {
+                costs.steal = (two - LONG_TASK - region).max(0.0);
             }
         }
-        self.time
+        Ok(costs)
     }
+}
 
-    /// Rate of the clock of work done: 1, or less where the running tasks request more than the memory delivers.
-    fn rate(&self) -> f64 {
-        match self.traffic {
-            Some(traffic) if self.running * traffic.bytes_per_second > traffic.ceiling => {
-                traffic.ceiling / (self.running * traffic.bytes_per_second)
-            }
-            _ => 1.0,
+/// The result of many trials below which a fraction of them lie; failed ones are left out. None if all failed.
+fn quantile(fraction: f64, trial: impl Fn() -> Option<f64>) -> Option<f64> {
+    let mut all = Vec::with_capacity(BATCHES * TRIALS);
+    for _ in 0..BATCHES {
+        std::thread::sleep(PAUSE);
+        // The first trials wake the threads.
+        for _ in 0..2 {
+            trial();
         }
+        all.extend((0..TRIALS).filter_map(|_| trial()));
     }
+    all.sort_by(f64::total_cmp);
+    all.get((fraction * all.len() as f64) as usize).copied()
+}
 
-    fn advance(&mut self, to: f64, rate: f64) {
-        let to = to.max(self.time);
-        self.done += rate * (to - self.time);
-        self.time = to;
-    }
+fn pool(threads: usize) -> Result<ThreadPool, MeasureError> {
+    Ok(ThreadPoolBuilder::new().num_threads(threads).build()?)
+}
 
-    fn begin(&mut self, worker: usize, task: usize) {
-        let speed = self.speeds[worker];
-        self.running += speed;
-        self.ends.push(Reverse((key(self.done + self.factor * self.tasks[task] / speed), worker)));
-    }
+fn seconds_of(call: impl FnOnce()) -> f64 {
+    let clock = Instant::now();
+    call();
+    clock.elapsed().as_secs_f64()
+}
 
-    /// Gives a free worker its next task; without one it leaves the region.
-    fn ask(&mut self, worker: usize) {
-        let (now, costs) = (self.time, self.costs);
-        match &mut self.work {
-            Work::Queue { next, free_at } => {
-                if *next < self.tasks.len() {
-                    let locked = free_at.max(now);
-                    self.waiting += locked - now;
-                    *free_at = locked + costs.pop_contended;
-                    self.soon.push(Reverse((key(*free_at), worker, Next::Begin(*next))));
-                    *next += 1;
-                }
+/// Time of two long tasks on two threads, s; none if one thread ran both.
+fn pair_seconds() -> Option<f64> {
+    let done_by = [const { AtomicUsize::new(0) }; 2];
+    let seconds = seconds_of(|| {
+        (0..2).into_par_iter().with_max_len(1).for_each(|task: usize| {
+            done_by[task].store(rayon::current_thread_index().unwrap_or_default(), Ordering::Relaxed);
+            let clock = Instant::now();
+            while clock.elapsed().as_secs_f64() < LONG_TASK {
+                spin_loop();
             }
-            Work::Deques(_, 0) => {}
-            Work::Deques(deques, held) => {
-                let mut cost = costs.task_start;
-                if deques[worker].is_empty() {
-                    let fullest = (0..deques.len()).max_by_key(|&w| (deques[w].len(), Reverse(w))).unwrap_or(worker);
-                    let kept = deques[fullest].len() / 2;
-                    deques[worker] = deques[fullest].split_off(kept);
-                    cost += costs.steal;
-                }
-                if let Some(task) = deques[worker].pop_front() {
-                    *held -= 1;
-                    self.soon.push(Reverse((key(now + cost), worker, Next::Begin(task))));
-                }
-            }
+        });
+    });
+    let [first, second] = done_by.map(AtomicUsize::into_inner);
+    (first != second).then_some(seconds)
+}
+
+/// Time between two pops of the solver's queue that a number of threads empty, s; none if one of the threads got hardly anything, and so
+/// did not run at the same time.
+fn pop_seconds(threads: usize) -> Option<f64> {
+    let (queue, barrier) = (CentralQueue::new(POPS), Barrier::new(threads));
+    let drain = || {
+        barrier.wait();
+        let (clock, mut pops) = (Instant::now(), 0);
+        while let Some(task) = queue.pop() {
+            black_box(task);
+            pops += 1;
         }
-    }
+        (clock.elapsed().as_secs_f64(), pops)
+    };
+    let own = std::thread::scope(|scope| {
+        let others: Vec<_> = (1..threads).map(|_| scope.spawn(drain)).collect();
+        let own = drain();
+        others.into_iter().filter_map(|other| other.join().ok()).chain([own]).collect::<Vec<_>>()
+    });
+    let longest = own.iter().map(|(seconds, _)| *seconds).fold(0.0, f64::max);
+    let together = own.iter().all(|(_, pops)| pops * 4 * threads >= POPS);
+    together.then_some(longest / POPS as f64)
 }

@@ -1,9 +1,8 @@
 //! The study: rows of a measurement and its replays, findings, tables.
 
 use super::figures::figures;
-use super::measure::{Bandwidth, Measurement, Plan, Timing, Traces, WARM_UP, cache_bytes, clock};
-use super::replay::{Costs, MOST_WORKERS, Machine, curves};
-use super::{Check, MachineRow, MeasuredRow, ReplayedRow};
+use super::measure::{Measurement, Plan, Timing, WARM_UP};
+use super::replay::{Bandwidth, Costs, Machine, ReplayedRow, cache_bytes, clock, curves};
 use makadam::Simulation;
 use makadam::lanes::InstructionSet;
 use makadam::partition::Portion;
@@ -16,9 +15,62 @@ use makadam_frames::output::JSON_VERSION;
 use makadam_frames::provenance::Provenance;
 use makadam_measure::statistics::{mean, median};
 use makadam_view::draw::figure::Figure;
-use makadam_view::draw::numbers::{count, short_time as time, two_digits};
-use rayon::prelude::*;
+use makadam_view::draw::numbers::{count, plural, short_time as time, two_digits};
 use serde::Serialize;
+
+/// One measured configuration. Times are medians over the repetitions; speed-ups are medians of the ratios to the serial
+/// run of the same instruction set and portion in the same round.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "validation/docs/json.md describes the fields of documents")]
+pub struct MeasuredRow {
+    pub instruction_set: InstructionSet,
+    pub scheduler: Scheduler,
+    pub threads: usize,
+    /// Portion of work that a thread takes at a time.
+    pub portion: Portion,
+    pub step_seconds: f64,
+    pub step_seconds_least: f64,
+    pub step_seconds_most: f64,
+    pub sweep_seconds: f64,
+    pub speedup: f64,
+    pub sweep_speedup: f64,
+    pub nanoseconds_per_contact_sweep: Option<f64>,
+    pub state_hash: String,
+}
+
+/// A replay compared with its measurement, over the traced steps.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "validation/docs/json.md describes the fields of documents")]
+pub struct Check {
+    pub instruction_set: InstructionSet,
+    pub scheduler: Scheduler,
+    pub threads: usize,
+    pub portion: Portion,
+    pub measured_seconds: f64,
+    /// Time per step, replayed from the serial trace, s.
+    pub replayed_seconds: f64,
+    /// Replayed over measured, minus one, %.
+    pub deviation_percent: f64,
+}
+
+/// Properties of machine and scene that all configurations share.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "validation/docs/json.md describes the fields of documents")]
+pub struct MachineRow {
+    /// Cores that the process may use.
+    pub cores: usize,
+    pub cache_bytes: u64,
+    /// Memory bandwidth to one thread, bytes/s.
+    pub bandwidth_one_thread: f64,
+    /// Memory bandwidth to a thread on each core, bytes/s.
+    pub bandwidth_all_threads: f64,
+    pub particles: usize,
+    pub contacts: f64,
+    /// Memory that the simulation itself holds, bytes.
+    pub simulation_bytes: usize,
+    /// Memory traffic of a contact sweep that finds nothing in a cache, bytes; absent without contacts.
+    pub bytes_per_contact_sweep: Option<f64>,
+}
 
 /// Output of `makadam lab scaling --json` and content of `scaling.json`; documented in `validation/docs/json.md`.
 #[derive(Clone, Debug, Serialize)]
@@ -32,11 +84,9 @@ pub struct Study {
     #[serde(flatten)]
     pub machine: MachineRow,
     pub contact_sweeps: f64,
-    pub steps: u64,
-    /// Number of these steps, from the first, that were traced and replayed.
-    pub traced_steps: u64,
+    #[serde(flatten)]
+    pub plan: Plan,
     pub warm_up_steps: u64,
-    pub repetitions: usize,
     pub bandwidth: Bandwidth,
     /// True if all configurations ended in the same state, bit for bit.
     pub same_bits: bool,
@@ -51,97 +101,77 @@ pub struct Study {
     pub provenance: Provenance,
 }
 
-/// Input of a study apart from the measurement.
-pub struct Setting {
-    /// Name of the scene.
-    pub scene: String,
-    /// Simulated time of the initial state, s.
-    pub started: f64,
-    /// Memory bandwidth of the available cores, measured.
-    pub bandwidth: Bandwidth,
-    /// This machine first, then models, which are replayed with the widest instruction set alone.
-    pub machines: Vec<Machine>,
-    /// Provenance.
-    pub provenance: Provenance,
-}
-
 impl Study {
-    /// Measures and replays a plan from the state of a simulation. `memory` is the memory bandwidth for any number of cores,
-    /// bytes/s; if absent, the measured bandwidth grows with the cores. `tell` receives messages, `progress` the completed fraction.
+    /// Measures and replays a plan from the state of a simulation. `tell` receives messages, `progress` the completed fraction.
     ///
     /// # Errors
     /// [`MeasureError`] if the machine cannot run the plan, or on an interruption.
     pub fn measure(
         scene: &str,
         simulation: Simulation,
-        plan: &Plan,
-        memory: Option<f64>,
+        plan: Plan,
         provenance: Provenance,
         tell: &dyn Fn(&str),
         progress: &dyn Fn(f64),
     ) -> Result<Study, MeasureError> {
-        let cores = cores();
         tell("measuring costs of scheduling and memory bandwidth");
-        let costs = Costs::measure(cores)?;
-        let bandwidth = Bandwidth::measure(cores)?;
-        let started = simulation.time();
+        let costs = Costs::measure(cores())?;
+        let bandwidth = Bandwidth::measure(cores())?;
         let measurement = plan.measure(&simulation, progress)?;
         drop(simulation);
         tell("replaying");
-        let memory = memory.map_or((bandwidth.all_threads, bandwidth.threads), |bytes| (bytes, MOST_WORKERS));
+        let memory = (bandwidth.all_threads, bandwidth.threads);
         let machines = vec![Machine::here(costs, memory, cache_bytes()), Machine::xeon_phi_3120(&costs, clock())];
-        let setting = Setting { scene: scene.into(), started, bandwidth, machines, provenance };
-        Ok(Study::new(plan, &measurement, setting))
+        Ok(Study::new(scene, plan, &measurement, bandwidth, machines, provenance))
     }
 
-    /// Derives rows, replays and findings from a measurement.
-    pub fn new(plan: &Plan, measurement: &Measurement, setting: Setting) -> Study {
-        let widest = plan.instruction_sets.last();
-        let jobs = setting.machines.iter().enumerate().flat_map(|(place, machine)| {
-            let replays = move |set: InstructionSet| place == 0 || Some(&set) == widest;
-            let traces = measurement.traces.iter();
-            traces
-                .filter(move |traces| replays(traces.configuration.instruction_set))
-                .map(move |traces| (machine, traces))
-        });
-        let replayed: Vec<ReplayedRow> = (jobs.collect::<Vec<_>>().into_par_iter())
-            .flat_map(|(machine, traces)| curves(machine, traces, measurement, &plan.threads))
-            .collect();
+    /// Derives rows, replays and findings from a measurement. This machine is the first of the machines; models are replayed with the
+    /// widest instruction set alone.
+    pub fn new(
+        scene: &str,
+        plan: Plan,
+        measurement: &Measurement,
+        bandwidth: Bandwidth,
+        machines: Vec<Machine>,
+        provenance: Provenance,
+    ) -> Study {
+        let mut replayed = Vec::new();
+        for machine in &machines {
+            let is_replayed = |set| machine.name == Machine::HERE || Some(&set) == plan.instruction_sets.last();
+            let own = measurement.traces.iter().filter(|traces| is_replayed(traces.configuration.instruction_set));
+            replayed.extend(own.flat_map(|traces| curves(machine, traces, measurement, &plan.threads)));
+        }
         let differing = differing(measurement);
-        let here = setting.machines.first();
-        let machine = MachineRow {
-            cores: setting.bandwidth.threads,
-            cache_bytes: here.map_or(0, |here| here.cache_bytes),
-            bandwidth_one_thread: setting.bandwidth.one_thread,
-            bandwidth_all_threads: setting.bandwidth.all_threads,
-            particles: measurement.particles,
-            contacts: measurement.contacts,
-            simulation_bytes: measurement.simulation_bytes,
-            bytes_per_contact_sweep: (measurement.contacts > 0.0)
-                .then(|| measurement.sweep_bytes.moved as f64 / measurement.contacts),
-        };
+        let &Measurement { particles, contacts, contact_sweeps, simulation_bytes, sweep_bytes, .. } = measurement;
         let mut study = Study {
             version: JSON_VERSION,
             command: "scaling".into(),
-            scene: setting.scene,
-            start_seconds: setting.started,
-            machine,
-            contact_sweeps: measurement.contact_sweeps,
-            steps: plan.steps,
-            traced_steps: plan.traced_steps,
+            scene: scene.into(),
+            start_seconds: measurement.start_seconds,
+            machine: MachineRow {
+                cores: bandwidth.threads,
+                cache_bytes: machines.first().map_or(0, |here| here.cache_bytes),
+                bandwidth_one_thread: bandwidth.one_thread,
+                bandwidth_all_threads: bandwidth.all_threads,
+                particles,
+                contacts,
+                simulation_bytes,
+                bytes_per_contact_sweep: (contacts > 0.0).then(|| sweep_bytes.moved as f64 / contacts),
+            },
+            contact_sweeps,
             warm_up_steps: WARM_UP,
-            repetitions: plan.repetitions,
-            bandwidth: setting.bandwidth,
+            bandwidth,
             same_bits: differing.is_empty(),
             differing,
-            measured: measured_rows(measurement),
-            checks: checks(plan, measurement, &replayed),
-            machines: setting.machines,
+            measured: measurement.timings.iter().map(|timing| measured_row(timing, measurement)).collect(),
+            checks: checks(&plan, measurement, &replayed),
+            plan,
+            machines,
             replayed,
             findings: Vec::new(),
-            provenance: setting.provenance,
+            provenance,
         };
-        study.findings = findings(&study, measurement);
+        study.findings = findings(&study);
         study
     }
 
@@ -171,37 +201,33 @@ fn differing(measurement: &Measurement) -> Vec<String> {
         let (set, scheduler) = (own.instruction_set.name(), own.scheduler.name());
         format!("{set}, {scheduler}, threads: {}, {}", own.threads, own.portion.name())
     });
-    names.chain((!measurement.traces_same_bits).then(|| "the traced steps".into())).collect()
+    names.collect()
 }
 
-fn measured_rows(measurement: &Measurement) -> Vec<MeasuredRow> {
-    let of = |timing: &Timing, sweeps: bool| -> Vec<f64> {
-        timing.repetitions.iter().map(|times| mean(if sweeps { &times.sweeps } else { &times.steps })).collect()
-    };
-    let ratios = |serial: &[f64], own: &[f64]| median(serial.iter().zip(own).map(|(serial, own)| serial / own));
-    let rows = measurement.timings.iter().map(|timing| {
-        let configuration = timing.configuration;
-        let serial = measurement.timings.iter().find(|other| other.configuration.is_serial_of(&configuration));
-        let serial = serial.unwrap_or(timing);
-        let (steps, sweeps) = (of(timing, false), of(timing, true));
-        let sweep_seconds = median(sweeps.iter().copied());
-        MeasuredRow {
-            instruction_set: configuration.instruction_set,
-            scheduler: configuration.scheduler,
-            threads: configuration.threads,
-            portion: configuration.portion,
-            step_seconds: median(steps.iter().copied()),
-            step_seconds_least: steps.iter().copied().fold(f64::INFINITY, f64::min),
-            step_seconds_most: steps.iter().copied().fold(0.0, f64::max),
-            sweep_seconds,
-            speedup: ratios(&of(serial, false), &steps),
-            sweep_speedup: ratios(&of(serial, true), &sweeps),
-            nanoseconds_per_contact_sweep: (measurement.contact_sweeps > 0.0)
-                .then(|| 1e9 * sweep_seconds / measurement.contact_sweeps),
-            state_hash: format!("{:016x}", timing.hashes.last().copied().unwrap_or_default()),
-        }
-    });
-    rows.collect()
+fn measured_row(timing: &Timing, measurement: &Measurement) -> MeasuredRow {
+    let configuration = timing.configuration;
+    let serial = measurement.timings.iter().find(|other| other.configuration.is_serial_of(&configuration));
+    let serial = serial.unwrap_or(timing);
+    let means = |repetitions: &[Vec<f64>]| repetitions.iter().map(|times| mean(times)).collect::<Vec<f64>>();
+    let [steps, sweeps] = [&timing.steps, &timing.sweeps].map(|times| means(times));
+    let [serial_steps, serial_sweeps] = [&serial.steps, &serial.sweeps].map(|times| means(times));
+    let ratio = |serial: &[f64], own: &[f64]| median(serial.iter().zip(own).map(|(serial, own)| serial / own));
+    let sweep_seconds = median(sweeps.iter().copied());
+    MeasuredRow {
+        instruction_set: configuration.instruction_set,
+        scheduler: configuration.scheduler,
+        threads: configuration.threads,
+        portion: configuration.portion,
+        step_seconds: median(steps.iter().copied()),
+        step_seconds_least: steps.iter().copied().fold(f64::INFINITY, f64::min),
+        step_seconds_most: steps.iter().copied().fold(0.0, f64::max),
+        sweep_seconds,
+        speedup: ratio(&serial_steps, &steps),
+        sweep_speedup: ratio(&serial_sweeps, &sweeps),
+        nanoseconds_per_contact_sweep: (measurement.contact_sweeps > 0.0)
+            .then(|| 1e9 * sweep_seconds / measurement.contact_sweeps),
+        state_hash: format!("{:016x}", timing.hashes.last().copied().unwrap_or_default()),
+    }
 }
 
 /// Compares the replay on this machine with the measured times of the same steps.
@@ -213,8 +239,7 @@ fn checks(plan: &Plan, measurement: &Measurement, replayed: &[ReplayedRow]) -> V
                 && (row.instruction_set, row.portion) == (own.instruction_set, own.portion)
                 && (row.scheduler, row.workers) == (own.scheduler, own.threads)
         })?;
-        let of_step =
-            |step: usize| median(timing.repetitions.iter().filter_map(|times| times.steps.get(step)).copied());
+        let of_step = |step: usize| median(timing.steps.iter().map(|times| times[step]));
         let measured_seconds = mean(&(0..plan.traced_steps as usize).map(of_step).collect::<Vec<_>>());
         Some(Check {
             instruction_set: own.instruction_set,
@@ -232,7 +257,7 @@ fn checks(plan: &Plan, measurement: &Measurement, replayed: &[ReplayedRow]) -> V
 /// Speed-up over number of threads down to which a curve is called linear.
 const LINEAR_SHARE: f64 = 0.8;
 
-fn findings(study: &Study, measurement: &Measurement) -> Vec<String> {
+fn findings(study: &Study) -> Vec<String> {
     let mut findings = vec![match study.same_bits {
         true => format!(
             "All {} configurations and the traced steps ended in the same state, bit for bit.",
@@ -268,49 +293,33 @@ fn findings(study: &Study, measurement: &Measurement) -> Vec<String> {
             linear[1]
         ));
     }
-    let batches = measurement.traces.iter().find(|Traces { configuration, .. }| {
-        Some(configuration.instruction_set) == study.widest() && configuration.portion == Portion::Batches
-    });
-    let regions = || batches.into_iter().flat_map(|traces| &traces.steps).flat_map(|step| &step.regions);
-    let seconds = |least: usize| {
-        regions().filter(|region| region.tasks.len() >= least).flat_map(|region| &region.tasks).sum::<f64>()
-    };
-    let serial = 1.0 - seconds(2) / seconds(0);
-    if serial > 0.0 {
-        let (percent, bound) = (two_digits(100.0 * serial), two_digits(1.0 / serial));
-        findings.push(format!("Of a traced step {percent}% is serial work, which bounds any speed-up to {bound}."));
-    }
     findings
 }
 
-/// The largest measured speed-up of a step with the widest instruction set.
+/// The largest measured speed-up of a step on several threads, or one thread alone, with the widest instruction set.
 fn answer(study: &Study) -> Answer {
     let own = || study.measured.iter().filter(|row| Some(row.instruction_set) == study.widest());
-    let parallel = own().filter(|row| row.threads > 1);
-    let best = parallel.max_by(|one, other| one.speedup.total_cmp(&other.speedup));
-    let bits = study.findings.first().cloned().unwrap_or_default();
-    let gains = best.is_some_and(|best| best.speedup > 1.0);
-    let class = match (study.same_bits, gains) {
+    let best = own().filter(|row| row.threads > 1).max_by(|one, other| one.speedup.total_cmp(&other.speedup));
+    let best = best.or(own().next()).expect("each instruction set is measured on one thread");
+    let serial = own().find(|row| row.scheduler == Scheduler::Serial && row.portion == best.portion).unwrap_or(best);
+    let class = match (study.same_bits, best.speedup > 1.0) {
         (false, _) => "disagree",
         (true, true) => "agree",
         (true, false) => "undecided",
     };
-    let Some(best) = best else {
-        let step = own().next().map_or(String::new(), |row| format!("A step takes {}. ", time(row.step_seconds)));
-        return Answer { class, word: "Measured on one thread alone.".into(), sentence: step + &bits };
-    };
-    let serial = own().find(|row| row.scheduler == Scheduler::Serial && row.portion == best.portion);
-    let instead = serial.map_or(String::new(), |serial| format!(" instead of {}", time(serial.step_seconds)));
-    let faster = format!("{} times as fast on {} threads.", two_digits(best.speedup), best.threads);
+    let prefix = if best.speedup > 1.0 { "" } else { "No gain: " };
+    let threads = plural(best.threads, "thread");
     Answer {
         class,
-        word: if gains { faster } else { format!("No gain: {faster}") },
+        word: format!("{prefix}{} times as fast on {threads}.", two_digits(best.speedup)),
         sentence: format!(
-            "A step takes {}{instead} ({}, {}); its sweeps are {} times as fast. {bits}",
+            "A step takes {} instead of {} ({}, {}); its sweeps are {} times as fast. {}",
             time(best.step_seconds),
+            time(serial.step_seconds),
             best.scheduler.name().replace('-', " "),
             best.instruction_set.name(),
             two_digits(best.sweep_speedup),
+            study.findings[0],
         ),
     }
 }
@@ -347,7 +356,7 @@ impl Document for Study {
     }
 
     fn figures(&self) -> Vec<Figure> {
-        figures(self).into_iter().flatten().collect()
+        figures(self)
     }
 
     fn report(&self) -> Report {
@@ -370,7 +379,7 @@ impl Document for Study {
                 format!("{} contacts", count(contacts.round() as usize)),
                 self.provenance.build.processor.clone(),
                 format!("cores {cores}"),
-                format!("{} steps, {} repetitions", self.steps, self.repetitions),
+                format!("{} steps, {} repetitions", self.plan.steps, self.plan.repetitions),
                 format!("version {}", self.provenance.build.version),
                 self.provenance.time.clone(),
             ],
@@ -394,50 +403,46 @@ impl Document for Study {
     }
 }
 
-const CONFIGURATION: [&str; 3] = ["instruction set", "scheduler", "of"];
+/// A table of rows by configuration; a group begins with each serial row.
+fn by_configuration(
+    numbers: &[&str],
+    rows: impl IntoIterator<Item = ((InstructionSet, Scheduler, Portion, usize), Vec<Cell>)>,
+) -> Table {
+    let mut table = Table::new(&["instruction set", "scheduler", "of"], &[&["threads"], numbers].concat());
+    for ((set, scheduler, portion, threads), cells) in rows {
+        let configuration = cells![set.name(), scheduler.name(), portion.name(), threads];
+        let row = configuration.into_iter().chain(cells);
+        if scheduler == Scheduler::Serial { table.first_row(row) } else { table.row(row) }
+    }
+    table
+}
 
 fn measured(study: &Study) -> Table {
-    let mut table = Table::new(&CONFIGURATION, &["threads", "a step", "speed-up", "sweeps", "speed-up", "ns"])
-        .on_a_page(&["time per step", "speed-up", "of it sweeps", "speed-up of the sweeps", "contact sweep (ns)"]);
-    for row in &study.measured {
+    let rows = study.measured.iter().map(|row| {
         let range = format!("{} to {}", time(row.step_seconds_least), time(row.step_seconds_most));
         let cells = cells![
-            row.instruction_set.name(),
-            row.scheduler.name(),
-            row.portion.name(),
-            row.threads,
             Cell::from(time(row.step_seconds)).above(Some(range)),
             format!("{:.2}", row.speedup),
             time(row.sweep_seconds),
             format!("{:.2}", row.sweep_speedup),
             row.nanoseconds_per_contact_sweep.map(two_digits),
         ];
-        push(&mut table, row.scheduler, cells);
-    }
-    table
+        ((row.instruction_set, row.scheduler, row.portion, row.threads), cells)
+    });
+    by_configuration(&["a step", "speed-up", "sweeps", "speed-up", "ns"], rows).on_a_page(&[
+        "time per step",
+        "speed-up",
+        "of it sweeps",
+        "speed-up of the sweeps",
+        "contact sweep (ns)",
+    ])
 }
 
 fn compared(study: &Study) -> Table {
-    let mut table = Table::new(&CONFIGURATION, &["threads", "measured", "replayed", "deviation"]);
-    for check in &study.checks {
-        let cells = cells![
-            check.instruction_set.name(),
-            check.scheduler.name(),
-            check.portion.name(),
-            check.threads,
-            time(check.measured_seconds),
-            time(check.replayed_seconds),
-            format!("{:+.1}%", check.deviation_percent).replace('-', "−"),
-        ];
-        push(&mut table, check.scheduler, cells);
-    }
-    table
-}
-
-/// Adds a row, which begins a group where the scheduler is the serial one.
-fn push(table: &mut Table, scheduler: Scheduler, cells: Vec<Cell>) {
-    match scheduler {
-        Scheduler::Serial => table.first_row(cells),
-        _ => table.row(cells),
-    }
+    let rows = study.checks.iter().map(|check| {
+        let deviation = format!("{:+.1}%", check.deviation_percent).replace('-', "−");
+        let cells = cells![time(check.measured_seconds), time(check.replayed_seconds), deviation];
+        ((check.instruction_set, check.scheduler, check.portion, check.threads), cells)
+    });
+    by_configuration(&["measured", "replayed", "deviation"], rows)
 }

@@ -1,10 +1,9 @@
 //! Execution of a plan: one run after the other on one core, the reference and cheap ones first, each stored when it ends.
 
-use super::configuration::{Configuration, Knobs};
-use super::plan::Plan;
+use super::plan::{Configuration, Knobs, Plan};
 use makadam::scene::{SolverMethod, SolverSettings, Stop, populate};
 use makadam_compare::codes::{Code, CodeError, CoreClock, Purpose};
-use makadam_compare::compare::{Harvest, MeasuredRun, Runs, Share};
+use makadam_compare::compare::{Announce, MeasuredRun, Runs, Share};
 use makadam_compare::scenes::in_file;
 use makadam_compare::study::{Key, RunCache, RunError};
 use makadam_frames::output::file_stem;
@@ -79,27 +78,6 @@ impl Outcome {
     }
 }
 
-/// One run that is due.
-struct Task<'a> {
-    /// Place of the configuration in the plan.
-    place: usize,
-    /// Seed of the initial positions.
-    seed: u64,
-    /// Code, setting and seed in words.
-    label: &'a str,
-    /// Expected wall times: of what came before, of this run, of everything, s.
-    span: [f64; 3],
-    /// True if it may be cut short.
-    may_cut: bool,
-}
-
-enum Attempt {
-    Run(Box<KeptRun>),
-    Failed(String),
-    Unsupported(CodeError),
-    Interrupted,
-}
-
 impl Campaign<'_> {
     /// Runs what is not there yet.
     ///
@@ -107,14 +85,17 @@ impl Campaign<'_> {
     /// [`RunError`]; a run that fails by itself is only noted.
     pub fn carry_out(&self) -> Result<Outcome, RunError> {
         let grains = populate(self.scene, 1).map_err(in_file(self.scene_file))?;
-        let mut costs = Costs::new(self.scene, grains.len(), self.scene.rayleigh_step(&grains));
+        let mut costs = Costs {
+            scene: self.scene,
+            grains: grains.len() as f64,
+            rayleigh_step: self.scene.rayleigh_step(&grains),
+            known: BTreeMap::new(),
+        };
         let configurations = &self.plan.configurations;
         let mut outcome = Outcome::none(configurations.len());
-        let mut missing = self.find(&mut outcome, &mut costs)?;
+        let missing = self.find(&mut outcome, &mut costs)?;
         let mut unsupported: BTreeSet<String> = BTreeSet::new();
-        let mut done = 0.0;
-        while let Some((seed, place)) = self.next(&missing, &costs) {
-            missing.remove(&(seed, place));
+        for (number, &(seed, place)) in missing.iter().enumerate() {
             let configuration = &configurations[place];
             // A run that was cut short tells its wall time; another seed would tell the same.
             let known = outcome.runs[place].first().is_some_and(|first| first.extrapolated);
@@ -123,78 +104,71 @@ impl Campaign<'_> {
             if known || unsupported.contains(&configuration.code) {
                 continue;
             }
-            let here = self.expected(place, &costs);
-            let left: f64 = missing.iter().map(|&(_, place)| self.expected(place, &costs)).sum();
             let label = format!("{} {}, seed {seed}", configuration.code, configuration.setting());
-            let clock = Instant::now();
+            let (progress, count) = (self.progress.clone(), missing.len() as f64);
+            let progress = Arc::new(move |fraction: f64| progress(&label, (number as f64 + fraction) / count));
             // Only a first seed: what it tells of the wall time decides for the others.
             let may_cut = outcome.runs[place].is_empty() && !self.plan.is_grid(place);
-            let task = Task { place, seed, label: &label, span: [done, here, done + here + left], may_cut };
-            match self.attempt(&task, &mut costs)? {
-                Attempt::Run(kept) => {
+            match self.attempt(configuration, seed, may_cut, &mut costs, progress) {
+                Ok(kept) => {
                     let runs = &mut outcome.runs[place];
-                    self.cache.keep(&self.key(place, seed), &*kept)?;
+                    self.cache.keep(&self.key(place, seed), &kept)?;
                     costs.learn(configuration, kept.core_seconds(), kept.run.simulated_seconds);
-                    runs.push(*kept);
+                    runs.push(kept);
                     runs.sort_by_key(|kept| kept.run.seed);
                     outcome.made += 1;
                 }
-                Attempt::Failed(why) => {
-                    outcome.failures.entry(place).or_insert((seed, why));
-                }
-                Attempt::Unsupported(error) => {
-                    outcome.notes.push(error.to_string());
-                    unsupported.insert(configuration.code.clone());
-                }
-                Attempt::Interrupted => {
+                Err(CodeError::Interrupted { .. }) => {
                     outcome.interrupted = true;
                     break;
                 }
+                Err(error @ CodeError::Unsupported { .. }) => {
+                    outcome.notes.push(error.to_string());
+                    unsupported.insert(configuration.code.clone());
+                }
+                Err(
+                    error @ (CodeError::Crashed { .. }
+                    | CodeError::InvalidState { .. }
+                    | CodeError::Output { .. }
+                    | CodeError::LongLog { .. }
+                    | CodeError::TimedOut { .. }),
+                ) => {
+                    outcome.failures.entry(place).or_insert((seed, error.to_string()));
+                }
+                Err(error) => return Err(error.into()),
             }
-            done += clock.elapsed().as_secs_f64();
         }
         Ok(outcome)
     }
 
-    /// Takes what is on the shelf; returns seed and place of what is not.
-    fn find(&self, outcome: &mut Outcome, costs: &mut Costs) -> Result<BTreeSet<(u64, usize)>, RunError> {
-        let mut missing = BTreeSet::new();
+    /// Takes what is stored; returns seed and place of what is not, in the order of execution: every configuration with its first seed,
+    /// then with the next one. Within a seed the reference at the scene's stiffness comes first, without which nothing has an error,
+    /// then what is cheapest.
+    fn find(&self, outcome: &mut Outcome, costs: &mut Costs<'_>) -> Result<Vec<(u64, usize)>, RunError> {
+        let mut missing = Vec::new();
         for (place, configuration) in self.plan.configurations.iter().enumerate() {
             for seed in 1..=self.seeds {
-                if let Some(kept) = self.cache.find::<KeptRun>(&self.key(place, seed))?
-                    && self.serves(&kept)
-                {
-                    costs.learn(configuration, kept.core_seconds(), kept.run.simulated_seconds);
-                    outcome.runs[place].push(kept);
-                    continue;
+                let kept = self.cache.find::<KeptRun>(&self.key(place, seed))?;
+                // One that was cut short may run longer under the present limit.
+                let is_short =
+                    |kept: &KeptRun| kept.extrapolated && kept.pace() * self.scene.duration <= self.time_limit;
+                match kept.filter(|kept| !is_short(kept)) {
+                    Some(kept) => {
+                        costs.learn(configuration, kept.core_seconds(), kept.run.simulated_seconds);
+                        outcome.runs[place].push(kept);
+                    }
+                    None => missing.push((seed, place)),
                 }
-                missing.insert((seed, place));
             }
         }
         outcome.notes.extend(self.cache.damaged());
-        Ok(missing)
-    }
-
-    /// Returns false for a stored run that was cut short and would run longer under the present limit.
-    fn serves(&self, kept: &KeptRun) -> bool {
-        !kept.extrapolated || kept.pace() * self.scene.duration > self.time_limit
-    }
-
-    /// Selects the next run: every configuration with its first seed, then with the next one. Within a seed the reference at
-    /// the scene's stiffness comes first, without which nothing has an error, then what is cheapest.
-    fn next(&self, missing: &BTreeSet<(u64, usize)>, costs: &Costs) -> Option<(u64, usize)> {
         let reference = self.plan.refinement(1.0).map(|refinement| refinement.grids[2]);
         let cost = |place: usize| costs.seconds(&self.plan.configurations[place]);
-        missing.iter().copied().min_by(|a, b| {
+        missing.sort_by(|a, b| {
             let later = |place: usize| Some(place) != reference;
             a.0.cmp(&b.0).then(later(a.1).cmp(&later(b.1))).then(cost(a.1).total_cmp(&cost(b.1)))
-        })
-    }
-
-    /// Expected wall time of a run, s.
-    fn expected(&self, place: usize, costs: &Costs) -> f64 {
-        let seconds = costs.seconds(&self.plan.configurations[place]);
-        if self.plan.is_grid(place) { seconds } else { seconds.min(self.time_limit) }
+        });
+        Ok(missing)
     }
 
     fn key(&self, place: usize, seed: u64) -> Key {
@@ -208,60 +182,60 @@ impl Campaign<'_> {
     }
 
     /// One run, cut short where it may be and is expected to last, or turns out to last, beyond the limit.
-    fn attempt(&self, task: &Task<'_>, costs: &mut Costs) -> Result<Attempt, RunError> {
-        let configuration = &self.plan.configurations[task.place];
-        let stretch = |costs: &Costs| task.may_cut.then(|| self.stretch(configuration, costs)).flatten();
-        let mut simulated = stretch(costs);
-        let mut clock = CoreClock::start();
-        let began = Instant::now();
-        let mut result = self.run(task, simulated);
-        if let (Err((CodeError::TimedOut { .. }, share)), None, true) = (&result, simulated, task.may_cut) {
+    fn attempt(
+        &self,
+        configuration: &Configuration,
+        seed: u64,
+        may_cut: bool,
+        costs: &mut Costs<'_>,
+        progress: Arc<impl Fn(f64) + Send + Sync + 'static>,
+    ) -> Result<KeptRun, CodeError> {
+        let mut simulated = may_cut.then(|| self.stretch(configuration, costs)).flatten();
+        let reached = Arc::new(AtomicU64::new(0));
+        let announce = |_: &str| -> Share {
+            let (progress, reached) = (progress.clone(), reached.clone());
+            Box::new(move |fraction| {
+                reached.store(fraction.to_bits(), Ordering::Relaxed);
+                progress(fraction);
+            })
+        };
+        let run = |simulated: Option<f64>| {
+            // A run that may be cut short is not waited for so long.
+            let patience = if may_cut && simulated.is_none() { PATIENCE } else { MORE_PATIENCE };
+            self.run(configuration, seed, simulated, patience * self.time_limit, &announce)
+        };
+        let (mut clock, began) = (CoreClock::start(), Instant::now());
+        let mut result = run(simulated);
+        if let (Err(CodeError::TimedOut { .. }), None, true) = (&result, simulated, may_cut) {
             // It took longer than expected: now it is known how long.
-            costs.learn(
-                configuration,
-                began.elapsed().as_secs_f64() * clock.share().unwrap_or(1.0),
-                share.max(1e-6) * self.scene.duration,
-            );
-            simulated =
-                Some(stretch(costs).unwrap_or(0.5 * share * self.scene.duration).max(self.scene.measure.interval));
+            let fraction = f64::from_bits(reached.load(Ordering::Relaxed));
+            let wall = began.elapsed().as_secs_f64() * clock.share().unwrap_or(1.0);
+            costs.learn(configuration, wall, fraction.max(1e-6) * self.scene.duration);
+            let shorter = self.stretch(configuration, costs).unwrap_or(0.5 * fraction * self.scene.duration);
+            simulated = Some(shorter.max(self.scene.measure.interval));
             clock = CoreClock::start();
-            result = self.run(task, simulated);
+            result = run(simulated);
         }
         let core_share = clock.share();
-        match result {
-            Ok(harvest) => {
-                let mut run = harvest.run;
-                run.measurements.retain(|measurement| measurement.value.is_finite());
-                if simulated.is_some() {
-                    // The end of the scene was not reached: nothing was measured that could be compared.
-                    run.measurements.clear();
-                }
-                Ok(Attempt::Run(Box::new(KeptRun {
-                    configuration: configuration.clone(),
-                    extrapolated: simulated.is_some(),
-                    core_share,
-                    run,
-                    build: Build::here(),
-                    command: command_line(),
-                })))
-            }
-            Err((CodeError::Interrupted { .. }, _)) => Ok(Attempt::Interrupted),
-            Err((error @ CodeError::Unsupported { .. }, _)) => Ok(Attempt::Unsupported(error)),
-            Err((
-                error @ (CodeError::Crashed { .. }
-                | CodeError::InvalidState { .. }
-                | CodeError::Output { .. }
-                | CodeError::LongLog { .. }
-                | CodeError::TimedOut { .. }),
-                _,
-            )) => Ok(Attempt::Failed(error.to_string())),
-            Err((error, _)) => Err(error.into()),
+        let mut run = result?;
+        run.measurements.retain(|measurement| measurement.value.is_finite());
+        if simulated.is_some() {
+            // The end of the scene was not reached: nothing was measured that could be compared.
+            run.measurements.clear();
         }
+        Ok(KeptRun {
+            configuration: configuration.clone(),
+            extrapolated: simulated.is_some(),
+            core_share,
+            run,
+            build: Build::here(),
+            command: command_line(),
+        })
     }
 
     /// Simulated time that takes about the limit of wall time, s, a whole number of frames; absent where the whole
     /// duration does.
-    fn stretch(&self, configuration: &Configuration, costs: &Costs) -> Option<f64> {
+    fn stretch(&self, configuration: &Configuration, costs: &Costs<'_>) -> Option<f64> {
         let seconds = costs.seconds(configuration);
         if seconds <= self.time_limit {
             return None;
@@ -271,37 +245,30 @@ impl Campaign<'_> {
         Some(frames * interval).filter(|stretch| *stretch < duration)
     }
 
-    /// One run over `simulated` seconds, or all of the scene's; a failure comes with the share that was done. One that may
-    /// be cut short is not waited for so long.
-    fn run(&self, task: &Task<'_>, simulated: Option<f64>) -> Result<Harvest, (CodeError, f64)> {
-        let configuration = &self.plan.configurations[task.place];
-        let [before, own, all] = task.span;
+    /// One run over `simulated` seconds, or all of the scene's.
+    fn run(
+        &self,
+        configuration: &Configuration,
+        seed: u64,
+        simulated: Option<f64>,
+        time_limit: f64,
+        announce: Announce<'_>,
+    ) -> Result<MeasuredRun, CodeError> {
         let mut scene = configuration.scene(self.scene);
         scene.duration = simulated.unwrap_or(scene.duration);
-        let reached = Arc::new(AtomicU64::new(0));
-        let announce = |_: &str| -> Share {
-            let (progress, label, reached) = (self.progress.clone(), task.label.to_string(), reached.clone());
-            Box::new(move |share| {
-                reached.store(share.to_bits(), Ordering::Relaxed);
-                progress(&label, (before + share * own) / all);
-            })
-        };
-        let limit = self.time_limit * if task.may_cut && simulated.is_none() { PATIENCE } else { MORE_PATIENCE };
+        let code = self.code(configuration).ok_or(CodeError::Missing { code: "a code of the plan" })?;
         let runs = Runs {
             scene: self.scene,
             scene_file: self.scene_file,
             purpose: Purpose::Timing,
-            seeds: vec![task.seed],
+            seeds: vec![seed],
             rayleigh_fraction: configuration.rayleigh_fraction().unwrap_or_default(),
             stiffness_factor: configuration.stiffness_factor,
-            time_limit: Duration::from_secs_f64(limit),
+            time_limit: Duration::from_secs_f64(time_limit),
             recordings: None,
-            announce: &announce,
+            announce,
         };
-        let Some(code) = self.code(configuration) else {
-            return Err((CodeError::Missing { code: "a code of the plan" }, 0.0));
-        };
-        runs.one(code, &scene, task.seed).map_err(|error| (error, f64::from_bits(reached.load(Ordering::Relaxed))))
+        Ok(runs.one(code, &scene, seed)?.run)
     }
 }
 
@@ -356,8 +323,8 @@ const SWEEP: f64 = 0.17;
 /// Sweeps that a solve is expected to take where its residual or its time says when to stop.
 const OPEN_ENDED: u32 = 20;
 
-struct Costs {
-    scene: Scene,
+struct Costs<'a> {
+    scene: &'a Scene,
     grains: f64,
     /// Rayleigh step at the scene's stiffness, s.
     rayleigh_step: f64,
@@ -365,21 +332,13 @@ struct Costs {
     known: BTreeMap<String, [f64; 2]>,
 }
 
-impl Costs {
-    fn new(scene: &Scene, grains: usize, rayleigh_step: f64) -> Costs {
-        Costs { scene: scene.clone(), grains: grains as f64, rayleigh_step, known: BTreeMap::new() }
-    }
-
+impl Costs<'_> {
     /// Grain steps of a second, those of Makadam weighted by their sweeps.
     fn units(&self, configuration: &Configuration) -> f64 {
         let per_second = match &configuration.knobs {
             Knobs::Solver { settings, .. } => {
-                let sweeps = match settings.stop {
-                    Stop::Sweeps { sweeps } => sweeps,
-                    Stop::Residual { max_sweeps, .. } | Stop::TimeBudget { max_sweeps, .. } => {
-                        max_sweeps.min(OPEN_ENDED)
-                    }
-                };
+                let is_open = !matches!(settings.stop, Stop::Sweeps { .. });
+                let sweeps = settings.stop.max_sweeps().min(if is_open { OPEN_ENDED } else { u32::MAX });
                 (1.0 + SWEEP * f64::from(sweeps) * sweeps_of_iteration(settings)) / settings.step
             }
             // The Rayleigh step goes as the inverse root of the stiffness.

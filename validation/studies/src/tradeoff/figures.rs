@@ -1,12 +1,13 @@
 //! Figures of error against wall time, one for each observable and stiffness, with all codes.
 
-use super::report::{modulus, titled};
+use super::report::modulus;
 use super::rows::{Deviation, Point, Reference};
 use super::study::Study;
 use makadam_frames::output::file_stem;
+use makadam_measure::statistics::median;
 use makadam_view::draw::figure::Figure;
-use makadam_view::draw::names::{CodeStyle, Marker, code_style, observable};
-use makadam_view::draw::numbers::compact;
+use makadam_view::draw::names::{CodeStyle, Marker, code_style, observable, with_unit};
+use makadam_view::draw::numbers::{Rounding, compact};
 use makadam_view::draw::plot::{Axis, Key, Plot};
 
 /// Observables that have a figure at the scene's stiffness; at others only bounded ones have.
@@ -14,11 +15,12 @@ const SHOWN: usize = 4;
 
 /// Figures of the scene's stiffness first, then the bounded observables at the others.
 pub(super) fn figures(study: &Study) -> Vec<Figure> {
-    let mut factors = study.stiffness_factors();
+    let mut factors: Vec<f64> = study.points.iter().map(|point| point.stiffness_factor).collect();
     factors.sort_by(|a, b| (*a != 1.0).cmp(&(*b != 1.0)).then(a.total_cmp(b)));
+    factors.dedup();
     let mut all = Vec::new();
     for factor in factors {
-        let room = if factor == 1.0 { SHOWN.max(study.bounds.len()) } else { study.bounds.len() };
+        let room = if factor == 1.0 { SHOWN.max(study.terms.bounds.len()) } else { study.terms.bounds.len() };
         for name in study.observables().into_iter().take(room) {
             all.extend(study.reference(name, factor).and_then(|reference| codes(study, reference)));
         }
@@ -26,44 +28,65 @@ pub(super) fn figures(study: &Study) -> Vec<Figure> {
     all
 }
 
+/// A point with an error: wall time and size of the error.
+#[derive(Clone, Copy)]
+struct Member<'a> {
+    point: &'a Point,
+    deviation: &'a Deviation,
+    at: [f64; 2],
+}
+
+/// Points with an error, from the cheapest on.
+fn members<'a>(points: &[&'a Point], name: &str) -> Vec<Member<'a>> {
+    let member = |point: &&'a Point| {
+        let deviation = point.deviation(name)?;
+        Some(Member { point, deviation, at: [point.wall_seconds_per_simulated_second, deviation.deviation.abs()] })
+    };
+    let mut members: Vec<Member<'_>> = points.iter().filter_map(member).collect();
+    members.sort_by(|a, b| a.at[0].total_cmp(&b.at[0]));
+    members
+}
+
+/// Points that are drawn alike.
+struct Series<'a> {
+    name: &'a str,
+    style: CodeStyle,
+    points: Vec<&'a Point>,
+    members: Vec<Member<'a>>,
+    /// Members that its line joins; may be of another series, since a code has one front, whatever its settings.
+    front: Vec<Member<'a>>,
+}
+
 /// All codes on one observable at one stiffness; absent where no point has an error.
 fn codes(study: &Study, reference: &Reference) -> Option<Figure> {
     let name = reference.observable.as_str();
     let of = |point: &&Point| point.stiffness_factor == reference.stiffness_factor && !point.reference;
     let all: Vec<&Point> = study.points.iter().filter(of).collect();
-    let mut names: Vec<&str> = Vec::new();
-    for point in &all {
-        if !names.contains(&point.code.as_str()) {
-            names.push(&point.code);
-        }
-    }
     let mut series: Vec<Series<'_>> = Vec::new();
-    for code in &names {
-        let own: Vec<&Point> = all.iter().copied().filter(|point| point.code == *code).collect();
-        let (varied, plain): (Vec<&Point>, Vec<&Point>) = own.iter().partition(|point| point.variation.is_some());
-        series.push(Series {
-            name: code,
-            style: code_style(code),
-            members: members_of(&plain, name),
-            cut: cut_of(&plain),
-            // A code has one front, whatever its settings.
-            front: members_of(&own, name).into_iter().filter(|member| member.deviation.on_front).collect(),
-        });
+    for point in &all {
+        let (code, style) = (point.code.as_str(), code_style(&point.code));
+        if series.iter().any(|known| known.name == code) {
+            continue;
+        }
+        let own: Vec<&Point> = all.iter().copied().filter(|point| point.code == code).collect();
+        let front = members(&own, name).into_iter().filter(|member| member.deviation.on_front).collect();
+        let (varied, points): (Vec<&Point>, Vec<&Point>) = own.iter().partition(|point| point.variation.is_some());
+        series.push(Series { name: code, style, members: members(&points, name), points, front });
         if !varied.is_empty() {
-            series.push(Series {
-                name: "Makadam, solver varied",
-                style: CodeStyle { class: code_style(code).class, marker: Marker::Cross },
-                members: members_of(&varied, name),
-                cut: cut_of(&varied),
-                front: Vec::new(),
-            });
+            let (name_of_varied, style) = ("Makadam, solver varied", CodeStyle { marker: Marker::Cross, ..style });
+            let members = members(&varied, name);
+            series.push(Series { name: name_of_varied, style, members, points: varied, front: Vec::new() });
         }
     }
     let stiffness = modulus(reference.youngs_modulus);
     let about = format!("Error of the {} against wall time, grains of {stiffness}", observable(name));
+    // Seed noise: the median standard error.
+    let noises = all.iter().filter_map(|point| point.deviation(name)?.deviation_standard_error);
+    let noise = Some(median(noises)).filter(|noise| noise.is_finite()).unwrap_or(0.0);
     Some(Figure {
         name: format!("{}-{}", file_stem(name), file_stem(&stiffness.replace(' ', ""))),
-        svg: panel(study, reference, series, &about)?,
+        svg: panel(&with_unit(name, &reference.unit, Rounding::Decimals(0)), &series, noise, study.terms.bound(name))?
+            .finish(&about),
         caption: format!(
             "{about}. Lines are Pareto fronts, bars one standard error over seeds; points at the lower edge lie below it. \
              The numbered settings are named below the plot."
@@ -71,141 +94,66 @@ fn codes(study: &Study, reference: &Reference) -> Option<Figure> {
     })
 }
 
-fn members_of<'a>(points: &[&'a Point], name: &str) -> Vec<Member<'a>> {
-    let member = |point: &&'a Point| Some(Member { point, deviation: point.deviation(name)? });
-    points.iter().filter_map(member).collect()
-}
-
-fn cut_of<'a>(points: &[&'a Point]) -> Vec<&'a Point> {
-    points.iter().copied().filter(|point| point.extrapolated).collect()
-}
-
-/// A point and what is drawn of it.
-#[derive(Clone, Copy)]
-struct Member<'a> {
-    point: &'a Point,
-    deviation: &'a Deviation,
-}
-
-impl Member<'_> {
-    /// Wall time and error.
-    fn coordinates(&self) -> [f64; 2] {
-        [self.point.wall_seconds_per_simulated_second, self.deviation.deviation.abs()]
-    }
-}
-
-/// Points that are drawn alike.
-struct Series<'a> {
-    name: &'a str,
-    style: CodeStyle,
-    members: Vec<Member<'a>>,
-    cut: Vec<&'a Point>,
-    /// Members that its line joins, from the cheapest; may be of another series.
-    front: Vec<Member<'a>>,
-}
-
-fn bound_of(study: &Study, name: &str) -> Option<f64> {
-    study.bounds.iter().find(|bound| bound.observable == name).map(|bound| bound.value)
-}
-
-/// Seed noise of an observable at the reference's stiffness: the median standard error of its deviations, 0 where there is none.
-fn noise_of(study: &Study, reference: &Reference) -> f64 {
-    let of = |point: &&Point| point.stiffness_factor == reference.stiffness_factor && !point.reference;
-    let known = study.points.iter().filter(of).filter_map(|point| point.deviation(&reference.observable));
-    let noise = makadam_measure::statistics::median(known.filter_map(|deviation| deviation.deviation_standard_error));
-    if noise.is_finite() { noise } else { 0.0 }
-}
-
 /// The drawing; absent where no point has an error.
-fn panel(study: &Study, reference: &Reference, mut series: Vec<Series<'_>>, about: &str) -> Option<String> {
-    let name = reference.observable.as_str();
-    for one in &mut series {
-        one.front.sort_by(|a, b| a.coordinates()[0].total_cmp(&b.coordinates()[0]));
-    }
-    let known = || series.iter().flat_map(|series| &series.members);
-    let errors = || known().map(|member| member.coordinates()[1]);
-    let noise = noise_of(study, reference);
-    let largest = errors().chain(bound_of(study, name)).fold(0.0, f64::max);
+fn panel(name: &str, series: &[Series<'_>], noise: f64, bound: Option<f64>) -> Option<Plot> {
+    let errors = || series.iter().flat_map(|series| &series.members).map(|member| member.at[1]);
+    let largest = errors().chain(bound).fold(0.0, f64::max);
     let smallest = errors().filter(|error| *error > 0.0).fold(f64::INFINITY, f64::min);
     if !(largest > 0.0 && smallest.is_finite()) {
         return None;
     }
     // What lies far below the noise is luck: it is drawn at the lower edge.
     let low = smallest.max(0.3 * noise).min(0.5 * largest);
-    let cut = || series.iter().flat_map(|series| series.cut.iter().map(move |point| (series.style, *point)));
     let wall = |point: &Point| point.wall_seconds_per_simulated_second;
-    let walls = || known().map(|member| wall(member.point)).chain(cut().map(|(_, point)| wall(point)));
-    let (least, most) = (walls().fold(f64::INFINITY, f64::min), walls().fold(0.0, f64::max));
-    let label = format!("error of {}", titled(name, &reference.unit));
+    let points = || series.iter().flat_map(|series| series.points.iter().map(move |point| (series.style, *point)));
+    let cut = || points().filter(|(_, point)| point.extrapolated);
+    let known = series.iter().flat_map(|series| &series.members).map(|member| member.at[0]);
+    let walls: Vec<f64> = known.chain(cut().map(|(_, point)| wall(point))).collect();
+    let (least, most) = walls.iter().fold((f64::INFINITY, 0.0_f64), |(a, b), &wall| (a.min(wall), b.max(wall)));
     // The finer marks of small numbers would run into the label.
-    let y = if low < 1e-3 { Axis::logarithmic } else { Axis::fine }(&label, low, 1.5 * largest);
-    let (bottom, top) = (y.low, y.high);
+    let scale = if low < 1e-3 { Axis::logarithmic } else { Axis::fine };
+    let y = scale(&format!("error of {name}"), low, 1.5 * largest);
     let x = Axis::fine("wall time over simulated time (s/s, one core)", least, 1.4 * most);
-    let (left, right) = (x.low, x.high);
+    let (left, right, bottom, top) = (x.low, x.high, y.low, y.high);
     let open = CodeStyle { class: "neutral hollow", marker: Marker::Circle };
-    let lines = |series: &Series<'_>| !series.front.is_empty();
-    let mut keys: Vec<Key<'_>> = series
-        .iter()
-        .map(|series| if lines(series) { Key::Series } else { Key::Points }(series.style, series.name))
-        .collect();
-    if cut().next().is_some() {
-        keys.push(Key::Points(open, "extrapolated, no error"));
-    }
-    let bound = bound_of(study, name);
-    let (within_bound, noisy) = (bound.map(|bound| format!("bound {}", compact(bound))), noise > bottom);
-    keys.extend(within_bound.as_deref().map(|words| Key::Line("ideal", words)));
-    keys.extend(noisy.then_some(Key::Line("ideal noise", "noise of the seeds (median)")));
+    let key = |series: &Series<'_>| if series.front.is_empty() { Key::Points } else { Key::Series };
+    let mut keys: Vec<Key<'_>> = series.iter().map(|series| key(series)(series.style, series.name)).collect();
+    keys.extend(cut().next().map(|_| Key::Points(open, "extrapolated, no error")));
+    let levels = [
+        bound.map(|bound| ("ideal", bound, format!("bound {}", compact(bound)))),
+        (noise > bottom).then(|| ("ideal noise", noise, "noise of the seeds (median)".into())),
+    ];
+    keys.extend(levels.iter().flatten().map(|(class, _, words)| Key::Line(class, words)));
     let mut plot = Plot::with_legend(x, y, &keys);
-    let mut level = |class: &str, value: f64| plot.curve(class, [[left, value], [right, value]].into_iter());
-    if let Some(bound) = bound {
-        level("ideal", bound);
+    for (class, value, _) in levels.iter().flatten() {
+        plot.curve(class, [[left, *value], [right, *value]].into_iter());
     }
-    if noisy {
-        level("ideal noise", noise);
+    let within = |member: &Member<'_>| [member.at[0], member.at[1].clamp(bottom, top)];
+    let fronts: Vec<&Point> = series.iter().flat_map(|series| &series.front).map(|member| member.point).collect();
+    for Series { style, members, front, .. } in series {
+        plot.curve(&format!("{} curve", style.class), front.iter().map(within));
+        for member in members {
+            let [x, y] = within(member);
+            if let Some(error) = member.deviation.deviation_standard_error {
+                let [low, high] = [-error, error].map(|error| (member.at[1] + error).max(bottom));
+                plot.error_bar(&format!("{} error", style.class), x, low, high);
+            }
+            // Points of any front are larger.
+            let on_front = fronts.iter().any(|point| std::ptr::eq(*point, member.point));
+            plot.marker(*style, x, y, if on_front { 5.0 } else { 3.2 });
+        }
     }
-    let fronts: Vec<&Point> = series.iter().flat_map(|series| series.front.iter().map(|member| member.point)).collect();
-    for one in &series {
-        draw(&mut plot, one, &fronts, [bottom, top]);
-    }
-    for (style, point) in cut() {
-        plot.open_marker(style, wall(point), top, 5.0);
-    }
+    cut().for_each(|(style, point)| plot.open_marker(style, wall(point), top, 5.0));
     // Numbers come last, so that they find room between the markers.
     let (mut number, mut groups) = (0, Vec::new());
-    for one in series.iter().filter(|series| lines(series)) {
-        let mut entries = Vec::new();
-        for member in &one.front {
+    for Series { style, front, .. } in series.iter().filter(|series| !series.front.is_empty()) {
+        let entries = front.iter().map(|member| {
             number += 1;
-            plot.number(within(member, [bottom, top]), number);
-            entries.push((number, member.point.short_setting.as_str()));
-        }
-        groups.push((one.style, entries));
+            plot.number(within(member), number);
+            (number, member.point.short_setting.as_str())
+        });
+        groups.push((*style, entries.collect::<Vec<_>>()));
     }
     plot.key_of_numbers(&groups);
-    Some(plot.finish(about))
-}
-
-/// Wall time and error, moved into the frame.
-fn within(member: &Member<'_>, [bottom, top]: [f64; 2]) -> [f64; 2] {
-    let [wall, error] = member.coordinates();
-    [wall, error.clamp(bottom, top)]
-}
-
-/// A series with its bars and its front. Points of any front are larger.
-fn draw(plot: &mut Plot, series: &Series<'_>, fronts: &[&Point], [bottom, top]: [f64; 2]) {
-    let style = series.style;
-    let at = |member: &Member<'_>| within(member, [bottom, top]);
-    plot.curve(&format!("{} curve", style.class), series.front.iter().map(at));
-    let mut members: Vec<&Member<'_>> = series.members.iter().collect();
-    members.sort_by(|a, b| a.coordinates()[0].total_cmp(&b.coordinates()[0]));
-    for member in members {
-        let [x, y] = at(member);
-        if let Some(error) = member.deviation.deviation_standard_error {
-            let size = member.deviation.deviation.abs();
-            let (low, high) = ((size - error).max(bottom), (size + error).max(bottom));
-            plot.error_bar(&format!("{} error", style.class), x, low, high);
-        }
-        let on_front = fronts.iter().any(|point| std::ptr::eq(*point, member.point));
-        plot.marker(style, x, y, if on_front { 5.0 } else { 3.2 });
-    }
+    Some(plot)
 }

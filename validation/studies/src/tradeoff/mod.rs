@@ -15,17 +15,14 @@
 //! the wall time on a core of its own, however busy the machine was.
 
 mod campaign;
-mod configuration;
 mod figures;
 mod plan;
-mod ranking;
 mod report;
 mod rows;
 mod study;
 
 pub use campaign::{Campaign, KeptRun, Outcome, Progress, run_key};
-pub use configuration::{Configuration, Knobs};
-pub use plan::{Plan, QUICK_TIME_LIMIT, Refinement, STIFFNESS_FACTORS};
-pub use ranking::pareto_front;
+
+pub use plan::{Configuration, Knobs, Plan, QUICK_TIME_LIMIT, Refinement, STIFFNESS_FACTORS};
 pub use rows::{Bound, Convergence, Deviation, Fastest, Point, Reference, Varied};
-pub use study::{Study, Terms};
+pub use study::{Study, Terms, pareto_front};

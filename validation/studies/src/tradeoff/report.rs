@@ -7,8 +7,8 @@ use makadam_compare::study::{
     Answer, Cell, Document, DocumentError, File, Medium, Report, Section, Table, cells, json, table as csv,
 };
 use makadam_view::draw::figure::Figure;
-use makadam_view::draw::names::{code_style, observable, unit};
-use makadam_view::draw::numbers::{compact, count, duration, two_digits};
+use makadam_view::draw::names::{code_style, observable, with_unit};
+use makadam_view::draw::numbers::{Rounding, compact, count, duration, plural, two_digits};
 use serde::Serialize;
 use serde_json::{Map, Value};
 
@@ -26,7 +26,7 @@ impl Document for Study {
             point_rows(&self.points).csv("points")?,
             reference_rows(&self.references).csv("references")?,
             csv("fastest", &self.fastest)?,
-            json("provenance", &self.provenance)?,
+            json("provenance", &self.terms.provenance)?,
         ])
     }
 
@@ -35,11 +35,11 @@ impl Document for Study {
     }
 
     fn report(&self) -> Report {
-        let bounds = self.bounds.iter().map(bound_text).collect::<Vec<_>>().join(", ");
-        let provenance = |key: &str| self.provenance.get(key).cloned();
+        let bounds = self.terms.bounds.iter().map(bound_text).collect::<Vec<_>>().join(", ");
+        let provenance = |key: &str| self.terms.provenance.get(key).cloned();
         let facts = [
             Some(format!("{} grains", count(self.particles))),
-            Some(format!("{} seed{}", self.seeds, if self.seeds == 1 { "" } else { "s" })),
+            Some(plural(self.terms.seeds as usize, "seed")),
             (!bounds.is_empty()).then(|| bounds.clone()),
             provenance("processor"),
             provenance("version").map(|version| format!("version {version}")),
@@ -106,17 +106,12 @@ impl Document for Study {
                  them ends it."
                     .into(),
                 "A mean within a bound may be there by luck; only an interval within it is evidence. More seeds make it narrower.".into(),
-                format!(
-                    "Runs expected to take more than {} of wall time were cut short. Their wall times come from the beginning of the run, \
-                     with few contacts, and are too small.",
-                    duration(self.time_limit)
-                ),
                 "A time is the processor time of the stepping on one core, without set-up and output, for every code. Reference codes run \
                  from the inputs from which they are fastest with the same physics (validation/docs/timing.md). Other load on caches and \
                  memory shows in the range over seeds."
                     .into(),
             ],
-            provenance: self.provenance.clone().into_iter().collect(),
+            provenance: self.terms.provenance.clone().into_iter().collect(),
             files: "tradeoff.json, points.csv, references.csv and fastest.csv, and every run in a file of the folder runs,",
         }
     }
@@ -131,12 +126,13 @@ impl Study {
             (true, None) => ("No bounds.", "undecided"),
         };
         let own = self.fastest.iter().find(|row| row.code == "Makadam" && row.stiffness_factor == 1.0);
-        let sentence = own.and_then(|row| row.setting.as_ref().zip(row.wall_seconds_per_simulated_second));
-        let sentence = sentence.map(|(setting, wall)| {
-            let wall = two_digits(wall);
-            format!("The fastest setting of Makadam that keeps them is {setting}: {wall} s per simulated second.")
-        });
-        let sentence = sentence.or_else(|| self.findings.first().cloned()).unwrap_or_default();
+        let sentence = match own.and_then(|row| row.setting.as_ref().zip(row.wall_seconds_per_simulated_second)) {
+            Some((setting, wall)) => format!(
+                "The fastest setting of Makadam that keeps them is {setting}: {} s per simulated second.",
+                two_digits(wall)
+            ),
+            None => self.findings.first().cloned().unwrap_or_default(),
+        };
         Answer { class, word: word.into(), sentence }
     }
 
@@ -175,7 +171,7 @@ impl Study {
         let names: Vec<&str> = self.observables().into_iter().take(observables).collect();
         let unit = |name: &str| self.references.iter().find(|row| row.observable == name).map_or("", |row| &row.unit);
         let mut table = Table::new(&["stiffness", "code", "setting"], &["seeds", "s per simulated s"])
-            .with_numbers(names.iter().map(|name| titled(name, unit(name))))
+            .with_numbers(names.iter().map(|name| with_unit(name, unit(name), Rounding::Decimals(0))))
             .with_words("bounds");
         let rank = |code: &str| self.points.iter().position(|point| point.code == code);
         let mut points: Vec<&Point> = self.points.iter().collect();
@@ -196,7 +192,16 @@ impl Study {
                 Cell::from(pace).above(range(point)),
             ];
             cells.extend(names.iter().map(|name| error(point, name)));
-            cells.push(self.verdict(point).into());
+            let verdict = match (point.reference, point.within_bounds, point.intervals_within_bounds) {
+                _ if point.failed => "failed with a seed",
+                _ if self.terms.bounds.is_empty() => "",
+                (true, ..) => "reference",
+                (_, Some(true), Some(true)) => "within, interval too",
+                (_, Some(true), _) => "within",
+                (_, Some(false), _) => "beyond",
+                (_, None, _) => "",
+            };
+            cells.push(verdict.into());
             let group = (point.code.as_str(), point.stiffness_factor);
             match last.replace(group) == Some(group) {
                 true => table.row(cells),
@@ -204,18 +209,6 @@ impl Study {
             }
         }
         table
-    }
-
-    fn verdict(&self, point: &Point) -> &'static str {
-        match (point.reference, point.within_bounds, point.intervals_within_bounds) {
-            _ if point.failed => "failed with a seed",
-            _ if self.bounds.is_empty() => "",
-            (true, ..) => "reference",
-            (_, Some(true), Some(true)) => "within, interval too",
-            (_, Some(true), _) => "within",
-            (_, Some(false), _) => "beyond",
-            (_, None, _) => "",
-        }
     }
 
     fn converged(&self) -> Table {
@@ -297,11 +290,11 @@ pub(super) fn findings(study: &Study) -> Vec<String> {
     sentences.extend(study.references.iter().filter_map(|row| in_doubt(study, row)));
     let cut = study.points.iter().filter(|point| point.extrapolated).count();
     if cut > 0 {
+        let (limit, are) = (duration(study.terms.time_limit), if cut == 1 { "is" } else { "are" });
         sentences.push(format!(
-            "{cut} configuration{} expected to take more than {} s a run: the wall time is extrapolated from the first part, in which \
-             grains still fall and a step costs less, and there is no error.",
-            if cut == 1 { " was" } else { "s were" },
-            two_digits(study.time_limit)
+            "{} {are} cut short, expected to take more than {limit} per run: wall times come from the beginning of the run, with few \
+             contacts, and are too small; there is no error.",
+            plural(cut, "configuration")
         ));
     }
     let share = study.points.iter().filter_map(|point| point.core_share_least).reduce(f64::min);
@@ -312,7 +305,7 @@ pub(super) fn findings(study: &Study) -> Vec<String> {
             100.0 * share
         ));
     }
-    if study.bounds.is_empty() {
+    if study.terms.bounds.is_empty() {
         sentences.push(
             "No observable of this scene has a bound, so there is no fastest setting; give one with --bound.".into(),
         );
@@ -322,34 +315,29 @@ pub(super) fn findings(study: &Study) -> Vec<String> {
 
 /// The reason for a code without a fastest setting other than the reference itself.
 fn none_within(study: &Study, row: &Fastest) -> Option<String> {
-    let is_own = |point: &&Point| point.code == row.code && point.stiffness_factor == row.stiffness_factor;
-    let mut own = study.points.iter().filter(is_own);
+    let mut own = study.points.iter().filter(|point| point.is_of(&row.code, row.stiffness_factor));
     let (code, stiffness) = (&row.code, modulus(row.youngs_modulus));
-    match &row.setting {
-        Some(setting) => own
-            .any(|point| point.reference && point.setting == *setting)
-            .then(|| format!("At {stiffness} no setting of {code} keeps the bounds but the reference itself.")),
-        None if own.any(|point| !point.extrapolated) => {
-            Some(format!("At {stiffness} no setting of {code} that ran to its end keeps the bounds."))
+    let reason = match &row.setting {
+        Some(setting) if own.any(|point| point.reference && point.setting == *setting) => {
+            format!("no setting of {code} keeps the bounds but the reference itself.")
         }
-        None => Some(format!(
-            "At {stiffness} every run of {code} was cut short, so there is no error: raise --time-limit for one."
-        )),
-    }
+        Some(_) => return None,
+        None if own.any(|point| !point.extrapolated) => {
+            format!("no setting of {code} that ran to its end keeps the bounds.")
+        }
+        None => format!("every run of {code} was cut short, so there is no error: raise --time-limit for one."),
+    };
+    Some(format!("At {stiffness} {reason}"))
 }
 
 /// A reference that may be farther from its limit than the bound.
 fn in_doubt(study: &Study, row: &Reference) -> Option<String> {
-    let index = row.convergence.as_ref()?.grid_convergence_index;
-    let bound = study.bounds.iter().find(|bound| bound.observable == row.observable)?.value;
-    (index > bound).then(|| {
-        format!(
-            "The reference at {} is itself in doubt: the grid convergence index of its {}, {}, lies above the bound.",
-            modulus(row.youngs_modulus),
-            observable(&row.observable),
-            two_digits(index)
-        )
-    })
+    let bound = study.terms.bound(&row.observable)?;
+    let index = row.convergence.map(|convergence| convergence.grid_convergence_index).filter(|index| *index > bound)?;
+    let (stiffness, observable, index) = (modulus(row.youngs_modulus), observable(&row.observable), two_digits(index));
+    Some(format!(
+        "The reference at {stiffness} is itself in doubt: the grid convergence index of its {observable}, {index}, lies above the bound."
+    ))
 }
 
 /// A value to the second digit of its error; to four digits if the error is not known.
@@ -376,15 +364,6 @@ pub(super) fn modulus(pascal: f64) -> String {
     match pascal {
         p if p >= 1e9 => format!("{} GPa", compact(1e-9 * p)),
         p => format!("{} MPa", compact(1e-6 * p)),
-    }
-}
-
-/// An observable with its unit in brackets.
-pub(super) fn titled(name: &str, of: &str) -> String {
-    match unit(of) {
-        "" => observable(name),
-        "°" => format!("{} (degrees)", observable(name)),
-        symbol => format!("{} ({symbol})", observable(name)),
     }
 }
 

@@ -15,6 +15,7 @@
 
 use makadam_measure::statistics::{mean, standard_error};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// A tolerated deviation of an observable from the converged reference.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -62,6 +63,9 @@ pub struct Reference {
     pub shift_standard_error: Option<f64>,
 }
 
+/// Values of one observable by seed.
+pub type Values = BTreeMap<u64, f64>;
+
 /// One observable of one configuration against the reference at the same stiffness, seed by seed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[expect(missing_docs, reason = "validation/docs/json.md describes the fields of documents")]
@@ -84,6 +88,9 @@ pub struct Deviation {
     pub interval_within: Option<bool>,
     /// True if no other setting of the code at this stiffness is both faster and nearer.
     pub on_front: bool,
+    /// Differences from the reference, by seed.
+    #[serde(skip)]
+    pub differences: Values,
 }
 
 /// A configuration once it has run.
@@ -126,6 +133,16 @@ pub struct Point {
 }
 
 impl Point {
+    /// True if it is a setting of a code at a stiffness.
+    pub(super) fn is_of(&self, code: &str, stiffness_factor: f64) -> bool {
+        self.code == code && self.stiffness_factor == stiffness_factor
+    }
+
+    /// True if it ran to its end with every seed.
+    pub(super) fn is_complete(&self) -> bool {
+        !self.failed && !self.extrapolated
+    }
+
     /// An observable's deviation.
     pub fn deviation(&self, observable: &str) -> Option<&Deviation> {
         self.deviations.iter().find(|deviation| deviation.observable == observable)

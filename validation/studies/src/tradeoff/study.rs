@@ -1,18 +1,20 @@
-//! The study: from runs to rows.
+//! The study: from runs to rows. Ranking of settings: Pareto fronts, the fastest settings within the bounds, and the effect of chance on
+//! that choice.
 
 use super::campaign::{KeptRun, Outcome};
 use super::plan::{Plan, Refinement};
-use super::ranking::{Candidate, fastest, fill_intervals, mark_fronts, variations};
 use super::report::findings;
-use super::rows::{Bound, Convergence, Deviation, Fastest, Point, Reference, Varied};
+use super::rows::{Bound, Convergence, Deviation, Fastest, Point, Reference, Values, Varied};
 use makadam_frames::output::JSON_VERSION;
 use makadam_frames::plan::Scene;
 use makadam_measure::statistics::{Ensemble, mean, median, standard_error};
+use rand_chacha::ChaCha8Rng;
+use rand_core::{RngCore, SeedableRng};
 use serde::Serialize;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Input of a study apart from its runs.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Terms {
     /// True if few configurations were asked for.
     pub quick: bool,
@@ -26,6 +28,13 @@ pub struct Terms {
     pub provenance: BTreeMap<String, String>,
 }
 
+impl Terms {
+    /// The tolerated deviation of an observable.
+    pub(super) fn bound(&self, observable: &str) -> Option<f64> {
+        self.bounds.iter().find(|bound| bound.observable == observable).map(|bound| bound.value)
+    }
+}
+
 /// Accuracy and wall time of the settings of each code on one scene; its fields are documented in `validation/docs/json.md`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[expect(missing_docs, reason = "validation/docs/json.md describes the fields of documents")]
@@ -36,11 +45,8 @@ pub struct Study {
     pub particles: usize,
     /// True if everything that was planned has run; what failed counts as run.
     pub complete: bool,
-    pub quick: bool,
-    pub seeds: u64,
-    /// Wall time beyond which a run was cut short, s.
-    pub time_limit: f64,
-    pub bounds: Vec<Bound>,
+    #[serde(flatten)]
+    pub terms: Terms,
     /// Converged references of Makadam, an observable after the other, by stiffness.
     pub references: Vec<Reference>,
     pub points: Vec<Point>,
@@ -49,51 +55,33 @@ pub struct Study {
     pub variations: Vec<Varied>,
     pub findings: Vec<String>,
     pub notes: Vec<String>,
-    pub provenance: BTreeMap<String, String>,
 }
 
 impl Study {
     /// Puts runs into rows.
-    pub fn new(scene: &Scene, plan: &Plan, outcome: &Outcome, terms: Terms) -> Study {
+    pub fn new(scene: &Scene, plan: &Plan, outcome: &Outcome, mut terms: Terms) -> Study {
         let names = observables(scene, plan, outcome, &terms.bounds);
-        let known = |bound: &Bound| names.iter().any(|(name, _)| *name == bound.observable);
-        let bounds: Vec<Bound> = terms.bounds.into_iter().filter(known).collect();
-        let table = Table { scene, plan, outcome, names: &names, bounds: &bounds };
+        terms.bounds.retain(|bound| names.iter().any(|(name, _)| *name == bound.observable));
+        let table = Table { scene, plan, outcome, names: &names, terms: &terms };
         let references = plan.refinements.iter().flat_map(|refinement| table.references(refinement)).collect();
         let mut points: Vec<Point> = (0..plan.configurations.len()).filter_map(|place| table.point(place)).collect();
         mark_fronts(&mut points, &names);
-        let mut fastest = fastest(&points, &bounds);
-        let candidates: Vec<Candidate> =
-            (0..plan.configurations.len()).filter_map(|place| table.candidate(place)).collect();
-        fill_intervals(&mut fastest, &candidates);
         let mut study = Study {
             version: JSON_VERSION,
             command: "tradeoff".into(),
             scene: scene.name.clone(),
             particles: scene.grain_count(),
             complete: !outcome.interrupted,
-            quick: terms.quick,
-            seeds: terms.seeds,
-            time_limit: terms.time_limit,
             references,
-            fastest,
+            fastest: fastest(&points, &terms.bounds),
             variations: variations(&points),
+            terms,
             points,
-            bounds,
             findings: Vec::new(),
             notes: outcome.sentences(plan),
-            provenance: terms.provenance,
         };
         study.findings = findings(&study);
         study
-    }
-
-    /// Stiffness factors of the study, rising.
-    pub fn stiffness_factors(&self) -> Vec<f64> {
-        let mut factors: Vec<f64> = self.points.iter().map(|point| point.stiffness_factor).collect();
-        factors.sort_by(f64::total_cmp);
-        factors.dedup();
-        factors
     }
 
     /// The reference of an observable at a stiffness.
@@ -103,7 +91,7 @@ impl Study {
 
     /// Names of the observables, bounded ones first.
     pub fn observables(&self) -> Vec<&str> {
-        let bounded = self.bounds.iter().map(|bound| bound.observable.as_str());
+        let bounded = self.terms.bounds.iter().map(|bound| bound.observable.as_str());
         let mut names: Vec<&str> = Vec::new();
         for name in bounded.chain(self.references.iter().map(|row| row.observable.as_str())) {
             if !names.contains(&name) {
@@ -141,9 +129,6 @@ fn observables(scene: &Scene, plan: &Plan, outcome: &Outcome, bounds: &[Bound]) 
     names
 }
 
-/// Values of one observable by seed.
-type Values = BTreeMap<u64, f64>;
-
 /// Everything that rows are made from.
 struct Table<'a> {
     scene: &'a Scene,
@@ -151,7 +136,7 @@ struct Table<'a> {
     outcome: &'a Outcome,
     /// Observables and their units.
     names: &'a [(String, String)],
-    bounds: &'a [Bound],
+    terms: &'a Terms,
 }
 
 impl Table<'_> {
@@ -167,23 +152,35 @@ impl Table<'_> {
         runs.filter_map(|kept| Some((kept.run.seed, kept.run.value(observable)?))).collect()
     }
 
+    /// Differences from the reference at a stiffness, of the seeds that both have.
+    fn differences(&self, values: &Values, factor: f64, observable: &str) -> Option<Values> {
+        let converged = self.values(self.plan.refinement(factor)?.grids[2], observable);
+        Some(values.iter().filter_map(|(seed, value)| Some((*seed, value - converged.get(seed)?))).collect())
+    }
+
+    /// Differences from the reference at the scene's stiffness; absent for values at that stiffness.
+    fn shifts(&self, values: &Values, factor: f64, observable: &str) -> Option<Vec<f64>> {
+        let shifts = self.differences(values, 1.0, observable).filter(|_| factor != 1.0);
+        shifts.filter(|shifts| !shifts.is_empty()).map(|shifts| shifts.into_values().collect())
+    }
+
     /// The rows of a converged reference.
     fn references(&self, refinement: &Refinement) -> Vec<Reference> {
         let configurations = refinement.grids.map(|place| &self.plan.configurations[place]);
-        let home = self.plan.refinement(1.0).filter(|_| refinement.stiffness_factor != 1.0);
+        let factor = refinement.stiffness_factor;
         let row = |(name, unit): &(String, String)| {
             let grids = refinement.grids.map(|place| self.values(place, name));
             let fine: Vec<f64> = grids[2].values().copied().collect();
             let ensemble = Ensemble::of(&fine)?;
             // Grids are compared seed by seed.
-            let common = grids[2].keys().filter(|seed| grids.iter().all(|grid| grid.contains_key(seed)));
-            let seeds: Vec<u64> = common.copied().collect();
-            let paired = [0, 1, 2].map(|grid| seeds.iter().map(|seed| grids[grid][seed]).collect::<Vec<f64>>());
-            let convergence = Convergence::of([&paired[0], &paired[1], &paired[2]]);
-            let shifts = home.map(|home| differences(&grids[2], &self.values(home.grids[2], name)));
+            let is_common = |seed: &&u64| grids.iter().all(|grid| grid.contains_key(*seed));
+            let seeds: Vec<&u64> = grids[2].keys().filter(is_common).collect();
+            let paired = grids.each_ref().map(|grid| seeds.iter().map(|seed| grid[*seed]).collect::<Vec<f64>>());
+            let convergence = Convergence::of(paired.each_ref().map(Vec::as_slice));
+            let shifts = self.shifts(&grids[2], factor, name);
             Some(Reference {
-                stiffness_factor: refinement.stiffness_factor,
-                youngs_modulus: self.youngs_modulus(refinement.stiffness_factor),
+                stiffness_factor: factor,
+                youngs_modulus: self.youngs_modulus(factor),
                 setting: configurations[2].setting(),
                 observable: name.clone(),
                 unit: unit.clone(),
@@ -192,10 +189,10 @@ impl Table<'_> {
                 standard_deviation: ensemble.standard_deviation,
                 standard_error: standard_error(&fine),
                 steps: configurations.map(|configuration| configuration.step().unwrap_or_default()),
-                grid_means: convergence.is_some().then(|| [0, 1, 2].map(|grid| mean(&paired[grid]))),
+                grid_means: convergence.map(|_| paired.each_ref().map(|grid| mean(grid))),
                 convergence,
-                shift: shifts.as_ref().filter(|shifts| !shifts.is_empty()).map(|shifts| mean(shifts)),
-                shift_standard_error: shifts.and_then(|shifts| standard_error(&shifts)),
+                shift: shifts.as_deref().map(mean),
+                shift_standard_error: shifts.as_deref().and_then(standard_error),
             })
         };
         self.names.iter().filter_map(row).collect()
@@ -206,17 +203,17 @@ impl Table<'_> {
         let configuration = &self.plan.configurations[place];
         let runs = &self.outcome.runs[place];
         let first = runs.first()?;
-        let pace: Vec<f64> = runs.iter().map(KeptRun::pace).collect();
+        let pace = || runs.iter().map(KeptRun::pace);
         let deviations: Vec<Deviation> =
             self.names.iter().filter_map(|(name, unit)| self.deviation(place, name, unit)).collect();
+        let failed = self.outcome.failures.contains_key(&place);
         let verdict = |part: fn(&Deviation) -> Option<bool>| {
-            let each = self.bounds.iter().map(|bound| {
+            let each = self.terms.bounds.iter().map(|bound| {
                 deviations.iter().find(|deviation| deviation.observable == bound.observable).and_then(part)
             });
             let all: Option<Vec<bool>> = each.collect();
-            all.filter(|all| !all.is_empty()).map(|all| !all.contains(&false))
+            all.filter(|all| !all.is_empty()).map(|all| !all.contains(&false) && !failed)
         };
-        let failed = self.outcome.failures.contains_key(&place);
         Some(Point {
             code: configuration.code.clone(),
             version: first.run.version.clone(),
@@ -229,53 +226,30 @@ impl Table<'_> {
             sweeps: configuration.sweeps(),
             variation: configuration.variation().map(String::from),
             seeds: runs.iter().map(|kept| kept.run.seed).collect(),
-            wall_seconds_per_simulated_second: median(pace.iter().copied()),
-            wall_seconds_per_simulated_second_least: pace.iter().copied().fold(f64::INFINITY, f64::min),
-            wall_seconds_per_simulated_second_most: pace.iter().copied().fold(0.0, f64::max),
+            wall_seconds_per_simulated_second: median(pace()),
+            wall_seconds_per_simulated_second_least: pace().fold(f64::INFINITY, f64::min),
+            wall_seconds_per_simulated_second_most: pace().fold(0.0, f64::max),
             core_share_least: runs.iter().filter_map(|kept| kept.core_share).reduce(f64::min),
             simulated_seconds: first.run.simulated_seconds,
-            extrapolated: runs.iter().any(|kept: &KeptRun| kept.extrapolated),
+            extrapolated: runs.iter().any(|kept| kept.extrapolated),
             reference: self.plan.refinements.iter().any(|refinement| refinement.grids[2] == place),
             failed,
-            within_bounds: verdict(|deviation| deviation.within).map(|within| within && !failed),
-            intervals_within_bounds: verdict(|deviation| deviation.interval_within).map(|within| within && !failed),
+            within_bounds: verdict(|deviation| deviation.within),
+            intervals_within_bounds: verdict(|deviation| deviation.interval_within),
             deviations,
-        })
-    }
-
-    /// A configuration that could be the fastest of its code; absent if it has failed or was cut short, or without bounds.
-    fn candidate(&self, place: usize) -> Option<Candidate> {
-        let configuration = &self.plan.configurations[place];
-        let runs = &self.outcome.runs[place];
-        let failed = self.outcome.failures.contains_key(&place);
-        if failed || runs.is_empty() || self.bounds.is_empty() || runs.iter().any(|kept| kept.extrapolated) {
-            return None;
-        }
-        let reference = self.plan.refinement(configuration.stiffness_factor)?.grids[2];
-        let differences = self.bounds.iter().map(|bound| {
-            let converged = self.values(reference, &bound.observable);
-            (by_seed(&self.values(place, &bound.observable), &converged), bound.value)
-        });
-        Some(Candidate {
-            code: configuration.code.clone(),
-            stiffness_factor: configuration.stiffness_factor,
-            pace: median(runs.iter().map(KeptRun::pace)),
-            differences: differences.collect(),
         })
     }
 
     fn deviation(&self, place: usize, observable: &str, unit: &str) -> Option<Deviation> {
         let factor = self.plan.configurations[place].stiffness_factor;
-        let reference = self.plan.refinement(factor)?.grids[2];
-        let (own, converged) = (self.values(place, observable), self.values(reference, observable));
-        let shared: Vec<f64> =
-            own.iter().filter(|(seed, _)| converged.contains_key(seed)).map(|(_, value)| *value).collect();
-        let ensemble = Ensemble::of(&differences(&own, &converged))?;
-        let at_home = self.plan.refinement(1.0).filter(|_| factor != 1.0);
-        let from_scene = at_home.map(|home| differences(&own, &self.values(home.grids[2], observable)));
-        let bound = self.bounds.iter().find(|bound| bound.observable == observable).map(|bound| bound.value);
+        let own = self.values(place, observable);
+        let differences = self.differences(&own, factor, observable)?;
+        let shared: Vec<f64> = differences.keys().map(|seed| own[seed]).collect();
+        let ensemble = Ensemble::of(&differences.values().copied().collect::<Vec<f64>>())?;
+        let bound = self.terms.bound(observable);
         // The reference's deviation is zero by definition, and says nothing of its interval.
-        let interval90 = ensemble.interval90().filter(|_| place != reference);
+        let is_reference = self.plan.refinement(factor)?.grids[2] == place;
+        let interval90 = ensemble.interval90().filter(|_| !is_reference);
         Some(Deviation {
             observable: observable.into(),
             unit: unit.into(),
@@ -285,21 +259,179 @@ impl Table<'_> {
             deviation: ensemble.mean,
             deviation_standard_error: interval90.map(|_| ensemble.standard_deviation / (ensemble.seeds as f64).sqrt()),
             interval90,
-            deviation_from_scene: from_scene.filter(|shifts| !shifts.is_empty()).map(|shifts| mean(&shifts)),
+            deviation_from_scene: self.shifts(&own, factor, observable).as_deref().map(mean),
             bound,
             within: bound.map(|bound| ensemble.mean.abs() <= bound),
             interval_within: bound.and_then(|bound| interval90.map(|[low, high]| -bound <= low && high <= bound)),
             on_front: false,
+            differences,
         })
     }
 }
 
-/// Differences of the seeds that both have, by seed.
-fn by_seed(first: &Values, second: &Values) -> Values {
-    first.iter().filter_map(|(seed, value)| Some((*seed, value - second.get(seed)?))).collect()
+/// Places of the points of each code and stiffness, in the order of the plan.
+fn groups(points: &[Point]) -> Vec<Vec<usize>> {
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    for (place, point) in points.iter().enumerate() {
+        let is_own = |group: &&mut Vec<usize>| {
+            let first = &points[group[0]];
+            first.code == point.code && first.stiffness_factor == point.stiffness_factor
+        };
+        match groups.iter_mut().find(is_own) {
+            Some(group) => group.push(place),
+            None => groups.push(vec![place]),
+        }
+    }
+    groups
 }
 
-/// Differences in the order of seeds.
-fn differences(first: &Values, second: &Values) -> Vec<f64> {
-    by_seed(first, second).into_values().collect()
+/// Marks the Pareto front of every code and observable at every stiffness. The reference is no point of it: its error
+/// is zero by definition.
+fn mark_fronts(points: &mut [Point], names: &[(String, String)]) {
+    for group in groups(points) {
+        for (name, _) in names {
+            let ranked = |place: &usize| Some(&points[*place]).filter(|point| !point.reference && !point.failed);
+            let member = |place| {
+                let point = ranked(&place)?;
+                let Deviation { deviation, deviation_standard_error, .. } = point.deviation(name)?;
+                let coordinates = [point.wall_seconds_per_simulated_second, deviation.abs()];
+                Some((place, coordinates, *deviation_standard_error))
+            };
+            let members: Vec<(usize, [f64; 2], Option<f64>)> = group.iter().copied().filter_map(member).collect();
+            // Seed noise: the smallest error that can be told from none.
+            let noise = median(members.iter().filter_map(|member| member.2));
+            let coordinates: Vec<[f64; 2]> = members.iter().map(|member| member.1).collect();
+            for place in pareto_front(&coordinates, if noise.is_finite() { noise } else { 0.0 }) {
+                let point = &mut points[members[place].0];
+                point.deviations.iter_mut().filter(|d| d.observable == *name).for_each(|d| d.on_front = true);
+            }
+        }
+    }
+}
+
+/// The fastest setting within all bounds, by stiffness and code in the order of the plan.
+fn fastest(points: &[Point], bounds: &[Bound]) -> Vec<Fastest> {
+    if bounds.is_empty() {
+        return Vec::new();
+    }
+    let row = |group: &Vec<usize>| {
+        let first = &points[group[0]];
+        let best = fastest_within(group.iter().map(|&place| &points[place]));
+        let makadam = points.iter().filter(|point| point.is_of("Makadam", first.stiffness_factor));
+        let wall = best.map(|best| best.wall_seconds_per_simulated_second);
+        let other = fastest_within(makadam).map(|best| best.wall_seconds_per_simulated_second);
+        Fastest {
+            code: first.code.clone(),
+            stiffness_factor: first.stiffness_factor,
+            youngs_modulus: first.youngs_modulus,
+            setting: best.map(|best| best.setting.clone()),
+            wall_seconds_per_simulated_second: wall,
+            intervals_within_bounds: best.and_then(|best| best.intervals_within_bounds),
+            ratio_to_makadam: wall.zip(other).map(|(own, makadam)| own / makadam),
+            ratio_low: None,
+            ratio_high: None,
+        }
+    };
+    let mut rows: Vec<Fastest> = groups(points).iter().map(row).collect();
+    fill_intervals(&mut rows, points, bounds);
+    rows.sort_by(|a, b| a.stiffness_factor.total_cmp(&b.stiffness_factor));
+    rows
+}
+
+/// The fastest of some points that keep all bounds.
+fn fastest_within<'a>(points: impl Iterator<Item = &'a Point>) -> Option<&'a Point> {
+    let pace = |point: &Point| point.wall_seconds_per_simulated_second;
+    points.filter(|point| point.within_bounds == Some(true)).min_by(|a, b| pace(a).total_cmp(&pace(b)))
+}
+
+/// The best setting of each variation of the solver, in the order of the plan, over the best that varies step and sweeps alone.
+fn variations(points: &[Point]) -> Vec<Varied> {
+    let own = || points.iter().filter(|point| point.is_of("Makadam", 1.0));
+    let best = |variation: Option<&str>| fastest_within(own().filter(|point| point.variation.as_deref() == variation));
+    let plain = best(None).map(|point| point.wall_seconds_per_simulated_second);
+    let mut rows: Vec<Varied> = Vec::new();
+    for variation in own().filter_map(|point| point.variation.as_deref()) {
+        if rows.iter().any(|row| row.variation == variation) {
+            continue;
+        }
+        let best = best(Some(variation));
+        let wall = best.map(|best| best.wall_seconds_per_simulated_second);
+        rows.push(Varied {
+            variation: variation.into(),
+            settings: own().filter(|point| point.variation.as_deref() == Some(variation)).count(),
+            setting: best.map(|best| best.setting.clone()),
+            wall_seconds_per_simulated_second: wall,
+            intervals_within_bounds: best.and_then(|best| best.intervals_within_bounds),
+            ratio_to_plain: wall.zip(plain).map(|(wall, plain)| wall / plain),
+        });
+    }
+    rows
+}
+
+/// Places of the points that no other one beats, from the cheapest to the most accurate.
+///
+/// A point is its wall time and its error. Errors below `floor`, the error of the reference itself, cannot be told
+/// apart and count as equal to it: the cheapest of them ends the front, not the luckiest.
+pub fn pareto_front(points: &[[f64; 2]], floor: f64) -> Vec<usize> {
+    let error = |place: &usize| points[*place][1].max(floor);
+    let mut order: Vec<usize> =
+        (0..points.len()).filter(|&place| points[place].iter().all(|x| x.is_finite())).collect();
+    order.sort_by(|a, b| points[*a][0].total_cmp(&points[*b][0]).then(error(a).total_cmp(&error(b))));
+    let mut least = f64::INFINITY;
+    order.retain(|place| {
+        let better = error(place) < least;
+        least = least.min(error(place));
+        better
+    });
+    order
+}
+
+/// Samples of the seeds that are drawn.
+const SAMPLES: usize = 2_000;
+
+/// Share of the samples that lies outside the interval, at either end.
+const TAIL: f64 = 0.05;
+
+/// True if the mean deviations of a point over a sample of seeds keep all bounds.
+fn keeps_bounds(point: &Point, bounds: &[Bound], sample: &[u64]) -> bool {
+    point.is_complete()
+        && bounds.iter().all(|bound| {
+            let differences = point.deviation(&bound.observable).map(|deviation| &deviation.differences);
+            let values: Vec<f64> = sample.iter().filter_map(|seed| differences?.get(seed).copied()).collect();
+            !values.is_empty() && mean(&values).abs() <= bound.value
+        })
+}
+
+/// Fills in the intervals of the ratios: seeds are drawn with replacement, the same for every configuration, since all start from
+/// the same grains; each sample has its own fastest settings, and a code that has none is slower than any number (percentile
+/// bootstrap, Efron and Tibshirani, An Introduction to the Bootstrap, 1993, chapter 13).
+fn fill_intervals(rows: &mut [Fastest], points: &[Point], bounds: &[Bound]) {
+    let deviations = points.iter().filter(|point| point.is_complete()).flat_map(|point| &point.deviations);
+    let bounded = deviations.filter(|deviation| deviation.bound.is_some());
+    let seeds: BTreeSet<u64> = bounded.flat_map(|deviation| deviation.differences.keys().copied()).collect();
+    let seeds: Vec<u64> = seeds.into_iter().collect();
+    if seeds.len() < 2 {
+        return;
+    }
+    let mut random = ChaCha8Rng::seed_from_u64(1);
+    let mut ratios: Vec<Vec<f64>> = vec![Vec::with_capacity(SAMPLES); rows.len()];
+    for _ in 0..SAMPLES {
+        let sample: Vec<u64> = seeds.iter().map(|_| seeds[(random.next_u64() % seeds.len() as u64) as usize]).collect();
+        let kept: Vec<&Point> = points.iter().filter(|point| keeps_bounds(point, bounds, &sample)).collect();
+        let least = |code: &str, factor: f64| {
+            let own = kept.iter().filter(|point| point.is_of(code, factor));
+            own.map(|point| point.wall_seconds_per_simulated_second).fold(f64::INFINITY, f64::min)
+        };
+        for (row, ratios) in rows.iter().zip(&mut ratios) {
+            ratios.push(least(&row.code, row.stiffness_factor) / least("Makadam", row.stiffness_factor));
+        }
+    }
+    for (row, mut ratios) in rows.iter_mut().zip(ratios) {
+        if row.code == "Makadam" || ratios.iter().any(|ratio| ratio.is_nan()) {
+            continue;
+        }
+        ratios.sort_by(f64::total_cmp);
+        let at = |share: f64| Some(ratios[(share * (SAMPLES - 1) as f64).round() as usize]).filter(|r| r.is_finite());
+        [row.ratio_low, row.ratio_high] = [at(TAIL), at(1.0 - TAIL)];
+    }
 }

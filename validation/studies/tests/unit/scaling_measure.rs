@@ -8,7 +8,7 @@ fn disturbances_stay_in_the_total() {
     // Another task is disturbed each time: 10 s of work, 2 s of other load.
     let runs = [[6.0, 2.0, 4.0], [4.0, 4.0, 4.0], [4.0, 2.0, 6.0]].map(|durations| {
         let regions = vec![Region { phase: Phase::Sweep, tasks: durations.to_vec() }];
-        TracedRun { steps: vec![StepTrace { regions }], sweeps: vec![1], hash: 0 }
+        vec![StepTrace { regions }]
     });
     let steps = medians(&runs, clock_seconds());
     let tasks = &steps[0].regions[0].tasks;

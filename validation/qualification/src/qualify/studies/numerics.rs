@@ -92,7 +92,7 @@ impl<'a> ContactProblems<'a> {
         let settled = Stepping::new(steps, &*share).carry_out(&mut simulation, |_, _| {});
         settled.map_err(|_| RunError::Interrupted)?;
         let title = format!("{}, seed {SEED}, t = {} s", scene.name, simulation.time());
-        let posed = pose(&simulation, &title).file;
+        let posed = pose(&simulation, &title);
         let (own, with_siconos, origin) = match &self.siconos {
             Ok(version) => (check(&posed, &FromSiconos::Run)?, None, format!("Siconos {version}, run live")),
             Err(_) => {

@@ -1,4 +1,4 @@
-//! Unit tests of `src/parameter_study/study.rs`.
+//! Unit tests of `src/parameter_study/mod.rs`.
 
 use super::*;
 use makadam_compare::study::Document;
