@@ -1,7 +1,6 @@
 //! Codes that take a deck and leave dumps, LIGGGHTS and LAMMPS: grains and values of the decks, a run, and the frames in its dumps.
 
-use super::palette::Palette;
-use super::plan::Plan;
+use super::input::{Palette, Plan};
 use super::process::{Program, Run, disk_has_room, io};
 use super::{CodeError, Job, Purpose};
 use makadam::effects::catalogue::{

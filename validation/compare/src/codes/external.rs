@@ -4,9 +4,8 @@
 //! code.toml ─> folder with scene.json, grains.csv, frames.csv, wall0.stl ... ─> the command ─> files of frames ─> import ─> Recording
 //! ```
 
-use super::process::{Run, locate};
-use super::run_folder::{RunFolder, check_pattern};
-use super::stl::stl;
+use super::input::stl;
+use super::process::{Run, RunFolder, check_pattern, locate};
 use super::{Code, CodeError, CodeName, Job, starting_grains};
 use makadam::scene::{Grain, Reaction};
 use makadam::snapshot::{Particle, Snapshot};

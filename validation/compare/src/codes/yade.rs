@@ -1,8 +1,6 @@
 //! YADE: a job file for `yade_driver.py`, which runs inside it, and the frames that come back.
 
-use super::palette::Palette;
-use super::plan::{MotionPhase, Plan};
-use super::primitives::{Primitive, primitives};
+use super::input::{MotionPhase, Palette, Plan, Primitive, primitives};
 use super::process::{self, Program, Run, io};
 use super::yade_rolling::{Rolling, rolling};
 use super::{Code, CodeError, HERTZ_MINDLIN, Job, Purpose, supported_start};

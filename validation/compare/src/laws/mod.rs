@@ -19,11 +19,10 @@ mod results;
 #[path = "../../tests/unit/laws.rs"]
 mod tests;
 
-pub use campaign::{Case, Run, Values, row_of, run_cases, work};
-pub use results::{LawResult, Mean, Row, Study, figure_and_bounds, runs};
-
 use crate::study::{Finding, RunError};
+pub use campaign::{Case, Run, Values, row_of, run_cases, work};
 use makadam_view::draw::figure::Figure;
+pub use results::{LawResult, Mean, Row, Study, figure_and_bounds, runs};
 
 /// A published law.
 pub struct Law {

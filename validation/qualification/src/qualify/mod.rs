@@ -11,9 +11,6 @@ mod scenes;
 mod studies;
 mod tier;
 
-pub use one_scene::{Judged, OneScene, codes_against, usual_codes};
-pub use tier::{Ablated, Extent, Study, Tier};
-
 use crate::report::{Qualification, StudySection};
 use makadam_compare::codes::{Code, CodeError, CodeName, Makadam, codes_of};
 use makadam_compare::compare::{Announce, Comparison, Reference, ReferenceError, Runs};
@@ -23,10 +20,12 @@ use makadam_frames::output::WriteError;
 use makadam_frames::plan::Scene;
 use makadam_frames::provenance::account;
 use makadam_measure::statistics::confidence_of_each;
+pub use one_scene::{Judged, OneScene, codes_against, usual_codes};
 use scenes::{Case, Job};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use studies::{Part, Place};
+pub use tier::{Ablated, Extent, Study, Tier};
 
 /// Seed of the live runs. It is never recorded: a value always lies among values that include it.
 const LIVE_SEED: u64 = 1001;
