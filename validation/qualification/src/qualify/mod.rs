@@ -118,15 +118,15 @@ pub fn qualify(extent: &Extent, settings: &Settings<'_>) -> Result<Qualification
     let cache = RunCache::open(&settings.folder.join("runs"), settings.again)?;
     let place = Place { settings, cache: &cache };
     let parts = extent.studies.iter().map(|study| studies::open(study, place));
-    let parts = parts.collect::<Result<Vec<Box<dyn Part>>, QualifyError>>()?;
+    let mut parts = parts.collect::<Result<Vec<Part<'_>>, QualifyError>>()?;
 
     let mut qualification = Qualification::default();
     time(extent, settings, &cache, &mut cases, &reference_codes, &mut qualification)?;
     let of_scenes = cases.iter().flat_map(|case| case.jobs(settings, &cache));
-    let jobs: Vec<Job<'_>> = of_scenes.chain(parts.iter().flat_map(|part| part.jobs())).collect();
+    let jobs: Vec<Job<'_>> = of_scenes.chain(parts.iter_mut().flat_map(Part::jobs)).collect();
     (settings.say)(&format!("{} runs, those taken that {} holds", jobs.len(), settings.folder.display()));
     scenes::run(jobs)?;
-    let studies = parts.iter().map(|part| part.section()).collect::<Result<Vec<StudySection>, RunError>>()?;
+    let studies = parts.into_iter().map(Part::section).collect::<Result<Vec<StudySection>, RunError>>()?;
     let threads = rayon::current_num_threads();
     let comparisons: Vec<Comparison> = cases.into_iter().map(|case| case.compared(threads)).collect();
 
