@@ -355,22 +355,22 @@ impl Axis {
     pub(crate) fn ticks(&self, count: usize) -> Vec<(f64, String)> {
         let within = |value: &f64| (self.low * (1.0 - 1e-9)..=self.high * (1.0 + 1e-9)).contains(value);
         let decades = (self.low.log10() - 1e-9).floor() as i32..=(self.high.log10() + 1e-9).ceil() as i32;
+        let of = |marks: &mut dyn Iterator<Item = (f64, String)>| marks.filter(|(mark, _)| within(mark)).collect();
         match self.scale {
-            Scale::Decades => {
-                return decades.map(|k| (10f64.powi(k), power_of_ten(k))).filter(|t| within(&t.0)).collect();
-            }
+            Scale::Decades => of(&mut decades.map(|k| (10f64.powi(k), power_of_ten(k)))),
             Scale::FineDecades => {
                 let marks = decades.flat_map(|k| [1.0, 2.0, 5.0].map(|step| step * 10f64.powi(k)));
-                return marks.filter(within).map(|mark| (mark, compact(mark))).collect();
+                of(&mut marks.map(|mark| (mark, compact(mark))))
             }
             Scale::Doublings => {
                 let marks = (self.low.log2().floor() as i32..=self.high.log2().ceil() as i32).map(|k| 2f64.powi(k));
-                return marks.filter(within).map(|mark| (mark, format!("{mark}"))).collect();
+                of(&mut marks.map(|mark| (mark, format!("{mark}"))))
             }
-            Scale::Linear => {}
+            Scale::Linear => {
+                let (ticks, digits) = round_ticks(self.low, self.high, count);
+                ticks.into_iter().map(|t| (t, format!("{t:.digits$}").replace('-', "−"))).collect()
+            }
         }
-        let (ticks, digits) = round_ticks(self.low, self.high, count);
-        ticks.into_iter().map(|t| (t, format!("{t:.digits$}").replace('-', "−"))).collect()
     }
 }
 

@@ -95,9 +95,7 @@ impl Sheet<'_> {
                 for (place, kind) in (0..).zip(kinds) {
                     let y = top + place * (line + line / 2);
                     self.fill([left, y], [left + line, y + line], |_| scale.colour(*kind as f64));
-                    let name = usize::try_from(*kind).ok().and_then(|kind| quantity.names.get(kind));
-                    let listed = if *kind < 0 { "listed".to_string() } else { kind.to_string() };
-                    let name: String = name.cloned().unwrap_or(listed).chars().take(9).collect();
+                    let name: String = kind_name(quantity, *kind).chars().take(9).collect();
                     self.write(&name, [left + line + letter / 2, y], Anchor::Left);
                 }
             }
@@ -125,6 +123,12 @@ impl Sheet<'_> {
             }
         }
     }
+}
+
+/// Returns the name of a kind of grains.
+pub(crate) fn kind_name(quantity: &Quantity, kind: i64) -> String {
+    let name = usize::try_from(kind).ok().and_then(|kind| quantity.names.get(kind)).cloned();
+    name.unwrap_or_else(|| if kind < 0 { "listed".into() } else { kind.to_string() })
 }
 
 /// The unit with its prefix, and the ticks of a scale: their values and what is written beside them.

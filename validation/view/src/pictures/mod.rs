@@ -16,8 +16,8 @@ mod shade;
 pub use camera::{Camera, Cut, Subject, View};
 pub use colours::{MOST_KINDS, PALETTE, Scale, VIRIDIS, telling};
 pub use files::{Animation, PictureError, is_animation, png, write_png};
-pub(crate) use lettering::ticks;
 use lettering::{Anchor, Sheet, length};
+pub(crate) use lettering::{kind_name, ticks};
 use makadam_frames::run_frames::{Quantity, RunFolderError, RunFrame, RunFrames, Walls};
 use nalgebra::Vector3;
 use raster::Flat;
@@ -68,7 +68,8 @@ impl Picture {
 struct Sight<'a> {
     frame: &'a RunFrame,
     camera: &'a Camera,
-    cut: Option<Cut>,
+    /// Normal and place of the clipping plane.
+    plane: Option<(Vector, f64)>,
 }
 
 /// A camera that shows a subject in a style.
@@ -103,10 +104,10 @@ pub fn draw(
     let [width, height] = style.size;
     let fine = [FINER * width, FINER * height];
     let close = camera.enlarged(FINER as f64);
-    let sight = Sight { frame, camera: &close, cut: style.cut };
+    let sight = Sight { frame, camera: &close, plane: style.cut.map(|cut| cut.plane(close.eye())) };
     let walls = frame.walls.as_ref().filter(|_| style.walls);
     let (stone, glass) = walls.map_or((Vec::new(), Vec::new()), |walls| flats(walls, &sight));
-    let raster = raster::draw(&sight, &close, fine, &stone);
+    let raster = raster::draw(&sight, fine, &stone);
     let colours: Vec<Colour> = quantity.values.iter().map(|value| scale.colour(*value)).collect();
     let count = frame.grains.radii.len().max(1) as f64;
     let reach = 3.0 * frame.grains.radii.iter().sum::<f64>() / count;
@@ -160,19 +161,20 @@ fn flats(walls: &Walls, sight: &Sight<'_>) -> (Vec<Flat>, Vec<Flat>) {
         if is_cut_away(&corners, sight) {
             continue;
         }
-        let hides = walls.shapes.get(*wall as usize).is_some_and(|shape| *shape == "spheres");
         let flat = Flat::of(corners, sight.camera);
-        if hides { stone.extend(flat) } else { glass.extend(flat) }
+        if is_stone(walls, *wall) { stone.extend(flat) } else { glass.extend(flat) }
     }
     (stone, glass)
 }
 
+/// Returns true for a wall that hides what is behind it.
+pub(crate) fn is_stone(walls: &Walls, wall: u32) -> bool {
+    walls.shapes.get(wall as usize).is_some_and(|shape| *shape == "spheres")
+}
+
 /// Returns true if all corners lie in front of the clipping plane.
 fn is_cut_away(corners: &[Vector], sight: &Sight<'_>) -> bool {
-    sight.cut.is_some_and(|cut| {
-        let normal = cut.normal(sight);
-        corners.iter().all(|corner| normal.dot(corner) > cut.at * normal[cut.axis])
-    })
+    sight.plane.is_some_and(|(normal, at)| corners.iter().all(|corner| normal.dot(corner) > at))
 }
 
 /// Edges of walls that are not hidden by the clipping plane.
@@ -191,7 +193,7 @@ pub(crate) fn wall_edges(walls: &Walls) -> Vec<[[f64; 3]; 2]> {
     let key = |point: &[f64; 3]| point.map(|place| (place / size * 1e6).round() as i64);
     let mut sides: BTreeMap<Side, (Vec<Vector>, [[f64; 3]; 2])> = BTreeMap::new();
     for (triangle, &wall) in walls.triangles.iter().zip(&walls.wall) {
-        if walls.shapes.get(wall as usize).is_some_and(|shape| *shape == "spheres") {
+        if is_stone(walls, wall) {
             continue;
         }
         let corners = triangle.map(|corner| walls.points[corner as usize]);

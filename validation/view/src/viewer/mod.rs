@@ -6,6 +6,7 @@
 
 mod payload;
 
+use crate::draw::svg::escape;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use flate2::Compression;
@@ -57,43 +58,13 @@ pub fn write(path: &Path, run: &RunFrames, wishes: &Wishes, progress: &dyn Fn(f6
     packer.write_all(&bytes).map_err(refused)?;
     let packed = packer.finish().map_err(refused)?;
     drop(bytes);
-    let (title, script) = (escaped(run.scene()), SCRIPTS.concat());
-    let mut text = String::with_capacity(PAGE.len() + STYLE.len() + script.len() + packed.len().div_ceil(3) * 4);
-    for piece in pieces(PAGE) {
-        match piece {
-            Piece::Text(words) => text += words,
-            Piece::Hole("title") => text += &title,
-            Piece::Hole("style") => text += STYLE,
-            Piece::Hole("script") => text += &script,
-            Piece::Hole("size") => text += &format!("{:.1} MB", packed.len().div_ceil(3) as f64 * 4e-6),
-            Piece::Hole("payload") => STANDARD.encode_string(&packed, &mut text),
-            Piece::Hole(other) => unreachable!("page.html has a hole '{other}'"),
-        }
-    }
+    let size = format!("{:.1} MB", packed.len().div_ceil(3) as f64 * 4e-6);
+    let page = PAGE.replace("{{style}}", STYLE).replace("{{script}}", &SCRIPTS.concat()).replace("{{size}}", &size);
+    let (before, after) = page.split_once("{{payload}}").expect("page.html has a place for it");
+    // Last, so that no title is searched for places of its own.
+    let mut text = before.replace("{{title}}", &escape(run.scene()));
+    STANDARD.encode_string(&packed, &mut text);
+    text += after;
     write_whole(path, text.as_bytes())?;
     Ok(Page { frames, bytes: text.len(), note })
-}
-
-/// A part of a template.
-#[derive(Debug, PartialEq)]
-enum Piece<'t> {
-    /// Text that stays as it is.
-    Text(&'t str),
-    /// `{{name}}`, which a value takes the place of.
-    Hole(&'t str),
-}
-
-/// Splits a template at its holes, so that no value is searched for holes of its own.
-fn pieces(template: &str) -> Vec<Piece<'_>> {
-    let mut parts = template.split("{{");
-    let mut pieces = vec![Piece::Text(parts.next().unwrap_or_default())];
-    for part in parts {
-        let (name, rest) = part.split_once("}}").expect("every hole of page.html is closed");
-        pieces.extend([Piece::Hole(name), Piece::Text(rest)]);
-    }
-    pieces
-}
-
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
