@@ -1,8 +1,7 @@
 //! Builder of the scenes of stress tests and laws.
 
 use makadam::scene::{
-    Domain, GrainEntry, Material, Motion, NormalLaw, Population, RadiusDistribution, Reaction, Region, Shape,
-    SolverMethod, Stop, Wall,
+    Domain, GrainEntry, Material, Motion, NormalLaw, Population, RadiusDistribution, Region, Shape, Stop, Wall,
 };
 use makadam_frames::plan::{Measure, Scene};
 
@@ -107,14 +106,13 @@ impl Sketch {
         self.with(|scene| scene.solver.step = step)
     }
 
-    /// Rigid contacts.
-    pub fn rigid(self) -> Sketch {
-        self.with(|scene| scene.solver.normal_law = NormalLaw::Rigid)
-    }
-
-    /// Anderson's acceleration, for loads that Gauss-Seidel alone takes too many sweeps to carry.
-    pub fn accelerated(self) -> Sketch {
-        self.with(|scene| scene.solver.method = SolverMethod::Anderson { memory: 3 })
+    /// Makes contacts rigid, or leaves them as they are.
+    pub fn rigid(self, rigid: bool) -> Sketch {
+        self.with(|scene| {
+            if rigid {
+                scene.solver.normal_law = NormalLaw::Rigid;
+            }
+        })
     }
 
     /// A fixed number of sweeps a step.
@@ -212,16 +210,6 @@ impl Sketch {
         self.with(|scene| change(scene.material.get_mut(name).expect("a declared material")))
     }
 
-    /// Description of the scene.
-    pub fn description(self, text: String) -> Sketch {
-        self.with(|scene| scene.description = text)
-    }
-
-    /// Lets grains leave the domain.
-    pub fn open_domain(self) -> Sketch {
-        self.with(|scene| scene.watch.on_escape = Reaction::Ignore)
-    }
-
     /// The scene, checked as one from a file.
     ///
     /// # Panics
@@ -232,9 +220,9 @@ impl Sketch {
     }
 }
 
-/// A motion about the y axis, rad/s.
-pub fn turning(rate: f64) -> Motion {
-    Motion::Rotating { point: [0.0; 3], axis: [0.0, 1.0, 0.0], rate, start: 0.0, stop: None, reverse: None }
+/// A motion about the y axis, rad/s, that stops or turns back at a time, s.
+pub fn turning(rate: f64, stop: Option<f64>, reverse: Option<f64>) -> Motion {
+    Motion::Rotating { point: [0.0; 3], axis: [0.0, 1.0, 0.0], rate, start: 0.0, stop, reverse }
 }
 
 /// Mass of a grain of the usual density, kg.

@@ -213,37 +213,46 @@ pub(super) fn primitives(scene: &Scene, grains: &[Grain]) -> Vec<Vec<Primitive>>
 }
 
 fn of_wall(wall: &Wall, closed: &[Tube], scene: &Scene, grains: &[Grain]) -> Vec<Primitive> {
+    let planes = |faces: &[Face]| {
+        let is_inside =
+            |grain: &Grain| faces.iter().all(|face| face.inwards * (grain.position[face.axis] - face.at) > 0.0);
+        let faces = faces.iter().filter(|_| grains.iter().all(is_inside));
+        faces.map(|&Face { axis, at, .. }| Primitive::Plane { axis, at }).collect()
+    };
+    let plane = |point: &[f64; 3], normal: &[f64; 3]| match along(normal) {
+        Some((axis, inwards)) => planes(&[Face { axis, inwards, at: point[axis] }]),
+        None => Vec::new(),
+    };
     let fixed = wall.motion == Motion::Fixed;
     match &wall.shape {
-        Shape::Plane { point, normal } if fixed => {
-            let Some((axis, sign)) = along(normal) else { return Vec::new() };
-            let at = point[axis];
-            let inside = grains.iter().all(|grain| sign * (grain.position[axis] - at) > 0.0);
-            if inside { vec![Primitive::Plane { axis, at }] } else { Vec::new() }
-        }
-        Shape::Box { min, max, open } if fixed => {
-            let faces = (0..3).flat_map(|axis| [(axis, '-', 1.0, min[axis]), (axis, '+', -1.0, max[axis])]);
-            let is_open =
-                |axis: usize, end: char| open.iter().any(|face| *face == format!("{end}{}", ["x", "y", "z"][axis]));
-            let faces: Vec<_> = faces.filter(|(axis, end, ..)| !is_open(*axis, *end)).collect();
-            let is_inside =
-                |grain: &Grain| faces.iter().all(|&(axis, _, sign, at)| sign * (grain.position[axis] - at) > 0.0);
-            match grains.iter().all(is_inside) {
-                true => faces.iter().map(|&(axis, _, _, at)| Primitive::Plane { axis, at }).collect(),
-                false => Vec::new(),
-            }
-        }
+        Shape::Plane { point, normal } if fixed => plane(point, normal),
+        Shape::Box { min, max, open } if fixed => planes(&closed_faces(min, max, open)),
         Shape::Cylinder { .. } => Tube::of(wall, scene, grains).map(Tube::primitive).into_iter().collect(),
-        Shape::Disc { centre, normal, .. } if fixed => match along(normal) {
-            Some((axis, sign)) if closed.iter().any(|tube| tube.has_lid(&wall.shape)) => {
-                let at = centre[axis];
-                let inside = grains.iter().all(|grain| sign * (grain.position[axis] - at) > 0.0);
-                if inside { vec![Primitive::Plane { axis, at }] } else { Vec::new() }
-            }
-            _ => Vec::new(),
-        },
+        Shape::Disc { centre, normal, .. } if fixed && closed.iter().any(|tube| tube.has_lid(&wall.shape)) => {
+            plane(centre, normal)
+        }
         Shape::Plane { .. } | Shape::Box { .. } | Shape::Disc { .. } | Shape::Spheres { .. } => Vec::new(),
     }
+}
+
+/// Names of the axes.
+pub(super) const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// A face across an axis.
+pub(super) struct Face {
+    /// The axis, 0 to 2.
+    pub axis: usize,
+    /// 1 if grains are above it, -1 if they are below.
+    pub inwards: f64,
+    /// Place on the axis, m.
+    pub at: f64,
+}
+
+/// The faces of a box that are not open.
+pub(super) fn closed_faces(min: &[f64; 3], max: &[f64; 3], open: &[String]) -> Vec<Face> {
+    let ends = (0..3).flat_map(|axis| [(axis, "-", 1.0, min[axis]), (axis, "+", -1.0, max[axis])]);
+    let closed = ends.filter(|(axis, end, ..)| !open.contains(&format!("{end}{}", AXES[*axis])));
+    closed.map(|(axis, _, inwards, at)| Face { axis, inwards, at }).collect()
 }
 
 /// The axis of coordinates along which a direction lies, and its sign.

@@ -8,7 +8,7 @@ use makadam::effects::catalogue::{
     COHESION, COMPLIANCE, DRIVEN_WALLS, Effect, FRICTION, GRAVITY, RESTITUTION, ROLLING, SIZE_SPREAD, SPIN,
     TANGENTIAL_SPRING, VISCOSITY, WALL_MOTION,
 };
-use makadam::scene::{Cohesion, Grain, Motion};
+use makadam::scene::{Cohesion, Grain, Motion, Wall};
 use makadam::snapshot::{DrivenWall, Particle, Partner, Snapshot};
 use makadam_frames::import::{contact_from_force, measurable, merge_wall_contacts};
 use makadam_frames::output::mesh::{COARSE, FINE, Mesh, Triangle, wall_mesh};
@@ -352,13 +352,10 @@ fn surfaces(job: &Job<'_>, grains: &[Grain], rolls: bool) -> Vec<(Mesh, Vec<(usi
         Primitive::Plane { axis, at } if !rolls => Some((axis, at)),
         Primitive::Plane { .. } | Primitive::Cylinder { .. } => None,
     };
-    let of = |(wall, found): (&makadam::scene::Wall, &Vec<Primitive>)| match found
-        .iter()
-        .filter_map(plane)
-        .collect::<Vec<_>>()
-    {
-        planes if planes.is_empty() => (wall_mesh(&wall.shape, &scene.domain, smallest, fineness), planes),
-        planes => (Mesh::default(), planes),
+    let of = |(wall, found): (&Wall, &Vec<Primitive>)| {
+        let planes: Vec<_> = found.iter().filter_map(plane).collect();
+        let mesh = planes.is_empty().then(|| wall_mesh(&wall.shape, &scene.domain, smallest, fineness));
+        (mesh.unwrap_or_default(), planes)
     };
     scene.wall.iter().zip(&found).map(of).collect()
 }

@@ -7,7 +7,7 @@ mod rows;
 mod runs;
 mod simulate;
 
-pub use comparison::{CodeSummary, Comparison, FinalState, Row, Source, Timing};
+pub use comparison::{CodeSummary, Comparison, FinalState, Row, Source, Timing, distinct};
 pub use record::{FEW_SEEDS, RecordError, Recorder};
 pub(crate) use reference::{Missing, Wanted};
 pub use reference::{Reference, ReferenceError};

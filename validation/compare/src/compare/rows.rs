@@ -44,8 +44,7 @@ fn rows(scene: &Scene, expectation: &Expectation, codes: &[CodeRuns]) -> Vec<Row
         }
     }
     let is_registered = codes.first().is_some_and(|judged| is_registered(scene, judged));
-    keep_to_registered(&mut rows, is_registered);
-    leave_open(&mut rows);
+    take_back(&mut rows, is_registered);
     rows
 }
 
@@ -55,29 +54,21 @@ fn is_registered(scene: &Scene, judged: &CodeRuns) -> bool {
     unregistered(scene, seeds).is_none()
 }
 
-/// Makes agreement of the judged code exploratory where its seeds are not registered. Where they are, no number of further seeds is named:
-/// runs are not added to until they agree. `rows`: those of one observable, the judged code's first.
-fn keep_to_registered(rows: &mut [Row], is_registered: bool) {
+/// Takes back what rows of the judged code do not prove. Agreement is exploratory where its seeds are not registered; where they are, no number
+/// of further seeds is named: runs are not added to until they agree. Agreement is undecided where the references differ from each other by more
+/// than the margin, and more seeds decide nothing. `rows`: those of one observable, the judged code's first.
+fn take_back(rows: &mut [Row], is_registered: bool) {
     let Some(judged) = rows.first().map(|row| row.code.clone()) else { return };
-    for row in rows.iter_mut().filter(|row| row.code == judged) {
+    for place in (0..rows.len()).filter(|&place| rows[place].code == judged).collect::<Vec<_>>() {
+        let is_open = at_odds(rows, &judged, &rows[place]);
+        let row = &mut rows[place];
+        row.seeds_needed = row.seeds_needed.filter(|_| !is_registered);
         match row.outcome {
+            Some(Outcome::Agree | Outcome::Exploratory | Outcome::Undecided) if is_open => {
+                (row.outcome, row.seeds_needed) = (Some(Outcome::Undecided), None);
+            }
             Some(Outcome::Agree) if !is_registered => row.outcome = Some(Outcome::Exploratory),
-            _ if is_registered => row.seeds_needed = None,
             _ => {}
-        }
-    }
-}
-
-/// Makes agreement undecided where the references differ from each other by more than the margin: it proves nothing, and more seeds
-/// decide nothing. `rows`: those of one observable, those of the code under test first.
-fn leave_open(rows: &mut [Row]) {
-    let Some(judged) = rows.first().map(|row| row.code.clone()) else { return };
-    for place in 0..rows.len() {
-        let row = &rows[place];
-        let is_open = matches!(row.outcome, Some(Outcome::Agree | Outcome::Exploratory | Outcome::Undecided))
-            && row.code == judged;
-        if is_open && at_odds(rows, &judged, row) {
-            (rows[place].outcome, rows[place].seeds_needed) = (Some(Outcome::Undecided), None);
         }
     }
 }
@@ -119,14 +110,7 @@ impl<'a> Asked<'a> {
             mean: self.ensemble.map(|ensemble| ensemble.mean),
             standard_deviation: self.ensemble.map(|ensemble| ensemble.standard_deviation),
             seeds: self.ensemble.map_or(0, |ensemble| ensemble.seeds),
-            reference_code: None,
-            difference: None,
-            interval90: None,
-            interval_of_verdict: None,
-            margin: None,
-            outcome: None,
-            missing: None,
-            seeds_needed: None,
+            ..Row::default()
         }
     }
 

@@ -82,23 +82,16 @@ pub enum QualifyError {
     Document(#[from] DocumentError),
 }
 
-impl From<CodeError> for QualifyError {
-    fn from(error: CodeError) -> QualifyError {
-        QualifyError::Run(error.into())
-    }
+macro_rules! of_runs {
+    ($($error:ty),*) => {
+        $(impl From<$error> for QualifyError {
+            fn from(error: $error) -> QualifyError {
+                QualifyError::Run(error.into())
+            }
+        })*
+    };
 }
-
-impl From<SceneError> for QualifyError {
-    fn from(error: SceneError) -> QualifyError {
-        QualifyError::Run(error.into())
-    }
-}
-
-impl From<WriteError> for QualifyError {
-    fn from(error: WriteError) -> QualifyError {
-        QualifyError::Run(error.into())
-    }
-}
+of_runs!(CodeError, SceneError, WriteError);
 
 /// Runs a qualification of the given extent.
 ///

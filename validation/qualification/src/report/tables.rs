@@ -1,7 +1,7 @@
 //! The tables of a report: values and differences, how each code was run, speeds, tests of studies.
 
 use super::qualification::StudySection;
-use makadam_compare::compare::{CodeSummary, Comparison, Row, Source, Timing};
+use makadam_compare::compare::{CodeSummary, Comparison, Row, Source, Timing, distinct};
 use makadam_compare::study::{Cell, Table, cells};
 use makadam_measure::statistics::Outcome;
 use makadam_view::draw::numbers::{Rounding, compact, duration, plural, two_digits};
@@ -42,17 +42,6 @@ impl Pair {
             false => (head, ""),
         }
     }
-}
-
-/// Returns the names that a field takes in rows, each once, in the order of their appearance.
-pub(super) fn distinct<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
-    let mut found = Vec::new();
-    for name in names {
-        if !found.contains(&name) {
-            found.push(name);
-        }
-    }
-    found
 }
 
 /// Returns the codes of a comparison: as listed, then any that only its rows name.

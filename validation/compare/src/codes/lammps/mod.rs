@@ -13,7 +13,7 @@
 //! lie along x, y or z; others are turned about their base by a variable that stays as it is.
 
 use super::deck::{DeckRun, HAS, data, manifest, render, values};
-use super::input::{MotionPhase, Palette, Plan};
+use super::input::{AXES, Face, MotionPhase, Palette, Plan, closed_faces};
 use super::process::Program;
 use super::{Code, CodeError, HERTZ_MINDLIN, Job, Purpose, supported_start};
 use makadam::scene::{ContactCoefficients, Grain, Material, Motion, Shape, Wall};
@@ -269,17 +269,12 @@ fn regions(shape: &Shape, thickness: f64) -> Result<Vec<(String, Option<Tilt>)>,
     Ok(match shape {
         Shape::Plane { point, normal } => vec![(plane(*point, *normal), None)],
         Shape::Box { min, max, open } => {
-            let faces = (0..3).flat_map(|axis| [(axis, "-", 1.0, min), (axis, "+", -1.0, max)]);
-            faces
-                .filter(|(axis, sign, ..)| {
-                    !open.iter().any(|face| *face == format!("{sign}{}", ["x", "y", "z"][*axis]))
-                })
-                .map(|(axis, _, inwards, corner)| {
-                    let mut normal = [0.0; 3];
-                    normal[axis] = inwards;
-                    (plane(*corner, normal), None)
-                })
-                .collect()
+            let face = |Face { axis, inwards, .. }: Face| {
+                let mut normal = [0.0; 3];
+                normal[axis] = inwards;
+                (plane(if inwards > 0.0 { *min } else { *max }, normal), None)
+            };
+            closed_faces(min, max, open).into_iter().map(face).collect()
         }
         Shape::Cylinder { base, axis, radius, length } => {
             let (axis, base) = (Vector3::from(*axis).normalize(), Vector3::from(*base));
@@ -309,7 +304,7 @@ fn cylinder(base: Vector3<f64>, axis: Vector3<f64>, radius: f64, ends: [f64; 2])
     let [low, high] = if forwards { ends } else { [-ends[1], -ends[0]] }.map(|end| base[along] + end);
     // The centre's two coordinates are given in the order of x, y, z.
     let [first, second] = [[1, 2], [0, 2], [0, 1]][along].map(|other| base[other]);
-    let name = ["x", "y", "z"][along];
+    let name = AXES[along];
     (format!("cylinder {name} {first:.17e} {second:.17e} {radius:.17e} {low:.17e} {high:.17e}"), tilt)
 }
 
@@ -342,7 +337,7 @@ fn variables(wall: usize, motion: &Motion, plan: &Plan) -> Vec<String> {
     }
     let time = format!("{:.17e}*({})", plan.time_step, steps_in(&phases));
     let along = |size: &[f64; 3], of_time: &str| {
-        let axes = ["x", "y", "z"].iter().zip(size);
+        let axes = AXES.iter().zip(size);
         axes.map(|(axis, size)| format!("variable {axis}{wall} equal ({size:.17e})*{of_time}")).collect()
     };
     match motion {

@@ -10,7 +10,7 @@
 //! For timing a drum about y lies along z, since its primitive cylinders turn about x and z alone.
 
 use super::deck::{DeckRun, HAS, data, manifest, render, values};
-use super::input::{Palette, Plan, Primitive, primitives, stl};
+use super::input::{AXES, Palette, Plan, Primitive, primitives, stl};
 use super::process::Program;
 use super::{Code, CodeError, HERTZ_MINDLIN, Job, Purpose, supported_start};
 use makadam::scene::{Domain, Grain, Motion, Shape};
@@ -375,7 +375,6 @@ impl Walls {
 /// grain in place of the surface, so that the angular velocity is raised by the ratio of both distances from the axis: exact for the mean
 /// grain. About y it is wrong: the two coordinates of the distance are interchanged, and grains are not dragged along ([`Turn`]).
 fn words(primitive: &Primitive, grains: &[Grain]) -> Option<String> {
-    const AXES: [&str; 3] = ["x", "y", "z"];
     match *primitive {
         Primitive::Plane { axis, at } => Some(format!("{}plane {at:.17e}", AXES[axis])),
         Primitive::Cylinder { axis, centre, radius, rate } => {

@@ -10,7 +10,7 @@
 
 mod files;
 
-use super::{CodeRuns, FinalState, MeasuredRun, Source, Timing};
+use super::{CodeRuns, FinalState, MeasuredRun, Source, Timing, distinct};
 use crate::scenes;
 pub use files::ReferenceError;
 use makadam_frames::plan::{Scene, physics_hash};
@@ -51,13 +51,7 @@ impl Reference {
 
     /// Codes that have runs.
     pub fn codes(&self) -> Vec<String> {
-        let mut codes: Vec<String> = Vec::new();
-        for run in &self.runs {
-            if !codes.contains(&run.code) {
-                codes.push(run.code.clone());
-            }
-        }
-        codes
+        distinct(self.runs.iter().map(|run| run.code.as_str())).into_iter().map(String::from).collect()
     }
 
     /// Number of seeds of the code that has most of them.
@@ -85,13 +79,12 @@ impl Reference {
     pub fn code(&self, code: &str) -> Option<CodeRuns> {
         let runs: Vec<MeasuredRun> = self.of(code).cloned().collect();
         let first = runs.first()?;
-        let listed: Vec<&MeasuredRun> = runs.iter().collect();
         let fraction =
             first.rayleigh_fraction.map_or(String::new(), |f| format!(" at {:.0}% of the Rayleigh step", 100.0 * f));
         let provenance = format!(
             "recorded {} on {} with {} {} ({}): {} seeds{fraction}",
-            days(&listed),
-            processors(&listed),
+            days(&runs),
+            distinct(runs.iter().map(|run| run.processor.as_str())).join(", "),
             first.code,
             first.version,
             first.contact_law,
@@ -146,23 +139,12 @@ impl Reference {
 }
 
 /// The day on which runs ended, or the first and the last of several.
-fn days(runs: &[&MeasuredRun]) -> String {
+fn days(runs: &[MeasuredRun]) -> String {
     let days = || runs.iter().map(|run| run.date.split('T').next().unwrap_or_default());
     match (days().min().unwrap_or_default(), days().max().unwrap_or_default()) {
         (first, last) if first == last => first.to_string(),
         (first, last) => format!("{first} to {last}"),
     }
-}
-
-/// The processors on which runs were made, each named once.
-fn processors(runs: &[&MeasuredRun]) -> String {
-    let mut names: Vec<&str> = Vec::new();
-    for run in runs {
-        if !names.contains(&run.processor.as_str()) {
-            names.push(&run.processor);
-        }
-    }
-    names.join(", ")
 }
 
 /// A line of `measurements.csv`.
