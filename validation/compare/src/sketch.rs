@@ -132,10 +132,8 @@ impl Sketch {
 
     /// Returns the sketch with one more wall, which moves.
     pub fn moving_wall(self, shape: Shape, motion: Motion) -> Sketch {
-        self.with(|scene| {
-            let name = format!("wall{}", scene.wall.len());
-            scene.wall.push(Wall { name, material: "wall".into(), shape, motion });
-        })
+        let name = format!("wall{}", self.0.wall.len());
+        self.named_wall(&name, "wall", shape, motion)
     }
 
     /// Returns the sketch with one more plane, through a point (m).
@@ -183,21 +181,18 @@ impl Sketch {
     }
 
     /// Adds equal grains on the lowest sites of a region.
-    pub fn population(self, count: usize, radius: f64, region: Region) -> Sketch {
-        self.with(|scene| {
-            let radius = RadiusDistribution::Fixed { value: radius };
-            let material = "grain".into();
-            scene.population.push(Population { count, material, radius, region, spacing: 1.1, agitation: 0.0 });
-        })
+    pub fn population(self, count: usize, value: f64, region: Region) -> Sketch {
+        self.grains(count, RadiusDistribution::Fixed { value }, region, 1.1, 0.0)
     }
 
     /// Adds grains with radii between (1 - spread) and (1 + spread) times the mean, a little off the lowest sites of a region.
     pub fn polydisperse(self, count: usize, [mean, spread]: [f64; 2], region: Region, agitation: f64) -> Sketch {
-        self.with(|scene| {
-            let radius = RadiusDistribution::Uniform { mean, spread };
-            let material = "grain".into();
-            scene.population.push(Population { count, material, radius, region, spacing: SPACING, agitation });
-        })
+        self.grains(count, RadiusDistribution::Uniform { mean, spread }, region, SPACING, agitation)
+    }
+
+    fn grains(self, count: usize, radius: RadiusDistribution, region: Region, spacing: f64, agitation: f64) -> Sketch {
+        let material = "grain".into();
+        self.with(|scene| scene.population.push(Population { count, material, radius, region, spacing, agitation }))
     }
 
     /// Adds a wall with a name, of a material.

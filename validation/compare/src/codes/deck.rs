@@ -158,7 +158,7 @@ impl DeckRun<'_> {
         let engine_log = folder.join("engine.log");
         let core_share = Run {
             code: self.code,
-            program: self.program.path(),
+            program: &self.program.path,
             arguments: &["-in", "deck.in", "-log", "engine.log", "-nocite"].map(OsString::from),
             folder,
             log: folder.join(self.log),

@@ -31,26 +31,11 @@ const FULL_DISK: u64 = 1 << 20;
 
 /// A reference code's program, and its version once that was asked for.
 pub(super) struct Program {
-    path: OsString,
-    version: OnceLock<Option<String>>,
+    pub(super) path: OsString,
+    pub(super) version: OnceLock<Option<String>>,
 }
 
 impl Program {
-    /// A program by its name or path.
-    pub fn new(path: impl Into<OsString>) -> Program {
-        Program { path: path.into(), version: OnceLock::new() }
-    }
-
-    /// A code's program: the one that its environment variable names, else the one of this name on PATH.
-    pub fn from_environment(code: &str, name: &str) -> Program {
-        Program::new(std::env::var_os(variable_of(code)).unwrap_or_else(|| name.into()))
-    }
-
-    /// Its name or path.
-    pub fn path(&self) -> &OsStr {
-        &self.path
-    }
-
     /// Its version as `version_in` finds it in what it prints with these arguments, else "unknown"; none if it is not there.
     pub fn version(&self, arguments: &[&str], version_in: impl Fn(&str) -> Option<&str>) -> Option<String> {
         let ask = || {
@@ -61,8 +46,33 @@ impl Program {
     }
 }
 
+/// Declares a code with its program, whose name on `PATH` is given.
+macro_rules! installed {
+    ($(#[$about:meta])* $code:ident, $program:literal) => {
+        $(#[$about])*
+        pub struct $code {
+            program: Program,
+        }
+
+        impl Default for $code {
+            /// The program that the code's environment variable names, else the one on `PATH`.
+            fn default() -> Self {
+                Self::new(std::env::var_os($crate::codes::process::variable_of(NAME)).unwrap_or_else(|| $program.into()))
+            }
+        }
+
+        impl $code {
+            /// The code under another name or path of its program.
+            pub fn new(program: impl Into<std::ffi::OsString>) -> Self {
+                Self { program: Program { path: program.into(), version: Default::default() } }
+            }
+        }
+    };
+}
+pub(super) use installed;
+
 /// The environment variable that names a code's program.
-fn variable_of(code: &str) -> String {
+pub(super) fn variable_of(code: &str) -> String {
     format!("MAKADAM_{code}")
 }
 

@@ -1,7 +1,7 @@
 //! YADE: a job file for `yade_driver.py`, which runs inside it, and the frames that come back.
 
 use super::input::{MotionPhase, Palette, Plan, Primitive, primitives};
-use super::process::{self, Program, Run, io};
+use super::process::{self, Program, Run, installed, io};
 use super::yade_rolling::{Rolling, rolling};
 use super::{Code, CodeError, HERTZ_MINDLIN, Job, Purpose, supported_start};
 use makadam::effects::catalogue::{
@@ -49,23 +49,11 @@ const CONTACT_ROW: usize = 12;
 /// Doubles that tell of a driven wall in a frame.
 const DRIVEN_ROW: usize = 2;
 
-/// YADE, an explicit soft-sphere code.
-pub struct Yade {
-    program: Program,
-}
-
-impl Default for Yade {
-    fn default() -> Self {
-        Self { program: Program::from_environment(NAME, "yade") }
-    }
-}
-
-impl Yade {
-    /// YADE under another name or path.
-    pub fn new(program: impl Into<OsString>) -> Self {
-        Self { program: Program::new(program) }
-    }
-}
+installed!(
+    /// YADE, an explicit soft-sphere code.
+    Yade,
+    "yade"
+);
 
 #[derive(Serialize)]
 struct JobFile<'a> {
@@ -199,7 +187,7 @@ impl Code for Yade {
         let progress_file = folder.join("progress.txt");
         Run {
             code: NAME,
-            program: self.program.path(),
+            program: &self.program.path,
             arguments: &["-j1", "-n", "-x", "yade_driver.py", "job.json"].map(OsString::from),
             folder,
             own_logs: &[],

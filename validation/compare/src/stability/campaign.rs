@@ -39,7 +39,7 @@ pub struct Campaign<'a> {
     pub cache: &'a RunCache,
 }
 
-impl Campaign<'_> {
+impl<'a> Campaign<'a> {
     /// Runs every case in every code, and writes scenes and study into the folder. `ended` receives each outcome, `progress` the fraction
     /// of the work that is done.
     ///
@@ -49,15 +49,16 @@ impl Campaign<'_> {
         &self,
         ended: &(dyn Fn(&Case, &Outcome) + Sync),
         progress: &(dyn Fn(f64) + Sync),
-    ) -> Result<Study, RunError> {
+    ) -> Result<Study<'a>, RunError> {
         write_scenes(self.cases.iter().map(|case| &case.scene), self.folder)?;
         let study = Mutex::new(Study::new(self));
-        let work = |case: &Case| (case.scene.grain_count() + 1) as f64 * case.scene.duration / case.scene.solver.step;
-        run_jobs(self.cases, work, progress, |case, _| -> Result<(), RunError> {
+        let cases: Vec<&'a Case> = self.cases.iter().collect();
+        let work = |case: &&Case| (case.scene.grain_count() + 1) as f64 * case.scene.duration / case.scene.solver.step;
+        run_jobs(&cases, work, progress, |&case, _| -> Result<(), RunError> {
             let outcome = |code: &dyn Code| self.outcome(case, code).inspect(|outcome| ended(case, outcome));
             let outcomes = self.codes.par_iter().map(|code| outcome(code.as_ref())).collect::<Result<_, _>>()?;
             let mut study = study.lock().expect("nothing panics while it holds the lock");
-            study.add(CaseResult::new(case, outcomes), self.cases);
+            study.add(case, outcomes, self.cases);
             study.write(self.folder)?;
             Ok(())
         })?;
@@ -174,41 +175,19 @@ impl Case {
 }
 
 /// A case and its outcomes.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct CaseResult {
-    /// Name of the case.
-    pub name: String,
-    pub group: &'static str,
-    /// Expected outcome.
-    pub right: String,
-    /// Law, derivation or publication behind it.
-    pub source: &'static str,
-    /// True if it belongs to the long catalogue only.
-    pub long: bool,
+#[derive(Serialize)]
+pub struct CaseResult<'a> {
+    #[serde(flatten)]
+    pub case: &'a Case,
     /// Hash of the scene, 16 hexadecimal digits.
     pub scene_hash: String,
     /// Outcomes by code, in the order of the columns.
     pub outcomes: Vec<Outcome>,
 }
 
-impl CaseResult {
-    /// Joins a case with its outcomes.
-    pub fn new(case: &Case, outcomes: Vec<Outcome>) -> CaseResult {
-        CaseResult {
-            name: case.name.clone(),
-            group: case.group,
-            right: case.right.clone(),
-            source: case.source,
-            long: case.long,
-            scene_hash: format!("{:016x}", scene_hash(&case.scene)),
-            outcomes,
-        }
-    }
-}
-
 /// Content of `stability.json`.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Study {
+#[derive(Serialize)]
+pub struct Study<'a> {
     /// Version of this document.
     pub version: u32,
     /// "stability".
@@ -216,7 +195,7 @@ pub struct Study {
     /// True if all cases of Makadam ended as stated.
     pub as_stated: bool,
     /// Finished cases, in the order of the catalogue.
-    pub cases: Vec<CaseResult>,
+    pub cases: Vec<CaseResult<'a>>,
     /// Names of the other cases.
     pub unfinished: Vec<String>,
     /// Version of each code that ran.
@@ -226,9 +205,9 @@ pub struct Study {
     pub provenance: BTreeMap<String, String>,
 }
 
-impl Study {
+impl<'a> Study<'a> {
     /// Starts the study of a campaign, without finished cases.
-    pub(super) fn new(campaign: &Campaign<'_>) -> Study {
+    pub(super) fn new(campaign: &Campaign<'a>) -> Study<'a> {
         let codes = campaign.codes.iter();
         Study {
             version: JSON_VERSION,
@@ -243,10 +222,10 @@ impl Study {
     }
 
     /// Adds a finished case of a catalogue.
-    pub(super) fn add(&mut self, result: CaseResult, catalogue: &[Case]) {
-        self.unfinished.retain(|name| *name != result.name);
-        self.cases.push(result);
-        self.cases.sort_by_key(|result| catalogue.iter().position(|case| case.name == result.name));
+    pub(super) fn add(&mut self, case: &'a Case, outcomes: Vec<Outcome>, catalogue: &[Case]) {
+        self.unfinished.retain(|name| *name != case.name);
+        self.cases.push(CaseResult { case, scene_hash: format!("{:016x}", scene_hash(&case.scene)), outcomes });
+        self.cases.sort_by_key(|result| catalogue.iter().position(|case| case.name == result.case.name));
         let outcomes = || self.cases.iter().flat_map(|case| &case.outcomes);
         self.as_stated =
             outcomes().filter(|outcome| outcome.code == "Makadam").all(|outcome| outcome.verdict == Verdict::AsStated);
@@ -268,7 +247,7 @@ impl Study {
     }
 }
 
-impl Document for Study {
+impl Document for Study<'_> {
     const NAME: &'static str = "stability";
 
     fn report(&self) -> Report {
@@ -276,18 +255,18 @@ impl Document for Study {
         let heads = |words: [&'static str; 2]| [words.as_slice(), &columns].concat();
         let mut short = Table::new(&heads(["group", "case"]), &[]);
         let mut sections = Vec::new();
-        for cases in self.cases.chunk_by(|one, next| one.group == next.group) {
-            short.group(cases[0].group, cases, |case| {
-                [case.name.as_str().into()]
+        for cases in self.cases.chunk_by(|one, next| one.case.group == next.case.group) {
+            short.group(cases[0].case.group, cases, |case| {
+                [case.case.name.as_str().into()]
                     .into_iter()
                     .chain(case.outcomes.iter().map(|one| cell(one, false)))
                     .collect()
             });
             let table = Table::new(&heads(["case", "what is right"]), &[]).of(cases, |case| {
-                let name = [&case.name, &case.right].map(Cell::from);
+                let name = [&case.case.name, &case.case.right].map(Cell::from);
                 name.into_iter().chain(case.outcomes.iter().map(|one| cell(one, true))).collect()
             });
-            sections.push(Section::new(title(cases[0].group), "", table).only(Medium::Page));
+            sections.push(Section::new(title(cases[0].case.group), "", table).only(Medium::Page));
         }
         sections.push(Section::new("Verdicts", "", short).only(Medium::Terminal));
         let codes = self.codes.iter().map(|(name, version)| format!("{name} {version}"));
@@ -323,12 +302,12 @@ fn cell(outcome: &Outcome, named: bool) -> Cell {
 }
 
 /// Deviations of a case from its expected outcome, one per code, with figures and bounds.
-fn remarks(case: &CaseResult) -> impl Iterator<Item = String> {
+fn remarks<'r>(CaseResult { case, outcomes, .. }: &'r CaseResult<'_>) -> impl Iterator<Item = String> + 'r {
     let sentence = |finding: &Finding| {
         let number = |value: f64| figure(value, &finding.unit);
         format!("{} {}, right is {}", finding.what, number(finding.value), bounds([finding.low, finding.high], number))
     };
-    let deviating = case.outcomes.iter().filter(|outcome| outcome.verdict != Verdict::AsStated);
+    let deviating = outcomes.iter().filter(|outcome| outcome.verdict != Verdict::AsStated);
     deviating.map(move |outcome| {
         let outside = outcome.findings.iter().filter(|finding| !finding.holds()).map(sentence);
         let why = outcome.reason.clone().unwrap_or_else(|| outside.collect::<Vec<_>>().join("; "));

@@ -19,6 +19,7 @@ use makadam_view::draw::numbers::four_digits;
 use serde::{Deserialize, Serialize};
 
 /// A stress test.
+#[derive(Serialize)]
 pub struct Case {
     /// Name, unique in the catalogue.
     pub name: String,
@@ -31,9 +32,12 @@ pub struct Case {
     /// True if the case belongs to the long catalogue only.
     pub long: bool,
     /// Time step of explicit codes too, s; absent where they take their own.
+    #[serde(skip)]
     pub peer_step: Option<f64>,
     /// Scene.
+    #[serde(skip)]
     pub scene: Scene,
+    #[serde(skip)]
     pub(crate) judge: Judge,
 }
 

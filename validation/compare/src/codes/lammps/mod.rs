@@ -14,35 +14,22 @@
 
 use super::deck::{DeckRun, HAS, data, manifest, render, values};
 use super::input::{AXES, Face, MotionPhase, Palette, Plan, closed_faces};
-use super::process::Program;
+use super::process::{Program, installed};
 use super::{Code, CodeError, HERTZ_MINDLIN, Job, Purpose, supported_start};
 use makadam::scene::{ContactCoefficients, Grain, Material, Motion, Shape, Wall};
 use makadam_frames::plan::Scene;
 use makadam_frames::recording::Recording;
 use minijinja::{Value, context};
 use nalgebra::{Unit, Vector3};
-use std::ffi::OsString;
 use std::fmt::Write;
 
 const NAME: &str = "LAMMPS";
 
-/// LAMMPS with its package GRANULAR.
-pub struct Lammps {
-    program: Program,
-}
-
-impl Default for Lammps {
-    fn default() -> Self {
-        Self { program: Program::from_environment(NAME, "lmp") }
-    }
-}
-
-impl Lammps {
-    /// LAMMPS under another name or path.
-    pub fn new(program: impl Into<OsString>) -> Self {
-        Self { program: Program::new(program) }
-    }
-}
+installed!(
+    /// LAMMPS with its package GRANULAR.
+    Lammps,
+    "lmp"
+);
 
 impl Code for Lammps {
     fn name(&self) -> &'static str {

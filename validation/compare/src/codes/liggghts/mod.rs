@@ -11,7 +11,7 @@
 
 use super::deck::{DeckRun, HAS, data, manifest, render, values};
 use super::input::{AXES, Palette, Plan, Primitive, primitives, stl};
-use super::process::Program;
+use super::process::{Program, installed};
 use super::{Code, CodeError, HERTZ_MINDLIN, Job, Purpose, supported_start};
 use makadam::scene::{Domain, Grain, Motion, Shape};
 use makadam::snapshot::Snapshot;
@@ -20,27 +20,14 @@ use makadam_frames::plan::Scene;
 use makadam_frames::recording::Recording;
 use minijinja::{Value, context};
 use nalgebra::Vector3;
-use std::ffi::OsString;
 
 const NAME: &str = "LIGGGHTS";
 
-/// LIGGGHTS, an explicit soft-sphere code.
-pub struct Liggghts {
-    program: Program,
-}
-
-impl Default for Liggghts {
-    fn default() -> Self {
-        Self { program: Program::from_environment(NAME, "liggghts") }
-    }
-}
-
-impl Liggghts {
-    /// LIGGGHTS under another name or path.
-    pub fn new(program: impl Into<OsString>) -> Self {
-        Self { program: Program::new(program) }
-    }
-}
+installed!(
+    /// LIGGGHTS, an explicit soft-sphere code.
+    Liggghts,
+    "liggghts"
+);
 
 impl Code for Liggghts {
     fn name(&self) -> &'static str {

@@ -123,15 +123,14 @@ impl Reference {
     }
 
     fn read_forces(&mut self, file: &Path, bytes: Bytes<'_>) -> Result<(), ReferenceError> {
-        for (_, line) in lines::<ForceLine>(file, bytes)? {
-            if self.forces.last().is_none_or(|last| last.code != line.code) {
-                let (force, density) = (Vec::new(), Vec::new());
-                self.forces.push(ForceDistribution { code: line.code, force, density, samples: line.samples });
-            }
-            let forces = self.forces.last_mut().expect("one was pushed if there was none");
-            forces.force.push(line.force_over_mean);
-            forces.density.push(line.density);
-        }
+        let lines: Vec<ForceLine> = lines(file, bytes)?.into_iter().map(|(_, line)| line).collect();
+        let of_code = |lines: &[ForceLine]| ForceDistribution {
+            code: lines[0].code.clone(),
+            force: lines.iter().map(|line| line.force_over_mean).collect(),
+            density: lines.iter().map(|line| line.density).collect(),
+            samples: lines[0].samples,
+        };
+        self.forces.extend(lines.chunk_by(|one, next| one.code == next.code).map(of_code));
         Ok(())
     }
 
