@@ -4,7 +4,7 @@
 //! grains fall freely from an arch of the hole's width, and their centres keep a distance from its rim.
 
 use super::campaign::values;
-use super::fit::line;
+use super::results::line;
 use super::{Case, Law, Mean, Run, RunError, Values, figure};
 use crate::sketch::{GRAVITY, Sketch};
 use crate::study::Finding;

@@ -6,7 +6,7 @@
 //! vertical stress and the friction at the wall.
 
 use super::campaign::values;
-use super::fit::least;
+use super::results::least;
 use super::{Case, Law, Mean, Run, RunError, Values, figure};
 use crate::sketch::{GRAVITY, Sketch};
 use crate::study::Finding;

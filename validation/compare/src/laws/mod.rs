@@ -12,7 +12,7 @@ mod beverloo;
 mod campaign;
 mod chute;
 mod collapse;
-mod fit;
+
 mod janssen;
 mod results;
 #[cfg(test)]

@@ -9,15 +9,15 @@
 mod camera;
 mod colours;
 mod files;
-mod lettering;
+
 mod raster;
 mod shade;
 
 pub use camera::{Camera, Cut, Subject, View};
+use colours::{Anchor, Sheet, length};
 pub use colours::{MOST_KINDS, PALETTE, Scale, VIRIDIS, telling};
+pub(crate) use colours::{kind_name, ticks};
 pub use files::{Animation, PictureError, is_animation, png, write_png};
-use lettering::{Anchor, Sheet, length};
-pub(crate) use lettering::{kind_name, ticks};
 use makadam_frames::run_frames::{Quantity, RunFolderError, RunFrame, RunFrames, Walls};
 use nalgebra::Vector3;
 use raster::Flat;

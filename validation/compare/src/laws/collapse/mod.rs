@@ -24,7 +24,7 @@ mod column;
 mod deposit;
 
 use super::campaign::values;
-use super::fit::{at_zero, line, parabola_at_zero};
+use super::results::{at_zero, line, parabola_at_zero};
 use super::{Case, Law, Mean, Run, RunError, Values, figure};
 use crate::sketch::GRAVITY;
 use crate::study::Finding;
