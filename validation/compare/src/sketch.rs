@@ -1,8 +1,7 @@
 //! Builder of the scenes of stress tests and laws.
 
 use makadam::scene::{
-    Domain, GrainEntry, Material, Motion, NormalLaw, Population, RadiusDistribution, Reaction, Region, Shape,
-    SolverMethod, Stop, Wall,
+    Domain, GrainEntry, Material, Motion, NormalLaw, Population, RadiusDistribution, Region, Shape, Stop, Wall,
 };
 use makadam_frames::plan::{Measure, Scene};
 
@@ -107,14 +106,13 @@ impl Sketch {
         self.with(|scene| scene.solver.step = step)
     }
 
-    /// Rigid contacts.
-    pub fn rigid(self) -> Sketch {
-        self.with(|scene| scene.solver.normal_law = NormalLaw::Rigid)
-    }
-
-    /// Anderson's acceleration, for loads that Gauss-Seidel alone takes too many sweeps to carry.
-    pub fn accelerated(self) -> Sketch {
-        self.with(|scene| scene.solver.method = SolverMethod::Anderson { memory: 3 })
+    /// Makes contacts rigid, or leaves them as they are.
+    pub fn rigid(self, rigid: bool) -> Sketch {
+        self.with(|scene| {
+            if rigid {
+                scene.solver.normal_law = NormalLaw::Rigid;
+            }
+        })
     }
 
     /// A fixed number of sweeps a step.
@@ -134,10 +132,8 @@ impl Sketch {
 
     /// Returns the sketch with one more wall, which moves.
     pub fn moving_wall(self, shape: Shape, motion: Motion) -> Sketch {
-        self.with(|scene| {
-            let name = format!("wall{}", scene.wall.len());
-            scene.wall.push(Wall { name, material: "wall".into(), shape, motion });
-        })
+        let name = format!("wall{}", self.0.wall.len());
+        self.named_wall(&name, "wall", shape, motion)
     }
 
     /// Returns the sketch with one more plane, through a point (m).
@@ -185,21 +181,18 @@ impl Sketch {
     }
 
     /// Adds equal grains on the lowest sites of a region.
-    pub fn population(self, count: usize, radius: f64, region: Region) -> Sketch {
-        self.with(|scene| {
-            let radius = RadiusDistribution::Fixed { value: radius };
-            let material = "grain".into();
-            scene.population.push(Population { count, material, radius, region, spacing: 1.1, agitation: 0.0 });
-        })
+    pub fn population(self, count: usize, value: f64, region: Region) -> Sketch {
+        self.grains(count, RadiusDistribution::Fixed { value }, region, 1.1, 0.0)
     }
 
     /// Adds grains with radii between (1 - spread) and (1 + spread) times the mean, a little off the lowest sites of a region.
     pub fn polydisperse(self, count: usize, [mean, spread]: [f64; 2], region: Region, agitation: f64) -> Sketch {
-        self.with(|scene| {
-            let radius = RadiusDistribution::Uniform { mean, spread };
-            let material = "grain".into();
-            scene.population.push(Population { count, material, radius, region, spacing: SPACING, agitation });
-        })
+        self.grains(count, RadiusDistribution::Uniform { mean, spread }, region, SPACING, agitation)
+    }
+
+    fn grains(self, count: usize, radius: RadiusDistribution, region: Region, spacing: f64, agitation: f64) -> Sketch {
+        let material = "grain".into();
+        self.with(|scene| scene.population.push(Population { count, material, radius, region, spacing, agitation }))
     }
 
     /// Adds a wall with a name, of a material.
@@ -212,16 +205,6 @@ impl Sketch {
         self.with(|scene| change(scene.material.get_mut(name).expect("a declared material")))
     }
 
-    /// Description of the scene.
-    pub fn description(self, text: String) -> Sketch {
-        self.with(|scene| scene.description = text)
-    }
-
-    /// Lets grains leave the domain.
-    pub fn open_domain(self) -> Sketch {
-        self.with(|scene| scene.watch.on_escape = Reaction::Ignore)
-    }
-
     /// The scene, checked as one from a file.
     ///
     /// # Panics
@@ -232,9 +215,9 @@ impl Sketch {
     }
 }
 
-/// A motion about the y axis, rad/s.
-pub fn turning(rate: f64) -> Motion {
-    Motion::Rotating { point: [0.0; 3], axis: [0.0, 1.0, 0.0], rate, start: 0.0, stop: None, reverse: None }
+/// A motion about the y axis, rad/s, that stops or turns back at a time, s.
+pub fn turning(rate: f64, stop: Option<f64>, reverse: Option<f64>) -> Motion {
+    Motion::Rotating { point: [0.0; 3], axis: [0.0, 1.0, 0.0], rate, start: 0.0, stop, reverse }
 }
 
 /// Mass of a grain of the usual density, kg.

@@ -6,7 +6,7 @@ use super::console::Colour;
 use super::{Console, Failure, within_tolerance};
 use clap::Args;
 use makadam_compare::codes::{Code, CodeError, CodeName, External, absent, codes_of};
-use makadam_compare::compare::{CodeSummary, Recorder, Row};
+use makadam_compare::compare::{CodeSummary, Recorder, Row, Runs};
 use makadam_frames::output::{JSON_VERSION, cache_folder, create_folder};
 use makadam_frames::plan::Scene;
 use makadam_qualification::qualify::{Judged, OneScene, codes_against, usual_codes};
@@ -237,18 +237,19 @@ fn record_codes(
     console: &Console,
 ) -> Result<ExitCode, Failure> {
     refuse_without_folder(file)?;
+    let recordings = match &arguments.recordings {
+        Some(folder) => folder.clone(),
+        None => cache_folder()?.join("recordings"),
+    };
+    let bars = console.bars();
     let recorder = Recorder {
-        scene,
-        scene_file: file,
-        seeds: arguments.seeds,
-        rayleigh_fraction: arguments.rayleigh_fraction.unwrap_or(0.1),
-        time_limit: Duration::from_secs_f64(arguments.time_limit),
-        again: arguments.restart,
-        recordings: match &arguments.recordings {
-            Some(folder) => folder.clone(),
-            None => cache_folder()?.join("recordings"),
+        runs: Runs {
+            rayleigh_fraction: arguments.rayleigh_fraction.unwrap_or(0.1),
+            recordings: Some(recordings),
+            ..Runs::of_one_seed(scene, file, 1, Duration::from_secs_f64(arguments.time_limit), &bars)
         },
-        announce: &console.bars(),
+        seeds: arguments.seeds,
+        again: arguments.restart,
         note: &|text| console.note(text),
         warn: &|text| console.warn(text),
     };

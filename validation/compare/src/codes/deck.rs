@@ -1,7 +1,6 @@
 //! Codes that take a deck and leave dumps, LIGGGHTS and LAMMPS: grains and values of the decks, a run, and the frames in its dumps.
 
-use super::palette::Palette;
-use super::plan::Plan;
+use super::input::{Palette, Plan};
 use super::process::{Program, Run, disk_has_room, io};
 use super::{CodeError, Job, Purpose};
 use makadam::effects::catalogue::{
@@ -159,7 +158,7 @@ impl DeckRun<'_> {
         let engine_log = folder.join("engine.log");
         let core_share = Run {
             code: self.code,
-            program: self.program.path(),
+            program: &self.program.path,
             arguments: &["-in", "deck.in", "-log", "engine.log", "-nocite"].map(OsString::from),
             folder,
             log: folder.join(self.log),

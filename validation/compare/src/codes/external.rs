@@ -4,9 +4,8 @@
 //! code.toml ─> folder with scene.json, grains.csv, frames.csv, wall0.stl ... ─> the command ─> files of frames ─> import ─> Recording
 //! ```
 
-use super::process::{Run, locate};
-use super::run_folder::{RunFolder, check_pattern};
-use super::stl::stl;
+use super::input::stl;
+use super::process::{Run, RunFolder, check_pattern, locate};
 use super::{Code, CodeError, CodeName, Job, starting_grains};
 use makadam::scene::{Grain, Reaction};
 use makadam::snapshot::{Particle, Snapshot};
@@ -135,9 +134,12 @@ impl External {
         CodeError::Output { code: self.name, file: file.to_path_buf(), line, problem }
     }
 
+    fn refused(&self, ImportError { file, line, problem }: ImportError) -> CodeError {
+        CodeError::Output { code: self.name, file, line, problem }
+    }
+
     /// Reads the files that the description names and a run has left.
     fn tables_of(&self, run: &RunFolder, folder: &Path) -> Result<Tables, CodeError> {
-        let refused = |ImportError { file, line, problem }: ImportError| self.output(&file, line, problem);
         let named = |pattern: &FilePattern| -> Result<Vec<PathBuf>, CodeError> {
             let mut found = run.files(&pattern.glob()).map_err(|problem| self.output(folder, 1, problem))?;
             found.retain(|file| pattern.names(file));
@@ -146,11 +148,11 @@ impl External {
         let (mut tables, own) = (Tables::default(), &self.description);
         for pattern in &own.grains {
             let mut found = named(pattern)?.into_iter();
-            found.try_for_each(|file| tables.add_grains(&file, pattern, own)).map_err(refused)?;
+            found.try_for_each(|file| tables.add_grains(&file, pattern, own)).map_err(|error| self.refused(error))?;
         }
         for pattern in &own.contacts {
             let mut found = named(pattern)?.into_iter();
-            found.try_for_each(|file| tables.add_contacts(&file, pattern, own)).map_err(refused)?;
+            found.try_for_each(|file| tables.add_contacts(&file, pattern, own)).map_err(|error| self.refused(error))?;
         }
         Ok(tables)
     }
@@ -172,8 +174,8 @@ impl External {
             ..self.description.clone()
         };
         manifest.check(job.scene).map_err(|problem| self.output(self.place(job), 1, problem))?;
-        let refused = |ImportError { file, line, problem }: ImportError| self.output(&file, line, problem);
-        let Imported { recording, mut notes } = assemble(job.scene, &manifest, tables).map_err(refused)?;
+        let Imported { recording, mut notes } =
+            assemble(job.scene, &manifest, tables).map_err(|error| self.refused(error))?;
         self.check_times(job, &recording)?;
         self.check_grains(job, grains, &recording)?;
         notes.extend(unlike(job.scene, measured_frames(job.scene, &recording).into_iter()));
@@ -302,8 +304,7 @@ impl Code for External {
                 return recording.map_err(|error| refused(error.to_string()));
             }
             let manifest = Manifest { folder: folder.into(), ..self.description.clone() };
-            let tables = Tables::read(&manifest);
-            let tables = tables.map_err(|ImportError { file, line, problem }| self.output(&file, line, problem))?;
+            let tables = Tables::read(&manifest).map_err(|error| self.refused(error))?;
             return self.recording(job, &tables, None, 0.0);
         }
         let grains = starting_grains(job)?;

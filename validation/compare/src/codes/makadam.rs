@@ -1,6 +1,6 @@
 //! Makadam itself, as one of the codes.
 
-use super::core_share::ThreadClock;
+use super::process::ThreadClock;
 use super::{Code, CodeError, Job};
 use crate::prepared::{StartError, start};
 use crate::scenes::in_file;

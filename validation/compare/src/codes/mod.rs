@@ -1,37 +1,29 @@
-//! The codes that are compared: one trait, one file a code.
+//! The codes that are compared: one trait, one file a code, and one table of their names.
 
-mod code_name;
-mod core_share;
 mod deck;
 pub mod external;
+mod input;
 pub mod lammps;
 pub mod liggghts;
 mod makadam;
-mod palette;
-mod plan;
-mod primitives;
 mod process;
-mod run_folder;
-mod stl;
 pub mod yade;
 mod yade_rolling;
-
-pub use code_name::{CodeName, UnknownCode, codes_of};
-pub use core_share::CoreClock;
-pub use external::{DescriptionError, External};
-pub use lammps::Lammps;
-pub use liggghts::Liggghts;
-pub use makadam::{Makadam, starting_grains};
-pub use process::absent;
-pub use yade::Yade;
 
 use ::makadam::effects::catalogue::Trigger;
 use ::makadam::effects::{CATALOGUE, Effect};
 use ::makadam::scene::{Grain, Shape};
+use clap::ValueEnum;
+pub use external::{DescriptionError, External};
+pub use lammps::Lammps;
+pub use liggghts::Liggghts;
+pub use makadam::{Makadam, starting_grains};
 use makadam_frames::plan::Scene;
 use makadam_frames::recording::Recording;
+pub use process::{CoreClock, absent};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
+pub use yade::Yade;
 
 /// Hertz's spring and Mindlin's, both damped for the restitution of the scene: what explicit codes do where nothing else is said.
 pub const HERTZ_MINDLIN: &str = "Hertz-Mindlin, damped";
@@ -247,7 +239,7 @@ pub fn refuse_effects(
     scene: &Scene,
     grains: &[Grain],
 ) -> Result<(), CodeError> {
-    let palette = palette::Palette::new(scene, grains);
+    let palette = input::Palette::new(scene, grains);
     let here = |effect: &Effect| match effect.trigger {
         Trigger::Contacts { acts, .. } => palette.pairs().any(|(_, _, pair)| acts(&pair)),
         Trigger::Scene(_) => true,
@@ -284,6 +276,56 @@ fn refuse_unsupported(
         return refuse("a wall is made of spheres");
     }
     refuse_effects(code, has, scene, grains)
+}
+
+/// A name that this program gives to no code.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("no code '{0}': give makadam, yade, liggghts or lammps")]
+pub struct UnknownCode(String);
+
+/// A code that this program drives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum CodeName {
+    /// Makadam.
+    Makadam,
+    /// YADE.
+    Yade,
+    /// LIGGGHTS.
+    Liggghts,
+    /// LAMMPS.
+    Lammps,
+}
+
+impl CodeName {
+    /// The codes that Makadam is held against, live or recorded.
+    pub const REFEREES: [CodeName; 2] = [CodeName::Yade, CodeName::Liggghts];
+
+    /// The codes that count where their numbers are on record, and are not asked to run.
+    pub const FURTHER_REFEREES: [CodeName; 1] = [CodeName::Lammps];
+
+    /// The code of a name, in capitals or not.
+    ///
+    /// # Errors
+    /// [`UnknownCode`] for a name that this program gives to no code.
+    pub fn of(name: &str) -> Result<CodeName, UnknownCode> {
+        CodeName::from_str(name, true).map_err(|_| UnknownCode(name.into()))
+    }
+
+    /// The code.
+    pub fn code(self) -> Box<dyn Code + Send> {
+        match self {
+            CodeName::Makadam => Box::new(Makadam),
+            CodeName::Yade => Box::new(Yade::default()),
+            CodeName::Liggghts => Box::new(Liggghts::default()),
+            CodeName::Lammps => Box::new(Lammps::default()),
+        }
+    }
+}
+
+/// The codes of these names, each once, Makadam first.
+pub fn codes_of(names: &[CodeName]) -> Vec<Box<dyn Code>> {
+    let asked = CodeName::value_variants().iter().filter(|name| names.contains(name));
+    asked.map(|name| -> Box<dyn Code> { name.code() }).collect()
 }
 
 #[cfg(test)]

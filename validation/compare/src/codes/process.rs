@@ -1,17 +1,21 @@
-//! A reference code as a child process: started in its own group, watched, stopped whole.
+//! A code as a child process: started in its own group, watched, stopped whole; its share of a core, and its folder.
+//!
+//! On a busy machine wall time depends on other processes. The time of a run is the processor time of its stepping on one core, for every code:
+//! the wall time of the stepping, without set-up and output, times the share of a core that the run got.
+//!
+//! The folder of a run is made anew, given files, and searched for those that the run has left.
 
 use super::CodeError;
-use super::core_share::share_of;
 use makadam_frames::output::shown;
 use rustix::process::{Pid, Signal, kill_process_group};
 use std::ffi::{OsStr, OsString};
 use std::fs::File;
-use std::io::{Read, Seek, SeekFrom, Write};
+use std::io::{ErrorKind, Read, Seek, SeekFrom, Write};
 use std::os::unix::process::CommandExt;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::OnceLock;
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
 
 /// Bytes of the log that an error quotes.
 const TAIL: usize = 600;
@@ -27,26 +31,11 @@ const FULL_DISK: u64 = 1 << 20;
 
 /// A reference code's program, and its version once that was asked for.
 pub(super) struct Program {
-    path: OsString,
-    version: OnceLock<Option<String>>,
+    pub(super) path: OsString,
+    pub(super) version: OnceLock<Option<String>>,
 }
 
 impl Program {
-    /// A program by its name or path.
-    pub fn new(path: impl Into<OsString>) -> Program {
-        Program { path: path.into(), version: OnceLock::new() }
-    }
-
-    /// A code's program: the one that its environment variable names, else the one of this name on PATH.
-    pub fn from_environment(code: &str, name: &str) -> Program {
-        Program::new(std::env::var_os(variable_of(code)).unwrap_or_else(|| name.into()))
-    }
-
-    /// Its name or path.
-    pub fn path(&self) -> &OsStr {
-        &self.path
-    }
-
     /// Its version as `version_in` finds it in what it prints with these arguments, else "unknown"; none if it is not there.
     pub fn version(&self, arguments: &[&str], version_in: impl Fn(&str) -> Option<&str>) -> Option<String> {
         let ask = || {
@@ -57,8 +46,33 @@ impl Program {
     }
 }
 
+/// Declares a code with its program, whose name on `PATH` is given.
+macro_rules! installed {
+    ($(#[$about:meta])* $code:ident, $program:literal) => {
+        $(#[$about])*
+        pub struct $code {
+            program: Program,
+        }
+
+        impl Default for $code {
+            /// The program that the code's environment variable names, else the one on `PATH`.
+            fn default() -> Self {
+                Self::new(std::env::var_os($crate::codes::process::variable_of(NAME)).unwrap_or_else(|| $program.into()))
+            }
+        }
+
+        impl $code {
+            /// The code under another name or path of its program.
+            pub fn new(program: impl Into<std::ffi::OsString>) -> Self {
+                Self { program: Program { path: program.into(), version: Default::default() } }
+            }
+        }
+    };
+}
+pub(super) use installed;
+
 /// The environment variable that names a code's program.
-fn variable_of(code: &str) -> String {
+pub(super) fn variable_of(code: &str) -> String {
     format!("MAKADAM_{code}")
 }
 
@@ -289,6 +303,189 @@ fn ending(log: &Path) -> String {
         Ok(bytes)
     };
     String::from_utf8_lossy(&read().unwrap_or_default()).into_owned()
+}
+
+/// Clock ticks a second in the files of `/proc`: Linux shows 100 on every machine, whatever it counts in.
+const TICKS: f64 = 100.0;
+
+/// Watches the calling thread and the child processes that it waits for.
+pub struct CoreClock {
+    started: Instant,
+    processor: Option<f64>,
+}
+
+impl CoreClock {
+    /// Starts watching.
+    pub fn start() -> CoreClock {
+        CoreClock { started: Instant::now(), processor: processor_seconds() }
+    }
+
+    /// Processor time over elapsed time since the start, at most 1; absent where the system does not tell.
+    pub fn share(&self) -> Option<f64> {
+        let processor = processor_seconds()? - self.processor?;
+        share(processor, self.started.elapsed())
+    }
+}
+
+/// Processor time that a stepping takes of this thread, from its start on.
+pub(super) struct ThreadClock {
+    started: Instant,
+    processor: f64,
+}
+
+impl ThreadClock {
+    /// Starts watching.
+    pub(super) fn start() -> ThreadClock {
+        ThreadClock { started: Instant::now(), processor: own_seconds() }
+    }
+
+    /// Processor time of a part of what the thread has done since the start, s: its wall time times the share of a core; absent where no
+    /// time has passed.
+    pub(super) fn core_seconds(&self, wall: Duration) -> Option<f64> {
+        Some(wall.as_secs_f64() * share(own_seconds() - self.processor, self.started.elapsed())?)
+    }
+}
+
+/// Wall time below which ticks are too coarse to tell a share.
+const SHORTEST: Duration = Duration::from_millis(300);
+
+/// Share of a core that a process has got since its start, 0 to 1; absent in its first moments and where the system does not tell.
+pub(super) fn share_of(process: u32, started: Instant) -> Option<f64> {
+    let elapsed = started.elapsed();
+    let text = std::fs::read_to_string(format!("/proc/{process}/stat")).ok()?;
+    let processor = seconds_in(&text, OWN)?;
+    (elapsed >= SHORTEST).then(|| share(processor, elapsed)).flatten()
+}
+
+fn share(processor: f64, elapsed: Duration) -> Option<f64> {
+    let elapsed = elapsed.as_secs_f64();
+    (elapsed > 0.0).then(|| (processor / elapsed).clamp(0.0, 1.0))
+}
+
+/// Processor time of this thread and of the children that it has waited for, s.
+fn processor_seconds() -> Option<f64> {
+    Some(own_seconds() + children_seconds()?)
+}
+
+/// Processor time of this thread, s.
+fn own_seconds() -> f64 {
+    // The files of /proc show a running thread as it was at its last tick, which is long for a run of milliseconds.
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
+    time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
+}
+
+/// Processor time of children that have ended, s.
+fn children_seconds() -> Option<f64> {
+    seconds_in(&std::fs::read_to_string("/proc/self/stat").ok()?, CHILDREN)
+}
+
+/// Places of user time in a line of `stat` behind the program's name; system time is the next one.
+const OWN: usize = 11;
+const CHILDREN: usize = 13;
+
+/// User and system time in a line of `stat`, s.
+fn seconds_in(line: &str, place: usize) -> Option<f64> {
+    // The program's name, in brackets, may hold blanks.
+    let fields: Vec<&str> = line.rsplit_once(')')?.1.split_whitespace().collect();
+    let ticks = |field: usize| fields.get(field)?.parse::<f64>().ok();
+    Some((ticks(place)? + ticks(place + 1)?) / TICKS)
+}
+
+/// Clocks of file systems are as coarse as this.
+const COARSE: Duration = Duration::from_secs(2);
+
+/// A folder in which nothing lies but what the run was given, and what it leaves.
+pub(super) struct RunFolder {
+    path: PathBuf,
+    /// Names of the files that it was given.
+    given: Vec<String>,
+    /// When it was given them, by the clock of the file system.
+    started: SystemTime,
+}
+
+impl RunFolder {
+    /// Empties the folder, or makes it, and writes files into it.
+    ///
+    /// # Errors
+    /// [`CodeError::Io`] if the system refuses.
+    pub fn fresh(path: &Path, input: Vec<(String, Vec<u8>)>) -> Result<RunFolder, CodeError> {
+        match std::fs::remove_dir_all(path) {
+            Err(source) if source.kind() != ErrorKind::NotFound => return Err(io(path, source)),
+            _ => {}
+        }
+        std::fs::create_dir_all(path).map_err(|source| io(path, source))?;
+        let (mut given, mut started) = (Vec::new(), SystemTime::now());
+        for (name, bytes) in input {
+            let file = path.join(&name);
+            let written = std::fs::write(&file, bytes).and_then(|()| file.metadata()?.modified());
+            let written = written.map_err(|source| io(&file, source))?;
+            // The clock of a disk elsewhere may be behind that of this machine.
+            started = started.min(written);
+            given.push(name);
+        }
+        Ok(RunFolder { path: path.to_path_buf(), given, started })
+    }
+
+    /// The files of a pattern, in the order of their names.
+    ///
+    /// # Errors
+    /// Where there are none, or one that is not of this run, in words.
+    pub fn files(&self, pattern: &str) -> Result<Vec<PathBuf>, String> {
+        let whole = Path::new(&glob::Pattern::escape(&self.path.display().to_string())).join(pattern);
+        let paths = glob::glob(&whole.display().to_string()).map_err(|error| error.to_string())?;
+        let paths: Vec<PathBuf> = paths.collect::<Result<_, _>>().map_err(|error| error.to_string())?;
+        let mut files: Vec<PathBuf> = paths.into_iter().filter(|path| path.is_file()).collect();
+        if files.is_empty() {
+            return Err(format!("the run has left no file {pattern}"));
+        }
+        files.iter().try_for_each(|file| self.is_of_run(file))?;
+        files.sort();
+        Ok(files)
+    }
+
+    /// Refuses what the run did not make.
+    fn is_of_run(&self, file: &Path) -> Result<(), String> {
+        let whole = |path: &Path| path.canonicalize().map_err(|error| format!("{}: {error}", path.display()));
+        let (real, folder) = (whole(file)?, whole(&self.path)?);
+        let name = file.file_name().unwrap_or_default().display();
+        let Ok(below) = real.strip_prefix(&folder) else {
+            return Err(format!(
+                "{name} is a link to {}, out of the folder of the run; leave the file itself",
+                real.display()
+            ));
+        };
+        if self.given.iter().any(|given| Path::new(given) == below) {
+            return Err(format!(
+                "{} is what the run was given; let it leave its frames under another name, and name those alone",
+                below.display()
+            ));
+        }
+        let modified = real.metadata().and_then(|data| data.modified()).map_err(|error| format!("{name}: {error}"))?;
+        match self.started.duration_since(modified) {
+            Ok(before) if before > COARSE => Err(format!(
+                "{name} was written {:.0} s before the run began: it is of another one; let each run write its frames anew",
+                before.as_secs_f64()
+            )),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Checks that a pattern names files below the folder of a run.
+///
+/// # Errors
+/// Why not, and the remedy.
+pub(super) fn check_pattern(pattern: &str) -> Result<(), String> {
+    let remedy = "name files below the folder in which the command runs, such as out/*.csv";
+    let leads_out =
+        |part: Component<'_>| matches!(part, Component::ParentDir | Component::RootDir | Component::Prefix(_));
+    if pattern.is_empty() || Path::new(pattern).components().any(leads_out) {
+        return Err(format!("'{pattern}' leads out of the folder of a run; {remedy}"));
+    }
+    match glob::Pattern::new(pattern) {
+        Ok(_) => Ok(()),
+        Err(error) => Err(format!("'{pattern}' is no pattern of files: {error}; {remedy}")),
+    }
 }
 
 #[cfg(test)]

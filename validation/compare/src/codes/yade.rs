@@ -1,16 +1,14 @@
 //! YADE: a job file for `yade_driver.py`, which runs inside it, and the frames that come back.
 
-use super::palette::Palette;
-use super::plan::{MotionPhase, Plan};
-use super::primitives::{Primitive, primitives};
-use super::process::{self, Program, Run, io};
+use super::input::{MotionPhase, Palette, Plan, Primitive, primitives};
+use super::process::{self, Program, Run, installed, io};
 use super::yade_rolling::{Rolling, rolling};
 use super::{Code, CodeError, HERTZ_MINDLIN, Job, Purpose, supported_start};
 use makadam::effects::catalogue::{
     COHESION, COMPLIANCE, DRIVEN_WALLS, Effect, FRICTION, GRAVITY, RESTITUTION, ROLLING, SIZE_SPREAD, SPIN,
     TANGENTIAL_SPRING, VISCOSITY, WALL_MOTION,
 };
-use makadam::scene::{Cohesion, Grain, Motion};
+use makadam::scene::{Cohesion, Grain, Motion, Wall};
 use makadam::snapshot::{DrivenWall, Particle, Partner, Snapshot};
 use makadam_frames::import::{contact_from_force, measurable, merge_wall_contacts};
 use makadam_frames::output::mesh::{COARSE, FINE, Mesh, Triangle, wall_mesh};
@@ -51,23 +49,11 @@ const CONTACT_ROW: usize = 12;
 /// Doubles that tell of a driven wall in a frame.
 const DRIVEN_ROW: usize = 2;
 
-/// YADE, an explicit soft-sphere code.
-pub struct Yade {
-    program: Program,
-}
-
-impl Default for Yade {
-    fn default() -> Self {
-        Self { program: Program::from_environment(NAME, "yade") }
-    }
-}
-
-impl Yade {
-    /// YADE under another name or path.
-    pub fn new(program: impl Into<OsString>) -> Self {
-        Self { program: Program::new(program) }
-    }
-}
+installed!(
+    /// YADE, an explicit soft-sphere code.
+    Yade,
+    "yade"
+);
 
 #[derive(Serialize)]
 struct JobFile<'a> {
@@ -201,7 +187,7 @@ impl Code for Yade {
         let progress_file = folder.join("progress.txt");
         Run {
             code: NAME,
-            program: self.program.path(),
+            program: &self.program.path,
             arguments: &["-j1", "-n", "-x", "yade_driver.py", "job.json"].map(OsString::from),
             folder,
             own_logs: &[],
@@ -354,13 +340,10 @@ fn surfaces(job: &Job<'_>, grains: &[Grain], rolls: bool) -> Vec<(Mesh, Vec<(usi
         Primitive::Plane { axis, at } if !rolls => Some((axis, at)),
         Primitive::Plane { .. } | Primitive::Cylinder { .. } => None,
     };
-    let of = |(wall, found): (&makadam::scene::Wall, &Vec<Primitive>)| match found
-        .iter()
-        .filter_map(plane)
-        .collect::<Vec<_>>()
-    {
-        planes if planes.is_empty() => (wall_mesh(&wall.shape, &scene.domain, smallest, fineness), planes),
-        planes => (Mesh::default(), planes),
+    let of = |(wall, found): (&Wall, &Vec<Primitive>)| {
+        let planes: Vec<_> = found.iter().filter_map(plane).collect();
+        let mesh = planes.is_empty().then(|| wall_mesh(&wall.shape, &scene.domain, smallest, fineness));
+        (mesh.unwrap_or_default(), planes)
     };
     scene.wall.iter().zip(&found).map(of).collect()
 }

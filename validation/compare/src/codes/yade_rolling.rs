@@ -17,7 +17,7 @@
 //! radius squared. The driver sets each contact's own stiffness (`kr`) to that every few steps; `krot` is what a contact has until then. A
 //! heap's angle depends on it: with springs as stiff everywhere as at an overlap of 1% it is a degree steeper.
 
-use super::palette::Palette;
+use super::input::Palette;
 use makadam::scene::{Grain, Material};
 use serde::Serialize;
 

@@ -34,7 +34,7 @@ pub enum Timing {
 }
 
 /// One observable of one code, and its difference from a reference code.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Row {
     /// Name of the scene.
     pub scene: String,
@@ -87,6 +87,17 @@ pub(super) fn at_odds(rows: &[Row], judged: &str, row: &Row) -> bool {
     let floor = |other: &&Row| other.code != judged && other.observable == row.observable;
     let beyond = |difference: f64| row.margin.is_some_and(|margin| difference.abs() > margin);
     rows.iter().filter(floor).filter_map(|floor| floor.difference).any(beyond)
+}
+
+/// Returns the names that a field takes, each once, in the order of their appearance.
+pub fn distinct<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
+    let mut found = Vec::new();
+    for name in names {
+        if !found.contains(&name) {
+            found.push(name);
+        }
+    }
+    found
 }
 
 /// Runs of a code in short.

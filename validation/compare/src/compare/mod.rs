@@ -1,21 +1,16 @@
 //! Comparison of several codes on one scene: runs, recorded references, rows with verdicts.
 
-mod code_runs;
 mod comparison;
-mod measured_run;
 mod record;
 mod reference;
-mod registered;
 mod rows;
+mod runs;
 mod simulate;
 
-pub use code_runs::CodeRuns;
-pub use comparison::{CodeSummary, Comparison, FinalState, Row, Source, Timing};
-pub use measured_run::{Harvest, MeasuredRun, noticed};
+pub use comparison::{CodeSummary, Comparison, FinalState, Row, Source, Timing, distinct};
 pub use record::{FEW_SEEDS, RecordError, Recorder};
 pub(crate) use reference::{Missing, Wanted};
 pub use reference::{Reference, ReferenceError};
-pub use rows::comparison;
-pub use rows::live_checks;
-pub use simulate::{Announce, Runs, Share};
-pub use simulate::{LIVE_FRACTION, Simulated};
+pub use rows::{comparison, live_checks};
+pub use runs::{CodeRuns, Harvest, MeasuredRun, noticed};
+pub use simulate::{Announce, LIVE_FRACTION, Runs, Share, Simulated};

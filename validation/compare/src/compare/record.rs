@@ -1,35 +1,24 @@
 //! Recording: what is missing in a scene's references is measured or run, and taken in.
 
-use super::{Announce, CodeRuns, Missing, Reference, ReferenceError, Runs, Simulated, Wanted};
-use crate::codes::{Code, CodeError, Purpose};
+use super::{CodeRuns, Missing, Reference, ReferenceError, Runs, Simulated, Wanted};
+use crate::codes::{Code, CodeError};
 use makadam_frames::output::WriteError;
-use makadam_frames::plan::{Scene, physics_hash};
+use makadam_frames::plan::physics_hash;
 use makadam_measure::statistics::Ensemble;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
 /// Seeds where nothing is recorded and none are asked for.
 pub const FEW_SEEDS: u64 = 3;
 
 /// Records frames and measurements of reference codes as a reference of a scene.
 pub struct Recorder<'a> {
-    /// Scene to record.
-    pub scene: &'a Scene,
-    /// Its file.
-    pub scene_file: &'a Path,
+    /// Runs for measuring of the scene, but for their seeds, with the folder of raw recordings.
+    pub runs: Runs<'a>,
     /// Number of seeds, counted from 1; absent, those that the scene registers, else as many as are recorded, and [`FEW_SEEDS`] at least.
     pub seeds: Option<u64>,
-    /// Time step of explicit codes over the Rayleigh step.
-    pub rayleigh_fraction: f64,
-    /// Wall time after which a run is stopped.
-    pub time_limit: Duration,
     /// True if all recorded runs are replaced.
     pub again: bool,
-    /// Folder of raw recordings.
-    pub recordings: PathBuf,
-    /// Opens progress displays.
-    pub announce: Announce<'a>,
     /// Told what will be run.
     pub note: &'a dyn Fn(&str),
     /// Told what will be replaced and what failed.
@@ -72,11 +61,12 @@ impl Recorder<'_> {
     /// # Errors
     /// [`RecordError::Reference`] or [`RecordError::Write`] if the references cannot be read or written.
     pub fn record(&self, codes: Vec<Box<dyn Code>>) -> Result<Recorded, RecordError> {
-        let folder = Reference::folder(self.scene_file);
+        let folder = Reference::folder(self.runs.scene_file);
         let (mut reference, aside) = self.known(&folder)?;
         let seeds: Vec<u64> =
-            (1..=self.seeds.or(self.scene.measure.seeds).unwrap_or_else(|| reference.seeds().max(FEW_SEEDS))).collect();
-        let hash = physics_hash(self.scene);
+            (1..=self.seeds.or(self.runs.scene.measure.seeds).unwrap_or_else(|| reference.seeds().max(FEW_SEEDS)))
+                .collect();
+        let hash = physics_hash(self.runs.scene);
         // Said before the hours that the runs may take, so that a fraction mistyped is noticed in time.
         let plan = |code: Box<dyn Code>| {
             let missing = self.missing(code.as_ref(), &reference, &hash, &seeds);
@@ -85,7 +75,7 @@ impl Recorder<'_> {
         };
         let plans: Vec<(Box<dyn Code>, Missing)> = codes.into_iter().map(plan).collect();
         let jobs: Vec<(&dyn Code, Runs<'_>)> =
-            plans.iter().map(|(code, missing)| (code.as_ref(), self.runs(missing))).collect();
+            plans.iter().map(|(code, missing)| (code.as_ref(), self.runs.of_seeds(&missing.seeds))).collect();
         let simulated: Vec<_> = jobs.par_iter().map(|(code, runs)| runs.simulate(*code)).collect();
         let mut recorded = Recorded { folder, changed: false, whole: true, lines: Vec::new(), failure: None };
         let mut failures = Vec::new();
@@ -132,20 +122,6 @@ impl Recorder<'_> {
         }
     }
 
-    fn runs(&self, missing: &Missing) -> Runs<'_> {
-        Runs {
-            scene: self.scene,
-            scene_file: self.scene_file,
-            purpose: Purpose::Measuring,
-            seeds: missing.seeds.clone(),
-            rayleigh_fraction: self.rayleigh_fraction,
-            stiffness_factor: 1.0,
-            time_limit: self.time_limit,
-            recordings: Some(self.recordings.clone()),
-            announce: self.announce,
-        }
-    }
-
     fn missing(&self, code: &dyn Code, reference: &Reference, hash: &str, seeds: &[u64]) -> Missing {
         if self.again {
             let recorded = reference.of(code.name()).next();
@@ -156,7 +132,7 @@ impl Recorder<'_> {
             version: code.version().as_deref(),
             contact_law: code.contact_law(),
             scene_hash: hash,
-            rayleigh_fraction: self.rayleigh_fraction,
+            rayleigh_fraction: self.runs.rayleigh_fraction,
             seeds,
         })
     }
@@ -216,7 +192,7 @@ impl Recorder<'_> {
     fn describe(&self, reference: &Reference, code: &str, lines: &mut Vec<String>) -> bool {
         let runs = reference.of(code).count();
         let mut whole = true;
-        for expectation in &self.scene.compare {
+        for expectation in &self.runs.scene.compare {
             let observable = &expectation.observable;
             let recorded = reference.of(code);
             let values: Vec<f64> = recorded.filter_map(|run| run.value(observable)).collect();

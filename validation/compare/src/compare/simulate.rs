@@ -58,17 +58,24 @@ impl<'a> Runs<'a> {
         time_limit: Duration,
         announce: Announce<'a>,
     ) -> Runs<'a> {
+        let (purpose, rayleigh_fraction, stiffness_factor) = (Purpose::Measuring, LIVE_FRACTION, 1.0);
+        let (seeds, recordings) = (vec![seed], None);
         Runs {
             scene,
             scene_file,
-            purpose: Purpose::Measuring,
-            seeds: vec![seed],
-            rayleigh_fraction: LIVE_FRACTION,
-            stiffness_factor: 1.0,
+            purpose,
+            seeds,
+            rayleigh_fraction,
+            stiffness_factor,
             time_limit,
-            recordings: None,
+            recordings,
             announce,
         }
+    }
+
+    /// The same runs of other seeds.
+    pub fn of_seeds(&self, seeds: &[u64]) -> Runs<'a> {
+        Runs { seeds: seeds.to_vec(), ..self.clone() }
     }
 }
 

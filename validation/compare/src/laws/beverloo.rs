@@ -4,15 +4,15 @@
 //! grains fall freely from an arch of the hole's width, and their centres keep a distance from its rim.
 
 use super::campaign::values;
-use super::fit::line;
-use super::{Case, Law, Mean, Run, RunError, Values};
+use super::results::line;
+use super::{Case, Law, Mean, Run, RunError, Values, figure};
 use crate::sketch::{GRAVITY, Sketch};
 use crate::study::Finding;
-use makadam::scene::{Motion, Region, Shape};
+use makadam::scene::{Motion, Reaction, Region, Shape};
 use makadam::snapshot::{Particle, Snapshot};
 use makadam_view::draw::figure::Figure;
-pub use makadam_view::draw::names::{CodeStyle, Marker};
-pub use makadam_view::draw::plot::{Axis, Key, Plot};
+use makadam_view::draw::names::{CodeStyle, Marker};
+use makadam_view::draw::plot::{Axis, Key, Plot};
 use std::f64::consts::PI;
 
 /// Mean diameter of the grains, m.
@@ -133,9 +133,12 @@ fn figures(means: &[Mean]) -> Vec<Figure> {
     for mean in means {
         plot.marker(own, mean.of_value("hole"), flow(mean.of_value("flow_scaled")), 4.2);
     }
-    let title = "Outflow from a silo";
-    let caption = format!("{title}: measured, and Beverloo's law with C = 0.58 and k = 1.4, a straight line here.");
-    vec![Figure { name: "outflow".into(), svg: plot.finish(title), caption }]
+    vec![figure(
+        "outflow",
+        plot,
+        "Outflow from a silo",
+        "measured, and Beverloo's law with C = 0.58 and k = 1.4, a straight line here.",
+    )]
 }
 
 /// Fits to the flows.
@@ -219,9 +222,11 @@ fn case(hole: f64, least: f64) -> Case {
         .sweeps(SOLVE.1)
         .interval(0.05)
         .wall(Shape::Cylinder { base: [0.0; 3], axis: up, radius, length: room })
-        .description(format!("A silo of {} grain diameters with a hole of {hole}.", silo / DIAMETER))
+        .with(|scene| {
+            scene.description = format!("A silo of {} grain diameters with a hole of {hole}.", silo / DIAMETER)
+        })
         // Grains below the floor may roll away.
-        .open_domain()
+        .with(|scene| scene.watch.on_escape = Reaction::Ignore)
         .change_material("grain", |grain| grain.density = DENSITY)
         .named_wall("floor", "wall", disc(radius + DIAMETER, opening), Motion::Fixed)
         .named_wall("lid", "wall", disc(opening, 0.0), lid)

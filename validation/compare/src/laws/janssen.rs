@@ -6,15 +6,15 @@
 //! vertical stress and the friction at the wall.
 
 use super::campaign::values;
-use super::fit::least;
-use super::{Case, Law, Mean, Run, RunError, Values};
+use super::results::least;
+use super::{Case, Law, Mean, Run, RunError, Values, figure};
 use crate::sketch::{GRAVITY, Sketch};
 use crate::study::Finding;
 use makadam::scene::{Motion, Region, Shape};
 use makadam::snapshot::{Partner, Snapshot};
 use makadam_view::draw::figure::Figure;
-pub use makadam_view::draw::names::{CodeStyle, Marker};
-pub use makadam_view::draw::plot::{Axis, Key, Plot};
+use makadam_view::draw::names::{CodeStyle, Marker};
+use makadam_view::draw::plot::{Axis, Key, Plot};
 use std::f64::consts::PI;
 
 /// Mean diameter of the grains, m.
@@ -169,10 +169,12 @@ fn figures(means: &[Mean]) -> Vec<Figure> {
         plot.open_marker(before, mass, scaled(mean, "apparent_mass_before"), 3.0);
         plot.marker(own, mass, scaled(mean, "apparent_mass"), 4.2);
     }
-    let title = "Mass that the floor of a tube bears";
-    let caption =
-        format!("{title}: measured, and Janssen's law with the one fitted mass; straight: all of the weight.");
-    vec![Figure { name: "apparent-mass".into(), svg: plot.finish(title), caption }]
+    vec![figure(
+        "apparent-mass",
+        plot,
+        "Mass that the floor of a tube bears",
+        "measured, and Janssen's law with the one fitted mass; straight: all of the weight.",
+    )]
 }
 
 /// Cases that the curve is fitted to: those at full speed.
@@ -252,7 +254,7 @@ fn case(diameters: f64, filling: f64, speed_share: f64) -> Case {
             Shape::Cylinder { base: [0.0, 0.0, -2.0 * DIAMETER], axis: up, radius, length: room + 4.0 * DIAMETER },
             rising,
         )
-        .description(format!("Grains to {filling} diameters of a tube whose wall rises slowly."))
+        .with(|scene| scene.description = format!("Grains to {filling} diameters of a tube whose wall rises slowly."))
         .change_material("wall", |wall| wall.friction = WALL_FRICTION)
         .change_material("grain", |grain| (grain.friction, grain.density) = (FRICTION, DENSITY))
         .named_wall("floor", "floor", Shape::Plane { point: [0.0; 3], normal: up }, Motion::Fixed)

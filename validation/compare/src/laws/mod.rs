@@ -12,18 +12,18 @@ mod beverloo;
 mod campaign;
 mod chute;
 mod collapse;
-mod fit;
+
 mod janssen;
 mod results;
 #[cfg(test)]
 #[path = "../../tests/unit/laws.rs"]
 mod tests;
 
-pub use campaign::{Case, Run, Values, row_of, run_cases, work};
-pub use results::{LawResult, Mean, Row, Study, figure_and_bounds, runs};
-
 use crate::study::{Finding, RunError};
+pub use campaign::{Case, Run, Values, row_of, run_cases, work};
 use makadam_view::draw::figure::Figure;
+use makadam_view::draw::plot::Plot;
+pub use results::{LawResult, Mean, Row, Study, figure_and_bounds, runs};
 
 /// A published law.
 pub struct Law {
@@ -41,6 +41,11 @@ pub struct Law {
     judge: fn(&[Mean]) -> Vec<Finding>,
     /// Measured values next to the law.
     figures: fn(&[Mean]) -> Vec<Figure>,
+}
+
+/// A finished figure; the title begins its caption.
+fn figure(name: &str, plot: Plot, title: &str, caption: &str) -> Figure {
+    Figure { name: name.into(), svg: plot.finish(title), caption: format!("{title}: {caption}") }
 }
 
 /// All laws, in the order of listings.

@@ -165,10 +165,16 @@ fn set(at: &mut Item, change: &Change, key: &[String], full: &mut Option<Item>) 
                 }
                 done
             }
-            _ => match at.get_mut(place) {
-                Some(entry) => set(entry, change, rest, &mut inner),
-                None => in_array(at, place, change, rest, &mut inner),
-            },
+            // An array in one line has no items of its own.
+            _ => {
+                let array = at.as_array_mut().expect("it has entries");
+                let mut entry = Item::Value(array.get(place).expect("it is one of them").clone());
+                let done = set(&mut entry, change, rest, &mut inner);
+                if let Item::Value(value) = entry {
+                    array.replace_formatted(place, value);
+                }
+                done
+            }
         };
     }
     if at.as_table_like().is_none() {
@@ -199,23 +205,6 @@ fn set(at: &mut Item, change: &Change, key: &[String], full: &mut Option<Item>) 
             Ok(())
         }
     }
-}
-
-/// Sets a value within an entry of an array in one line, which has no items of its own.
-fn in_array(
-    at: &mut Item,
-    place: usize,
-    change: &Change,
-    rest: &[String],
-    full: &mut Option<Item>,
-) -> Result<(), ChangeError> {
-    let array = at.as_array_mut().expect("it has entries");
-    let mut entry = Item::Value(array.get(place).expect("it is one of them").clone());
-    set(&mut entry, change, rest, full)?;
-    if let Item::Value(value) = entry {
-        array.replace_formatted(place, value);
-    }
-    Ok(())
 }
 
 /// Number of entries of a list.

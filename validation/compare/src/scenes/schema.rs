@@ -147,21 +147,11 @@ fn without_links(text: &str) -> String {
         let Some((words, tail)) = after.split_once(']') else {
             return plain + "[" + after;
         };
-        let target = tail.strip_prefix('(').and_then(|tail| tail.split_once(')'));
-        match (words.starts_with('`'), target) {
-            (true, Some((_, tail))) => {
-                plain += words;
-                rest = tail;
-            }
-            (true, None) => {
-                plain += words;
-                rest = tail;
-            }
-            (false, _) => {
-                plain += &format!("[{words}]");
-                rest = tail;
-            }
-        }
+        let after_target = tail.strip_prefix('(').and_then(|tail| tail.split_once(')')).map(|(_, tail)| tail);
+        (plain, rest) = match words.starts_with('`') {
+            true => (plain + words, after_target.unwrap_or(tail)),
+            false => (format!("{plain}[{words}]"), tail),
+        };
     }
     plain + rest
 }

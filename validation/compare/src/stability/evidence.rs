@@ -63,6 +63,11 @@ impl<'a> Evidence<'a> {
         self.mean_force(share, |_| true)
     }
 
+    /// Upward force of the walls over the weight, averaged over the last share of the run.
+    pub(super) fn carried(&self, share: f64) -> f64 {
+        -self.wall_force(share).z / self.weight()
+    }
+
     /// Force on one wall.
     pub(super) fn force_on_wall(&self, wall: u32, share: f64) -> Vector3<f64> {
         self.mean_force(share, |at| at == wall)

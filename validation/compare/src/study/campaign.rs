@@ -1,12 +1,24 @@
 //! Execution of a campaign: jobs of (scene, code, seed, settings) on the thread pool, their results in the order of the jobs.
 //!
-//! A job takes its result from a [`RunCache`](super::RunCache) where an earlier start has stored it, so that a campaign resumes.
+//! A job takes its result from a [`RunCache`] where an earlier start has stored it, so that a campaign resumes: one file per run, written as a
+//! whole. A [`Key`] holds all that a run follows from: scene, seed, settings, builds. A file of another key belongs to another run: it counts
+//! as missing and is written over. A file with a wrong checksum is damaged: it is moved aside, and the run counts as missing.
 
 use super::DocumentError;
 use crate::codes::CodeError;
 use crate::scenes::SceneError;
-use makadam_frames::output::WriteError;
+use makadam::BUILD;
+use makadam::checkpoint::checksum;
+use makadam_frames::output::{WriteError, create_folder, write_whole};
+use makadam_frames::plan::Scene;
+use makadam_frames::provenance::scene_hash;
 use rayon::prelude::*;
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Error that ended a run; finished runs stay stored.
@@ -85,6 +97,204 @@ pub fn run_jobs<J: Sync, R: Send, E: Send>(
     let mut results = order.into_iter().par_bridge().map(one).collect::<Result<Vec<_>, E>>()?;
     results.sort_by_key(|(number, _)| *number);
     Ok(results.into_iter().map(|(_, result)| result).collect())
+}
+
+/// Version of the layout; files of another one are damaged.
+const VERSION: u32 = 1;
+
+/// Extension of a damaged file.
+const DAMAGED: &str = "damaged";
+
+/// Identity of a run, and the name of its file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Key {
+    name: String,
+    hash: String,
+}
+
+impl Key {
+    /// Key of a run that follows from these parts alone, stored in NAME.json.
+    pub fn new(name: String, parts: &[&str]) -> Key {
+        Key { name, hash: format!("{:016x}", checksum(parts.join("\n").as_bytes())) }
+    }
+
+    /// Key of a run of a scene: it follows from scene, watchdogs, seed, builds of solver and validation, and further settings.
+    pub fn of_run(name: String, scene: &Scene, seed: u64, settings: &[&str]) -> Key {
+        let watch = serde_json::to_string(&scene.watch).expect("a checked scene holds finite numbers and plain text");
+        let (hash, seed) = (format!("{:016x}", scene_hash(scene)), seed.to_string());
+        Key::new(name, &[&[hash.as_str(), &watch, &seed, BUILD, crate::BUILD], settings].concat())
+    }
+
+    /// Name of its file, without the extension.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Adds the hash to the name of the file, so that runs of that name are stored side by side.
+    pub fn apart(self) -> Key {
+        Key { name: format!("{}-{}", self.name, self.hash), ..self }
+    }
+}
+
+/// Content of a file.
+#[derive(Serialize, Deserialize)]
+struct Sealed<T> {
+    version: u32,
+    key: String,
+    /// 64-bit FNV-1a hash of the run as compact JSON, 16 hexadecimal digits.
+    seal: String,
+    /// The run, or the reason for which its numbers are invalid.
+    kept: Result<T, String>,
+}
+
+/// Folder of finished runs.
+pub struct RunCache {
+    folder: PathBuf,
+    /// True if runs of earlier starts are repeated.
+    again: bool,
+    /// Names of the runs of this start, and of those that it has taken from earlier ones.
+    made: Mutex<BTreeSet<String>>,
+    taken: Mutex<BTreeSet<String>>,
+}
+
+impl RunCache {
+    /// Opens a folder, which is made if it is missing. With `again`, runs of earlier starts count as missing.
+    ///
+    /// # Errors
+    /// [`WriteError`] if the system refuses.
+    pub fn open(folder: &Path, again: bool) -> Result<RunCache, WriteError> {
+        create_folder(folder)?;
+        Ok(RunCache { folder: folder.to_path_buf(), again, made: Mutex::default(), taken: Mutex::default() })
+    }
+
+    fn file(&self, key: &Key) -> PathBuf {
+        self.folder.join(format!("{}.json", key.name))
+    }
+
+    /// Returns a stored run. A damaged file is moved aside, and the run counts as missing.
+    ///
+    /// # Errors
+    /// [`RunError::Invalid`] of a run whose numbers are invalid; [`RunError::Write`] if the file cannot be read or moved.
+    pub fn find<T: Serialize + DeserializeOwned>(&self, key: &Key) -> Result<Option<T>, RunError> {
+        let own = names(&self.made).contains(key.name());
+        if self.again && !own {
+            return Ok(None);
+        }
+        let file = self.file(key);
+        let bytes = match std::fs::read(&file) {
+            Ok(bytes) => bytes,
+            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
+            Err(error) => return Err(WriteError::new(&file, error).into()),
+        };
+        let Some(sealed) = whole::<T>(&bytes) else {
+            std::fs::rename(&file, file.with_extension(DAMAGED)).map_err(|error| WriteError::new(&file, error))?;
+            return Ok(None);
+        };
+        if sealed.key != key.hash {
+            return Ok(None);
+        }
+        if !own {
+            names(&self.taken).insert(key.name.clone());
+        }
+        sealed.kept.map(Some).map_err(RunError::Invalid)
+    }
+
+    /// Stores a run. JSON has no number that is not finite: a run with one is not stored, and repeated by the next start.
+    ///
+    /// # Errors
+    /// [`WriteError`] if the system refuses.
+    pub fn keep<T: Serialize + DeserializeOwned>(&self, key: &Key, run: &T) -> Result<(), WriteError> {
+        self.store(key, Ok(run))
+    }
+
+    fn store<T: Serialize + DeserializeOwned>(&self, key: &Key, run: Result<&T, String>) -> Result<(), WriteError> {
+        let bytes = seal(run, key);
+        if whole::<T>(&bytes).is_some() {
+            write_whole(&self.file(key), &bytes)?;
+        }
+        names(&self.made).insert(key.name.clone());
+        Ok(())
+    }
+
+    /// Returns the stored run, or makes and stores it.
+    ///
+    /// # Errors
+    /// [`RunError`] of `make`, or if the run cannot be stored. A run whose numbers are invalid is stored as such.
+    pub fn take<T: Serialize + DeserializeOwned>(
+        &self,
+        key: &Key,
+        make: impl FnOnce() -> Result<T, RunError>,
+    ) -> Result<T, RunError> {
+        if let Some(run) = self.find(key)? {
+            return Ok(run);
+        }
+        let made = make();
+        match &made {
+            Ok(run) => self.store(key, Ok(run))?,
+            Err(RunError::Invalid(problem)) => self.store::<T>(key, Err(problem.clone()))?,
+            Err(_) => {}
+        }
+        made
+    }
+
+    /// Lists damaged files, one sentence each ([`damaged_runs`]).
+    pub fn damaged(&self) -> Vec<String> {
+        damaged_runs(&self.folder)
+    }
+
+    /// Numbers of runs that this start has made, and taken from earlier ones.
+    pub fn counts(&self) -> [usize; 2] {
+        [&self.made, &self.taken].map(|set| names(set).len())
+    }
+}
+
+fn names(set: &Mutex<BTreeSet<String>>) -> std::sync::MutexGuard<'_, BTreeSet<String>> {
+    set.lock().expect("nothing panics while it holds the lock")
+}
+
+/// Lists the damaged files of a folder and the folders in it that this start or an earlier one has moved aside, one sentence each.
+pub fn damaged_runs(folder: &Path) -> Vec<String> {
+    let mut damaged = Vec::new();
+    for path in std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path()) {
+        // No link is followed: a folder may hold one to itself.
+        match path.symlink_metadata() {
+            Ok(about) if about.is_dir() => damaged.extend(damaged_runs(&path)),
+            Ok(_) if path.extension().is_some_and(|extension| extension == DAMAGED) => {
+                damaged.push(format!(
+                    "a stored run was damaged and has been repeated; the file is now {}",
+                    path.display()
+                ));
+            }
+            _ => {}
+        }
+    }
+    damaged.sort();
+    damaged
+}
+
+/// Bytes of the file of a run.
+pub fn sealed<T: Serialize>(run: &T, key: &Key) -> Vec<u8> {
+    seal(Ok(run), key)
+}
+
+fn seal<T: Serialize>(kept: Result<&T, String>, key: &Key) -> Vec<u8> {
+    let sealed = Sealed { version: VERSION, key: key.hash.clone(), seal: hash(&kept), kept };
+    serde_json::to_vec_pretty(&sealed).expect("a run holds only numbers and plain text")
+}
+
+/// Returns the run in the bytes of a file; `None` unless they are, to the number, what was [`sealed`] under the key.
+pub fn unseal<T: Serialize + DeserializeOwned>(bytes: &[u8], key: &Key) -> Option<T> {
+    whole(bytes).filter(|sealed| sealed.key == key.hash)?.kept.ok()
+}
+
+fn whole<T: Serialize + DeserializeOwned>(bytes: &[u8]) -> Option<Sealed<T>> {
+    let sealed: Sealed<T> = serde_json::from_slice(bytes).ok()?;
+    (sealed.version == VERSION && sealed.seal == hash(&sealed.kept)).then_some(sealed)
+}
+
+fn hash(run: &impl Serialize) -> String {
+    let text = serde_json::to_vec(run).expect("a run holds only numbers and plain text");
+    format!("{:016x}", checksum(&text))
 }
 
 #[cfg(test)]

@@ -5,18 +5,12 @@
 //!                                                                └─> terminal
 //! ```
 
-mod cache;
 mod campaign;
 mod document;
-mod finding;
 mod report;
 pub mod table;
 
-pub use cache::{Key, RunCache, damaged_runs, sealed, unseal};
-pub use campaign::{RunError, run_jobs};
-pub use document::{Document, DocumentError, File};
-pub use document::{json, table, write_scenes, write_together};
-pub use finding::Finding;
-pub use report::Report;
-pub use report::{Answer, Medium, Section, environment, style};
+pub use campaign::{Key, RunCache, RunError, damaged_runs, run_jobs, sealed, unseal};
+pub use document::{Document, DocumentError, File, json, table, write_scenes, write_together};
+pub use report::{Answer, Finding, Medium, Report, Section, environment, style};
 pub use table::{Cell, Table, cells};

@@ -278,23 +278,16 @@ fn class(classes: &str) -> String {
     if classes.is_empty() { String::new() } else { format!(" class=\"{classes}\"") }
 }
 
-impl From<String> for Cell {
-    fn from(text: String) -> Cell {
-        Cell { text: Some(text), ..Cell::default() }
-    }
+macro_rules! cell_of_text {
+    ($($type:ty),*) => {
+        $(impl From<$type> for Cell {
+            fn from(text: $type) -> Cell {
+                Cell { text: Some(text.into()), ..Cell::default() }
+            }
+        })*
+    };
 }
-
-impl From<&str> for Cell {
-    fn from(text: &str) -> Cell {
-        text.to_string().into()
-    }
-}
-
-impl From<&String> for Cell {
-    fn from(text: &String) -> Cell {
-        text.as_str().into()
-    }
-}
+cell_of_text!(String, &str, &String);
 
 impl From<Raw> for Cell {
     fn from(raw: Raw) -> Cell {

@@ -1,6 +1,9 @@
 //! Unit tests of `src/codes/process.rs`.
 
-use super::last_words;
+use super::{last_words, *};
+use std::fs::{File, write};
+use std::os::unix::fs::symlink;
+use std::time::Duration;
 
 /// Log of LIGGGHTS for a mesh that it refuses: the reason is in its own log alone, the terminal has the abort.
 const PRINTED: &str = "LIGGGHTS (Version LIGGGHTS-PUBLIC 3.8.0)\n\
@@ -21,4 +24,90 @@ fn the_reason_goes_before_the_words_of_who_aborts() {
     assert_eq!(last_words("a\x1b[2Jb", &[]), r"a\u001b[2Jb", "a terminal is told nothing");
     let long = "\u{e9}".repeat(1000);
     assert!(last_words(&long, &[]).len() <= 601);
+}
+
+#[test]
+fn sleeping_takes_no_core() {
+    // Of this thread alone: other tests may wait for children meanwhile.
+    let before = own_seconds();
+    std::thread::sleep(Duration::from_millis(200));
+    assert!(own_seconds() - before < 0.1);
+}
+
+#[test]
+fn a_thread_is_asked_for_its_own_time_alone() {
+    let clock = ThreadClock::start();
+    std::thread::sleep(Duration::from_millis(100));
+    assert!(clock.core_seconds(Duration::from_secs(1)).unwrap() < 0.5, "it slept");
+}
+
+#[test]
+fn a_process_that_sleeps_gets_no_core() {
+    let (started, mut child) = (Instant::now(), std::process::Command::new("sleep").arg("5").spawn().unwrap());
+    assert_eq!(share_of(child.id(), started), None, "in the first moments");
+    std::thread::sleep(SHORTEST);
+    assert!(share_of(child.id(), started).unwrap() < 0.1);
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert_eq!(share_of(child.id(), started), None, "it is gone");
+}
+
+#[test]
+fn children_count() {
+    let before = children_seconds().unwrap();
+    let busy = "i=0; while [ $i -lt 300000 ]; do i=$((i+1)); done";
+    assert!(std::process::Command::new("sh").args(["-c", busy]).status().unwrap().success());
+    assert!(children_seconds().unwrap() > before + 0.02, "the loop takes some hundredths of a second");
+}
+
+#[test]
+fn patterns_stay_below_the_folder() {
+    for pattern in ["out.csv", "./out.csv", "out/*.csv", "**/grains_*.csv", "..csv", "a..b"] {
+        assert_eq!(check_pattern(pattern), Ok(()));
+    }
+    for pattern in ["", "/tmp/out.csv", "../out.csv", "out/../../out.csv"] {
+        let problem = check_pattern(pattern).unwrap_err();
+        assert!(problem.contains("leads out of the folder of a run; name files below"), "{problem}");
+    }
+    assert!(check_pattern("out[.csv").unwrap_err().contains("is no pattern of files"));
+}
+
+#[test]
+fn what_lay_in_the_folder_before_is_gone() {
+    let root = tempfile::tempdir().unwrap();
+    let path = root.path().join("run");
+    std::fs::create_dir_all(path.join("old")).unwrap();
+    write(path.join("out.csv"), "x").unwrap();
+    let folder = RunFolder::fresh(&path, vec![("scene.json".into(), vec![1])]).unwrap();
+    let left = |path: &Path| std::fs::read_dir(path).unwrap().count();
+    assert_eq!(left(&path), 1);
+    assert_eq!(folder.files("out.csv").unwrap_err(), "the run has left no file out.csv");
+}
+
+#[test]
+fn files_that_the_run_did_not_make_are_refused() {
+    let root = tempfile::tempdir().unwrap();
+    let path = root.path().join("run");
+    let folder = RunFolder::fresh(&path, vec![("grains.csv".into(), vec![1])]).unwrap();
+    write(path.join("b.csv"), "x").unwrap();
+    symlink("b.csv", path.join("a.csv")).unwrap();
+    assert_eq!(folder.files("[ab].csv").unwrap(), [path.join("a.csv"), path.join("b.csv")]);
+    let refused = |pattern: &str, words: &str| {
+        let problem = folder.files(pattern).unwrap_err();
+        assert!(problem.contains(words), "{pattern}: {problem}");
+    };
+    refused("grains.csv", "grains.csv is what the run was given");
+    refused("*.csv", "grains.csv is what the run was given");
+    write(root.path().join("elsewhere.csv"), "x").unwrap();
+    symlink("../elsewhere.csv", path.join("linked.csv")).unwrap();
+    refused("linked.csv", "linked.csv is a link to");
+    symlink(root.path(), path.join("up")).unwrap();
+    refused("up/elsewhere.csv", "out of the folder of the run");
+    // A pattern that begins with a dot can match the folder above.
+    refused(".?/elsewhere.csv", "out of the folder of the run");
+    let old = File::create(path.join("old.csv")).unwrap();
+    old.set_modified(SystemTime::now() - Duration::from_secs(60)).unwrap();
+    refused("old.csv", "before the run began");
+    old.set_modified(SystemTime::now() - Duration::from_secs(1)).unwrap();
+    assert_eq!(folder.files("old.csv").unwrap().len(), 1, "within what clocks are coarse by");
 }

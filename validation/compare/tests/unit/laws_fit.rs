@@ -1,4 +1,4 @@
-//! Unit tests of `src/laws/fit.rs`.
+//! Unit tests of `src/laws/results.rs`.
 
 use super::*;
 use approx::assert_relative_eq;

@@ -1,6 +1,8 @@
 //! Unit tests of `src/stability/catalogue/mod.rs`.
 
+use makadam::partition::BoxGrid;
 use makadam::scene::Severity;
+use nalgebra::Vector3;
 
 /// Frictions that no two solids have are deliberate in some cases.
 #[test]
@@ -13,4 +15,18 @@ fn no_case_is_refused_and_few_are_told_to_go_wrong() {
         .filter(|(_, finding)| !finding.contains("more than any two dry solids have"))
         .collect();
     assert!(findings.len() < 10, "{findings:#?}");
+}
+
+#[test]
+fn the_bed_in_one_box_lies_in_one_box() {
+    let scene = super::one_box().scene;
+    let domain = (Vector3::from(scene.domain.min), Vector3::from(scene.domain.max));
+    let boxes = BoxGrid::new(
+        &domain,
+        &makadam::effects::period::Period::default(),
+        50,
+        super::RADIUS,
+        scene.solver.reach(super::RADIUS, scene.gravity_field().largest()),
+    );
+    assert_eq!(boxes.boxes(), 1);
 }

@@ -11,9 +11,6 @@ mod scenes;
 mod studies;
 mod tier;
 
-pub use one_scene::{Judged, OneScene, codes_against, usual_codes};
-pub use tier::{Ablated, Extent, Study, Tier};
-
 use crate::report::{Qualification, StudySection};
 use makadam_compare::codes::{Code, CodeError, CodeName, Makadam, codes_of};
 use makadam_compare::compare::{Announce, Comparison, Reference, ReferenceError, Runs};
@@ -23,10 +20,12 @@ use makadam_frames::output::WriteError;
 use makadam_frames::plan::Scene;
 use makadam_frames::provenance::account;
 use makadam_measure::statistics::confidence_of_each;
+pub use one_scene::{Judged, OneScene, codes_against, usual_codes};
 use scenes::{Case, Job};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use studies::{Part, Place};
+pub use tier::{Ablated, Extent, Study, Tier};
 
 /// Seed of the live runs. It is never recorded: a value always lies among values that include it.
 const LIVE_SEED: u64 = 1001;
@@ -83,23 +82,16 @@ pub enum QualifyError {
     Document(#[from] DocumentError),
 }
 
-impl From<CodeError> for QualifyError {
-    fn from(error: CodeError) -> QualifyError {
-        QualifyError::Run(error.into())
-    }
+macro_rules! of_runs {
+    ($($error:ty),*) => {
+        $(impl From<$error> for QualifyError {
+            fn from(error: $error) -> QualifyError {
+                QualifyError::Run(error.into())
+            }
+        })*
+    };
 }
-
-impl From<SceneError> for QualifyError {
-    fn from(error: SceneError) -> QualifyError {
-        QualifyError::Run(error.into())
-    }
-}
-
-impl From<WriteError> for QualifyError {
-    fn from(error: WriteError) -> QualifyError {
-        QualifyError::Run(error.into())
-    }
-}
+of_runs!(CodeError, SceneError, WriteError);
 
 /// Runs a qualification of the given extent.
 ///
@@ -119,15 +111,15 @@ pub fn qualify(extent: &Extent, settings: &Settings<'_>) -> Result<Qualification
     let cache = RunCache::open(&settings.folder.join("runs"), settings.again)?;
     let place = Place { settings, cache: &cache };
     let parts = extent.studies.iter().map(|study| studies::open(study, place));
-    let parts = parts.collect::<Result<Vec<Box<dyn Part>>, QualifyError>>()?;
+    let mut parts = parts.collect::<Result<Vec<Part<'_>>, QualifyError>>()?;
 
     let mut qualification = Qualification::default();
     time(extent, settings, &cache, &mut cases, &reference_codes, &mut qualification)?;
     let of_scenes = cases.iter().flat_map(|case| case.jobs(settings, &cache));
-    let jobs: Vec<Job<'_>> = of_scenes.chain(parts.iter().flat_map(|part| part.jobs())).collect();
+    let jobs: Vec<Job<'_>> = of_scenes.chain(parts.iter_mut().flat_map(Part::jobs)).collect();
     (settings.say)(&format!("{} runs, those taken that {} holds", jobs.len(), settings.folder.display()));
     scenes::run(jobs)?;
-    let studies = parts.iter().map(|part| part.section()).collect::<Result<Vec<StudySection>, RunError>>()?;
+    let studies = parts.into_iter().map(Part::section).collect::<Result<Vec<StudySection>, RunError>>()?;
     let threads = rayon::current_num_threads();
     let comparisons: Vec<Comparison> = cases.into_iter().map(|case| case.compared(threads)).collect();
 

@@ -2,7 +2,7 @@
 
 use super::QualifyError;
 use crate::report::Qualification;
-use makadam_compare::codes::{Code, CodeError, CodeName, Purpose};
+use makadam_compare::codes::{Code, CodeError, CodeName};
 pub use makadam_compare::compare::{
     Announce, CodeRuns, Comparison, FEW_SEEDS, Reference, Runs, Simulated, comparison, noticed,
 };
@@ -93,15 +93,9 @@ impl OneScene<'_> {
         let seeds = self.seeds.or(usual).unwrap_or(FEW_SEEDS);
         let existing = self.codes.iter().find(|code| code.name() == self.judged).and_then(|code| code.seeds());
         let runs = Runs {
-            scene,
-            scene_file: self.scene_file,
-            purpose: Purpose::Measuring,
             seeds: existing.unwrap_or_else(|| (1..=seeds).collect()),
             rayleigh_fraction: self.rayleigh_fraction,
-            stiffness_factor: 1.0,
-            time_limit: self.time_limit,
-            recordings: None,
-            announce: self.announce,
+            ..Runs::of_one_seed(scene, self.scene_file, 1, self.time_limit, self.announce)
         };
         let changed = |change: &Change| format!("the scene is not as its file has it, but with {change} (--set)");
         let (mut notes, mut recorded) = (self.changes.iter().map(changed).collect::<Vec<_>>(), Vec::new());
@@ -122,9 +116,7 @@ impl OneScene<'_> {
         let judged = live.iter().find(|code| code.name() == self.judged && self.judged != "Makadam");
         let first = judged.map(|code| first_seed(code.as_ref(), &runs)).transpose()?;
         let simulate = |code: &dyn Code| match &first {
-            Some(_) if code.name() == self.judged => {
-                (code.name(), Runs { seeds: runs.seeds[1..].to_vec(), ..runs.clone() }.simulate(code))
-            }
+            Some(_) if code.name() == self.judged => (code.name(), runs.of_seeds(&runs.seeds[1..]).simulate(code)),
             _ => (code.name(), runs.simulate(code)),
         };
         let mut simulated: Vec<_> = live.par_iter().map(|code| simulate(code.as_ref())).collect();
@@ -171,8 +163,7 @@ impl OneScene<'_> {
 
 /// Runs the first seed of a code of the user's own, so that frames that cannot be read are told before all seeds have run.
 fn first_seed(code: &dyn Code, runs: &Runs<'_>) -> Result<Simulated, CodeError> {
-    let first = Runs { seeds: runs.seeds[..1].to_vec(), ..runs.clone() };
-    let mut simulated = first.simulate(code);
+    let mut simulated = runs.of_seeds(&runs.seeds[..1]).simulate(code);
     match simulated.failures.first() {
         Some((_, CodeError::Output { .. })) => Err(simulated.failures.swap_remove(0).1),
         _ => Ok(simulated),

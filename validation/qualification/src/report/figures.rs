@@ -1,8 +1,7 @@
 //! The figures of a scene: differences against the margins, observables over time, normal forces.
 
 use super::qualification::join;
-use super::tables::distinct;
-use makadam_compare::compare::{Comparison, Row};
+use makadam_compare::compare::{Comparison, Row, distinct};
 use makadam_measure::observables::{ForceDistribution, Series};
 use makadam_view::draw::names;
 use makadam_view::draw::numbers::{Rounding, compact, count};

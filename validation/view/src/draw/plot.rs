@@ -1,9 +1,9 @@
-//! The one kind of plot: a frame with two axes, a light grid, a legend above.
+//! The one kind of plot: a frame with two axes, a light grid, a legend above; words next to points.
 
-pub use super::axis::Axis;
-use super::labels::{Area, Room, distance};
 use super::names::{CodeStyle, code_style};
+use super::numbers::{compact, round_ticks, superscript};
 use super::svg::{Anchor, Drawing};
+use std::f64::consts::TAU;
 
 const WIDTH: f64 = 540.0;
 const HEIGHT: f64 = 330.0;
@@ -278,6 +278,188 @@ fn broken(text: &str, width: f64) -> Vec<String> {
 /// Width of a tick label in pixels. There is no measuring of text here; 6.4 a character is on the wide side.
 fn width_of(text: &str) -> f64 {
     6.4 * text.chars().count() as f64
+}
+
+/// Axis of a plot: label, range and ticks.
+pub struct Axis {
+    /// Quantity with its unit.
+    pub(crate) label: String,
+    /// Lower end.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+    scale: Scale,
+}
+
+/// Scale of an axis, and its marks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Scale {
+    /// Evenly.
+    Linear,
+    /// By their logarithm; powers of ten are marked.
+    Decades,
+    /// By their logarithm; 1, 2 and 5 of every power of ten are marked.
+    FineDecades,
+    /// By their logarithm; powers of two are marked.
+    Doublings,
+}
+
+impl Axis {
+    /// Returns an axis over a range, in steps of round numbers.
+    pub fn linear(label: &str, low: f64, high: f64) -> Axis {
+        // An axis of no length would divide by zero.
+        let high = if high > low { high } else { low + 1.0 };
+        Axis { label: label.into(), low, high, scale: Scale::Linear }
+    }
+
+    /// A logarithmic axis; its ends are moved out to powers of ten.
+    pub fn logarithmic(label: &str, low: f64, high: f64) -> Axis {
+        let [low, high] = positive(low, high);
+        let low = 10f64.powf((low.log10() + 1e-9).floor());
+        let high = 10f64.powf((high.log10() - 1e-9).ceil()).max(10.0 * low);
+        Axis { label: label.into(), low, high, scale: Scale::Decades }
+    }
+
+    /// A logarithmic axis that is marked in steps of 1, 2, 5; its ends are moved out to marks.
+    pub fn fine(label: &str, low: f64, high: f64) -> Axis {
+        let [low, high] = positive(low, high);
+        let mark = |value: f64, up: bool| {
+            let power = 10f64.powf((value.log10() + 1e-9).floor());
+            let steps = [1.0, 2.0, 5.0, 10.0].map(|step| step * power);
+            let found = match up {
+                true => steps.into_iter().find(|&step| step >= value * (1.0 - 1e-9)),
+                false => steps.into_iter().rev().find(|&step| step <= value * (1.0 + 1e-9)),
+            };
+            found.unwrap_or(value)
+        };
+        let (low, high) = (mark(low, false), mark(high, true));
+        Axis { label: label.into(), low, high: high.max(2.0 * low), scale: Scale::FineDecades }
+    }
+
+    /// A logarithmic axis that is marked at powers of two.
+    pub fn doublings(label: &str, low: f64, high: f64) -> Axis {
+        let [low, high] = positive(low, high);
+        Axis { label: label.into(), low, high: high.max(2.0 * low), scale: Scale::Doublings }
+    }
+
+    /// Position of a value, 0 at the lower end and 1 at the upper.
+    pub(crate) fn share(&self, value: f64) -> f64 {
+        if self.scale != Scale::Linear {
+            (value / self.low).ln() / (self.high / self.low).ln()
+        } else {
+            (value - self.low) / (self.high - self.low)
+        }
+    }
+
+    /// Values that are marked, with their labels; on a linear axis about so many.
+    pub(crate) fn ticks(&self, count: usize) -> Vec<(f64, String)> {
+        let within = |value: &f64| (self.low * (1.0 - 1e-9)..=self.high * (1.0 + 1e-9)).contains(value);
+        let decades = (self.low.log10() - 1e-9).floor() as i32..=(self.high.log10() + 1e-9).ceil() as i32;
+        let of = |marks: &mut dyn Iterator<Item = (f64, String)>| marks.filter(|(mark, _)| within(mark)).collect();
+        match self.scale {
+            Scale::Decades => of(&mut decades.map(|k| (10f64.powi(k), power_of_ten(k)))),
+            Scale::FineDecades => {
+                let marks = decades.flat_map(|k| [1.0, 2.0, 5.0].map(|step| step * 10f64.powi(k)));
+                of(&mut marks.map(|mark| (mark, compact(mark))))
+            }
+            Scale::Doublings => {
+                let marks = (self.low.log2().floor() as i32..=self.high.log2().ceil() as i32).map(|k| 2f64.powi(k));
+                of(&mut marks.map(|mark| (mark, format!("{mark}"))))
+            }
+            Scale::Linear => {
+                let (ticks, digits) = round_ticks(self.low, self.high, count);
+                ticks.into_iter().map(|t| (t, format!("{t:.digits$}").replace('-', "−"))).collect()
+            }
+        }
+    }
+}
+
+/// The ends of a logarithmic axis: zero has no place on it, and would take marks without end.
+fn positive(low: f64, high: f64) -> [f64; 2] {
+    const DECADES: f64 = 1e6;
+    let high = if high > 0.0 && high.is_finite() { high } else { 1.0 };
+    let low = if low > 0.0 && low.is_finite() { low } else { high / DECADES };
+    [low.clamp(f64::MIN_POSITIVE, high), high]
+}
+
+fn power_of_ten(exponent: i32) -> String {
+    match exponent {
+        0 => "1".into(),
+        1 => "10".into(),
+        2 => "100".into(),
+        k => format!("10{}", superscript(k)),
+    }
+}
+
+/// A rectangle on a drawing, pixels; vertical coordinates point down.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Area {
+    /// Left and upper corner.
+    pub(crate) low: [f64; 2],
+    /// Right and lower corner.
+    pub(crate) high: [f64; 2],
+}
+
+/// Distance between the rings of candidates about a point, pixels.
+const STEP: f64 = 3.0;
+
+/// Candidates of a ring.
+const TURNS: u32 = 32;
+
+impl Area {
+    pub(crate) fn around(at: [f64; 2], half: [f64; 2]) -> Area {
+        Area { low: [at[0] - half[0], at[1] - half[1]], high: [at[0] + half[0], at[1] + half[1]] }
+    }
+
+    fn meets(&self, other: &Area) -> bool {
+        (0..2).all(|axis| self.low[axis] < other.high[axis] && other.low[axis] < self.high[axis])
+    }
+
+    fn holds(&self, other: &Area) -> bool {
+        (0..2).all(|axis| self.low[axis] <= other.low[axis] && other.high[axis] <= self.high[axis])
+    }
+
+    /// Returns its point nearest to another.
+    pub(crate) fn nearest(&self, to: [f64; 2]) -> [f64; 2] {
+        std::array::from_fn(|axis| to[axis].clamp(self.low[axis], self.high[axis]))
+    }
+}
+
+/// A frame with the areas that are occupied.
+pub(crate) struct Room {
+    frame: Area,
+    taken: Vec<Area>,
+}
+
+impl Room {
+    pub(crate) fn new(frame: Area) -> Room {
+        Room { frame, taken: Vec::new() }
+    }
+
+    /// Occupies an area.
+    pub(crate) fn take(&mut self, area: Area) {
+        self.taken.push(area);
+    }
+
+    /// Occupies a free area of some size near a point; `None` where the frame is full.
+    pub(crate) fn place(&mut self, point: [f64; 2], size: [f64; 2]) -> Option<Area> {
+        let reach = distance(self.frame.low, self.frame.high) / STEP;
+        let candidates = (1..reach as u32).flat_map(|ring| (0..TURNS).map(move |turn| (ring, turn)));
+        let mut areas = candidates.map(|(ring, turn)| {
+            let (sine, cosine) = (TAU * f64::from(turn) / f64::from(TURNS)).sin_cos();
+            let away = STEP * f64::from(ring);
+            Area::around([point[0] + away * cosine, point[1] - away * sine], size.map(|length| length / 2.0))
+        });
+        let is_free = |area: &Area| self.frame.holds(area) && !self.taken.iter().any(|other| other.meets(area));
+        let area = areas.find(is_free)?;
+        self.taken.push(area);
+        Some(area)
+    }
+}
+
+/// Distance of two points.
+pub(crate) fn distance(one: [f64; 2], other: [f64; 2]) -> f64 {
+    (one[0] - other[0]).hypot(one[1] - other[1])
 }
 
 #[cfg(test)]

@@ -32,38 +32,26 @@ impl Drawing {
         self.height = self.height.max(height);
     }
 
+    /// An element of a class with attributes that are lengths.
+    fn element(&mut self, name: &str, class: &str, lengths: &[(&str, f64)]) {
+        let lengths: String = lengths.iter().map(|(key, length)| format!(r#" {key}="{}""#, short(*length))).collect();
+        let _ = write!(self.body, r#"<{name} class="{class}"{lengths}/>"#);
+    }
+
     /// A straight line.
     pub fn line(&mut self, class: &str, from: [f64; 2], to: [f64; 2]) {
-        let _ = write!(
-            self.body,
-            r#"<line class="{class}" x1="{}" y1="{}" x2="{}" y2="{}"/>"#,
-            short(from[0]),
-            short(from[1]),
-            short(to[0]),
-            short(to[1]),
-        );
+        self.element("line", class, &[("x1", from[0]), ("y1", from[1]), ("x2", to[0]), ("y2", to[1])]);
     }
 
     /// A rectangle by two opposite corners.
     pub fn rectangle(&mut self, class: &str, a: [f64; 2], b: [f64; 2]) {
-        let _ = write!(
-            self.body,
-            r#"<rect class="{class}" x="{}" y="{}" width="{}" height="{}"/>"#,
-            short(a[0].min(b[0])),
-            short(a[1].min(b[1])),
-            short((a[0] - b[0]).abs()),
-            short((a[1] - b[1]).abs()),
-        );
+        let [x, y] = [0, 1].map(|axis| a[axis].min(b[axis]));
+        let [width, height] = [0, 1].map(|axis| (a[axis] - b[axis]).abs());
+        self.element("rect", class, &[("x", x), ("y", y), ("width", width), ("height", height)]);
     }
 
-    pub(crate) fn circle(&mut self, class: &str, centre: [f64; 2], radius: f64) {
-        let _ = write!(
-            self.body,
-            r#"<circle class="{class}" cx="{}" cy="{}" r="{}"/>"#,
-            short(centre[0]),
-            short(centre[1]),
-            short(radius),
-        );
+    fn circle(&mut self, class: &str, centre: [f64; 2], radius: f64) {
+        self.element("circle", class, &[("cx", centre[0]), ("cy", centre[1]), ("r", radius)]);
     }
 
     /// An open curve through points; points that are not finite break it.
@@ -79,12 +67,8 @@ impl Drawing {
             pen_down = true;
         }
         if !data.is_empty() {
-            self.path(class, &data);
+            let _ = write!(self.body, r#"<path class="{class}" d="{data}"/>"#);
         }
-    }
-
-    pub(crate) fn path(&mut self, class: &str, data: &str) {
-        let _ = write!(self.body, r#"<path class="{class}" d="{data}"/>"#);
     }
 
     /// Adds a text of a class at a place.

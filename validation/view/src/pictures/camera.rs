@@ -1,6 +1,5 @@
 //! From where a picture is taken: a camera with perspective, and how far away it stands.
 
-use super::Sight;
 use makadam_frames::run_frames::{RunFrame, Walls};
 use nalgebra::Vector3;
 use serde::Serialize;
@@ -337,9 +336,9 @@ impl std::str::FromStr for Cut {
 }
 
 impl Cut {
-    /// Unit normal towards the side that is taken away: that of the eye.
-    pub(super) fn normal(&self, sight: &Sight<'_>) -> Vector {
-        let side = if sight.camera.eye()[self.axis] >= self.at { 1.0 } else { -1.0 };
-        Vector::ith(self.axis, side)
+    /// Unit normal towards the side that is taken away, that of an eye, and the place of the plane along it, m.
+    pub(super) fn plane(self, eye: &Vector) -> (Vector, f64) {
+        let side = if eye[self.axis] >= self.at { 1.0 } else { -1.0 };
+        (Vector::ith(self.axis, side), side * self.at)
     }
 }

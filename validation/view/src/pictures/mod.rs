@@ -9,20 +9,16 @@
 mod camera;
 mod colours;
 mod files;
-mod lettering;
-mod of_run;
+
 mod raster;
 mod shade;
 
 pub use camera::{Camera, Cut, Subject, View};
+use colours::{Anchor, Sheet, length};
 pub use colours::{MOST_KINDS, PALETTE, Scale, VIRIDIS, telling};
-pub use files::png;
-pub use files::{Animation, PictureError, is_animation, write_png};
-pub(crate) use lettering::ticks;
-pub use of_run::{Content, caption};
-
-use lettering::{Anchor, Sheet, length};
-use makadam_frames::run_frames::{Quantity, RunFrame, Walls};
+pub(crate) use colours::{kind_name, ticks};
+pub use files::{Animation, PictureError, is_animation, png, write_png};
+use makadam_frames::run_frames::{Quantity, RunFolderError, RunFrame, RunFrames, Walls};
 use nalgebra::Vector3;
 use raster::Flat;
 use shade::{Colour, PAPER, Surface};
@@ -72,7 +68,8 @@ impl Picture {
 struct Sight<'a> {
     frame: &'a RunFrame,
     camera: &'a Camera,
-    cut: Option<Cut>,
+    /// Normal and place of the clipping plane.
+    plane: Option<(Vector, f64)>,
 }
 
 /// A camera that shows a subject in a style.
@@ -107,10 +104,10 @@ pub fn draw(
     let [width, height] = style.size;
     let fine = [FINER * width, FINER * height];
     let close = camera.enlarged(FINER as f64);
-    let sight = Sight { frame, camera: &close, cut: style.cut };
+    let sight = Sight { frame, camera: &close, plane: style.cut.map(|cut| cut.plane(close.eye())) };
     let walls = frame.walls.as_ref().filter(|_| style.walls);
     let (stone, glass) = walls.map_or((Vec::new(), Vec::new()), |walls| flats(walls, &sight));
-    let raster = raster::draw(&sight, &close, fine, &stone);
+    let raster = raster::draw(&sight, fine, &stone);
     let colours: Vec<Colour> = quantity.values.iter().map(|value| scale.colour(*value)).collect();
     let count = frame.grains.radii.len().max(1) as f64;
     let reach = 3.0 * frame.grains.radii.iter().sum::<f64>() / count;
@@ -164,19 +161,20 @@ fn flats(walls: &Walls, sight: &Sight<'_>) -> (Vec<Flat>, Vec<Flat>) {
         if is_cut_away(&corners, sight) {
             continue;
         }
-        let hides = walls.shapes.get(*wall as usize).is_some_and(|shape| *shape == "spheres");
         let flat = Flat::of(corners, sight.camera);
-        if hides { stone.extend(flat) } else { glass.extend(flat) }
+        if is_stone(walls, *wall) { stone.extend(flat) } else { glass.extend(flat) }
     }
     (stone, glass)
 }
 
+/// Returns true for a wall that hides what is behind it.
+pub(crate) fn is_stone(walls: &Walls, wall: u32) -> bool {
+    walls.shapes.get(wall as usize).is_some_and(|shape| *shape == "spheres")
+}
+
 /// Returns true if all corners lie in front of the clipping plane.
 fn is_cut_away(corners: &[Vector], sight: &Sight<'_>) -> bool {
-    sight.cut.is_some_and(|cut| {
-        let normal = cut.normal(sight);
-        corners.iter().all(|corner| normal.dot(corner) > cut.at * normal[cut.axis])
-    })
+    sight.plane.is_some_and(|(normal, at)| corners.iter().all(|corner| normal.dot(corner) > at))
 }
 
 /// Edges of walls that are not hidden by the clipping plane.
@@ -195,7 +193,7 @@ pub(crate) fn wall_edges(walls: &Walls) -> Vec<[[f64; 3]; 2]> {
     let key = |point: &[f64; 3]| point.map(|place| (place / size * 1e6).round() as i64);
     let mut sides: BTreeMap<Side, (Vec<Vector>, [[f64; 3]; 2])> = BTreeMap::new();
     for (triangle, &wall) in walls.triangles.iter().zip(&walls.wall) {
-        if walls.shapes.get(wall as usize).is_some_and(|shape| *shape == "spheres") {
+        if is_stone(walls, wall) {
             continue;
         }
         let corners = triangle.map(|corner| walls.points[corner as usize]);
@@ -210,4 +208,43 @@ pub(crate) fn wall_edges(walls: &Walls) -> Vec<[[f64; 3]; 2]> {
     let bends = |normals: &[Vector]| normals.iter().any(|other| other.dot(&normals[0]).abs() < SHARP);
     let edges = sides.into_values().filter(|(normals, _)| normals.len() == 1 || bends(normals));
     edges.map(|(_, ends)| ends).collect()
+}
+
+/// Content of a picture, next to its [`Style`].
+#[derive(Clone, Debug, Default)]
+pub struct Content {
+    /// Field that grains are coloured by; [`telling`] chooses one, if absent.
+    pub field: Option<String>,
+    /// Values at the ends of the colour scale, in the field's unit; taken from the frames, if absent.
+    pub range: Option<[f64; 2]>,
+    /// Shows grains far from the walls, too.
+    pub all_grains: bool,
+}
+
+impl Content {
+    /// Returns the field that grains of a frame are coloured by.
+    pub fn field_of(&self, frame: &RunFrame) -> String {
+        self.field.clone().unwrap_or_else(|| telling(frame).into())
+    }
+
+    /// Returns the colour scale of a field with these values.
+    pub fn scale_of(&self, title: &str, values: &[f64]) -> Scale {
+        self.range.map_or_else(|| Scale::of(title, values), Scale::Range)
+    }
+
+    /// Draws a frame of a run.
+    ///
+    /// # Errors
+    /// [`RunFolderError::Unknown`] for a field that cannot be drawn.
+    pub fn picture(&self, run: &RunFrames, frame: &RunFrame, style: &Style) -> Result<Picture, RunFolderError> {
+        let quantity = run.field(frame, &self.field_of(frame))?;
+        let scale = self.scale_of(&quantity.title, &quantity.values);
+        let camera = camera(&Subject::of(std::iter::once(frame), self.all_grains), frame, style);
+        Ok(draw(frame, &quantity, &scale, &camera, style, &caption(run, frame)))
+    }
+}
+
+/// Returns the line above a picture: scene and time.
+pub fn caption(run: &RunFrames, frame: &RunFrame) -> String {
+    format!("{}   t = {:.3} s", run.scene(), frame.time)
 }

@@ -1,6 +1,7 @@
 //! Visible surface of each pixel: the foremost grain, or the foremost of the walls that hide what is behind them.
 
-use super::{Sight, camera::Camera};
+use super::Sight;
+use super::camera::Camera;
 use makadam_frames::interrupt;
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -54,18 +55,13 @@ struct Disc {
 }
 
 /// Draws grains, and walls that hide what is behind them.
-pub(super) fn draw(sight: &Sight<'_>, camera: &Camera, [width, height]: [usize; 2], walls: &[Flat]) -> Raster {
-    let plane = sight.cut.map(|cut| (cut.normal(sight), cut.at * cut.normal(sight)[cut.axis]));
-    let discs: Vec<Disc> = discs(sight, camera, plane);
+pub(super) fn draw(sight: &Sight<'_>, [width, height]: [usize; 2], walls: &[Flat]) -> Raster {
+    let discs: Vec<Disc> = discs(sight);
     let mut pixels = vec![NOTHING; width * height];
-    pixels.par_chunks_mut(BAND * width).enumerate().for_each(|(band, pixels)| {
-        if interrupt::requested() {
-            return;
-        }
-        let first = band * BAND;
+    bands(&mut pixels, width, |first, pixels| {
         let lines = [first as f64, (first + pixels.len() / width) as f64];
         for disc in discs.iter().filter(|disc| disc.lines[1] >= lines[0] && disc.lines[0] <= lines[1]) {
-            sphere(disc, camera, plane, width, first, pixels);
+            sphere(disc, sight, width, first, pixels);
         }
         for flat in walls.iter().filter(|flat| flat.lines[1] >= lines[0] && flat.lines[0] <= lines[1]) {
             flat.each_pixel(width, first, pixels.len() / width, |place, depth| {
@@ -79,12 +75,20 @@ pub(super) fn draw(sight: &Sight<'_>, camera: &Camera, [width, height]: [usize; 
     Raster { width, height, pixels }
 }
 
-fn discs(sight: &Sight<'_>, camera: &Camera, plane: Option<(Vector, f64)>) -> Vec<Disc> {
+/// Fills a picture in bands of lines side by side: each is told its first line. Once the user has asked to stop, the others stay as they are.
+pub(super) fn bands<T: Send>(all: &mut [T], width: usize, fill: impl Fn(usize, &mut [T]) + Sync) {
+    all.par_chunks_mut(BAND * width).enumerate().filter(|_| !interrupt::requested()).for_each(|(band, part)| {
+        fill(band * BAND, part);
+    });
+}
+
+fn discs(sight: &Sight<'_>) -> Vec<Disc> {
+    let camera = sight.camera;
     let grains = sight.frame.grains.positions.iter().zip(&sight.frame.grains.radii);
     let seen = (0..).zip(grains).filter_map(|(number, (centre, &radius))| {
         let [x, y, depth] = camera.project(centre);
         let centre = Vector::from(*centre);
-        let cut_away = plane.is_some_and(|(normal, at)| normal.dot(&centre) - at > radius);
+        let cut_away = sight.plane.is_some_and(|(normal, at)| normal.dot(&centre) - at > radius);
         if depth <= 1.01 * radius || cut_away {
             return None;
         }
@@ -95,14 +99,8 @@ fn discs(sight: &Sight<'_>, camera: &Camera, plane: Option<(Vector, f64)>) -> Ve
     seen.collect()
 }
 
-fn sphere(
-    disc: &Disc,
-    camera: &Camera,
-    plane: Option<(Vector, f64)>,
-    width: usize,
-    first: usize,
-    pixels: &mut [Pixel],
-) {
+fn sphere(disc: &Disc, sight: &Sight<'_>, width: usize, first: usize, pixels: &mut [Pixel]) {
+    let camera = sight.camera;
     let arm = camera.eye() - disc.centre;
     let outside = arm.norm_squared() - disc.radius * disc.radius;
     for line in span(disc.lines, first, pixels.len() / width) {
@@ -115,7 +113,7 @@ fn sphere(
             }
             let [near, far] = [(-along - root.sqrt()) / square, (-along + root.sqrt()) / square];
             let mut seen = (near, (arm + ray * near) / disc.radius);
-            if let Some((normal, at)) = plane {
+            if let Some((normal, at)) = sight.plane {
                 let above = |share: f64| normal.dot(&(camera.eye() + ray * share)) - at;
                 if above(near) > 0.0 {
                     let share = above(0.0) / -normal.dot(&ray);

@@ -1,10 +1,8 @@
 //! From what is seen to colours: light, ambient occlusion, walls of glass, edges.
 
 use super::camera::Camera;
-use super::raster::{Flat, Raster, WALL};
-use makadam_frames::interrupt;
+use super::raster::{Flat, Raster, WALL, bands};
 use nalgebra::Vector3;
-use rayon::prelude::*;
 use std::f64::consts::TAU;
 
 type Vector = Vector3<f64>;
@@ -27,9 +25,6 @@ const EDGE_VEIL: f32 = 0.75;
 
 /// Places about a pixel that may hide it from the sky.
 const NEIGHBOURS: usize = 14;
-
-/// Lines of a picture that are coloured by one task.
-const BAND: usize = 16;
 
 /// Pixels to shade.
 pub(super) struct Surface<'a> {
@@ -57,12 +52,9 @@ impl Surface<'_> {
     pub fn colours(&self) -> Vec<Colour> {
         let width = self.raster.width;
         let mut colours = vec![PAPER; self.raster.pixels.len()];
-        colours.par_chunks_mut(BAND * width).enumerate().for_each(|(band, colours)| {
-            if interrupt::requested() {
-                return;
-            }
+        bands(&mut colours, width, |first, colours| {
             for (offset, colour) in colours.iter_mut().enumerate() {
-                let place = band * BAND * width + offset;
+                let place = first * width + offset;
                 let pixel = self.raster.pixels[place];
                 if pixel.depth.is_finite() {
                     let base = if pixel.what == WALL { STONE } else { self.colours[pixel.what as usize] };
@@ -137,11 +129,7 @@ fn fraction(value: f64) -> f64 {
 /// Draws walls that are looked through over what there is. All have one colour, so that their order does not matter.
 pub(super) fn glaze(colours: &mut [Colour], raster: &Raster, camera: &Camera, walls: &[Flat]) {
     let width = raster.width;
-    colours.par_chunks_mut(BAND * width).enumerate().for_each(|(band, colours)| {
-        if interrupt::requested() {
-            return;
-        }
-        let first = band * BAND;
+    bands(colours, width, |first, colours| {
         for flat in walls {
             flat.each_pixel(width, first, colours.len() / width, |place, depth| {
                 let behind = raster.pixels[first * width + place].depth;

@@ -11,7 +11,9 @@
 //! ```
 
 use crate::draw::numbers::plural;
-use crate::pictures::{MOST_KINDS, PALETTE, Scale, Subject, VIRIDIS, telling, wall_edges};
+use crate::pictures::{
+    MOST_KINDS, PALETTE, Scale, Subject, VIRIDIS, is_stone, kind_name, sizes, telling, ticks, wall_edges,
+};
 use makadam_frames::run_frames::{ContactLine, Quantity, RunFolderError, RunFrame, RunFrames, Walls};
 use serde_json::{Value, json};
 use std::collections::HashSet;
@@ -181,7 +183,7 @@ pub fn payload(run: &RunFrames, wishes: &Wishes, progress: &dyn Fn(f64)) -> Resu
     let head = json!({
         "chosen": chosen,
         "scene": run.scene(),
-        "about": about(&last, numbers.len()),
+        "about": format!("{}; {}", sizes(&last), plural(numbers.len(), "frame")),
         "note": note,
         "low": survey.low,
         "span": survey.span,
@@ -345,18 +347,14 @@ fn field(quantity: &Quantity, samples: &[f64], range: [f64; 2], mut listed: Valu
     listed["range"] = json!(range);
     match Scale::of(&quantity.title, samples) {
         Scale::Kinds(kinds) => {
-            let name = |kind: &i64| {
-                let named = usize::try_from(*kind).ok().and_then(|kind| quantity.names.get(kind)).cloned();
-                named.unwrap_or_else(|| if *kind < 0 { "listed".into() } else { kind.to_string() })
-            };
-            let names: Vec<String> = kinds.iter().take(MOST_KINDS).map(name).collect();
+            let names: Vec<String> = kinds.iter().take(MOST_KINDS).map(|kind| kind_name(quantity, *kind)).collect();
             listed["kinds"] = json!(names);
             listed["unit"] = json!("");
             listed["shown"] = json!([0.0, 1.0]);
             listed["ticks"] = json!([]);
         }
         Scale::Range([low, high]) => {
-            let (unit, ticks) = crate::pictures::ticks(quantity.unit, [low, high]);
+            let (unit, ticks) = ticks(quantity.unit, [low, high]);
             let ticks: Vec<Value> = ticks.into_iter().map(|(at, text)| json!({ "at": at, "text": text })).collect();
             listed["unit"] = json!(unit);
             listed["shown"] = json!([low, high].map(|end| (end - range[0]) / (range[1] - range[0])));
@@ -369,16 +367,11 @@ fn field(quantity: &Quantity, samples: &[f64], range: [f64; 2], mut listed: Valu
 }
 
 fn surfaces(walls: &Walls, arrays: &mut Arrays) -> Value {
-    let is_stone = |wall: u32| walls.shapes.get(wall as usize).is_some_and(|shape| *shape == "spheres");
     let mut corners = |stone: bool| {
-        let of_kind = walls.triangles.iter().zip(&walls.wall).filter(|(_, wall)| is_stone(**wall) == stone);
+        let of_kind = walls.triangles.iter().zip(&walls.wall).filter(|(_, wall)| is_stone(walls, **wall) == stone);
         arrays.floats(of_kind.flat_map(|(corners, _)| corners.iter().flat_map(|corner| walls.points[*corner as usize])))
     };
     let (glass, stone) = (corners(false), corners(true));
     let edges = arrays.floats(wall_edges(walls).into_iter().flatten().flatten());
     json!({ "glass": glass, "stone": stone, "edges": edges })
-}
-
-fn about(frame: &RunFrame, frames: usize) -> String {
-    format!("{}; {}", crate::pictures::sizes(frame), plural(frames, "frame"))
 }

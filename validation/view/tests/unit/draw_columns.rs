@@ -1,4 +1,4 @@
-//! Unit tests of `src/draw/columns.rs`.
+//! Unit tests of `src/draw/mod.rs`.
 
 use super::*;
 

@@ -1,42 +1,33 @@
-//! LIGGGHTS, an explicit soft-sphere code: the deck `deck.in`, mesh files of walls, its log.
-
-mod turn;
-mod walls;
+//! LIGGGHTS, an explicit soft-sphere code: the deck `deck.in`, its walls, its log.
+//!
+//! ```text
+//! walls        measuring                    timing
+//! curved       fine mesh                    primitive where it is one, else coarse mesh
+//! flat         mesh                         primitive where it is one, else mesh
+//! contacts     dumped                       not told: a primitive has none that can be dumped beside those of meshes
+//! ```
+//!
+//! For timing a drum about y lies along z, since its primitive cylinders turn about x and z alone.
 
 use super::deck::{DeckRun, HAS, data, manifest, render, values};
-use super::palette::Palette;
-use super::plan::Plan;
-use super::process::Program;
-use super::stl::stl;
+use super::input::{AXES, Palette, Plan, Primitive, primitives, stl};
+use super::process::{Program, installed};
 use super::{Code, CodeError, HERTZ_MINDLIN, Job, Purpose, supported_start};
-use makadam::scene::{Grain, Motion};
+use makadam::scene::{Domain, Grain, Motion, Shape};
+use makadam::snapshot::Snapshot;
+use makadam_frames::output::mesh::{COARSE, FINE, Mesh, wall_mesh};
 use makadam_frames::plan::Scene;
 use makadam_frames::recording::Recording;
 use minijinja::{Value, context};
 use nalgebra::Vector3;
-use std::ffi::OsString;
-use turn::Turn;
-use walls::Walls;
 
 const NAME: &str = "LIGGGHTS";
 
-/// LIGGGHTS, an explicit soft-sphere code.
-pub struct Liggghts {
-    program: Program,
-}
-
-impl Default for Liggghts {
-    fn default() -> Self {
-        Self { program: Program::from_environment(NAME, "liggghts") }
-    }
-}
-
-impl Liggghts {
-    /// LIGGGHTS under another name or path.
-    pub fn new(program: impl Into<OsString>) -> Self {
-        Self { program: Program::new(program) }
-    }
-}
+installed!(
+    /// LIGGGHTS, an explicit soft-sphere code.
+    Liggghts,
+    "liggghts"
+);
 
 impl Code for Liggghts {
     fn name(&self) -> &'static str {
@@ -223,3 +214,173 @@ pub fn loop_seconds(log: &str) -> f64 {
         .sum();
     if sum.is_finite() { sum.max(0.0) } else { 0.0 }
 }
+
+/// True if coordinates are turned: z, x, y instead of x, y, z. A rotation, so that spins turn as positions do.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Turn(bool);
+
+impl Turn {
+    /// The turn with which most cylinders of a scene that turn are primitives.
+    pub fn of(scene: &Scene) -> Turn {
+        let about = |wanted: usize| {
+            let turning = scene.wall.iter().filter(|wall| matches!(wall.shape, Shape::Cylinder { .. }));
+            let axes = turning.filter_map(|wall| match &wall.motion {
+                Motion::Rotating { axis, .. } => Some(axis),
+                _ => None,
+            });
+            axes.filter(|axis| (0..3).all(|at| (axis[at] == 0.0) == (at != wanted))).count()
+        };
+        // About y before it is about z, and about x it would be about y.
+        Turn(about(1) > about(0))
+    }
+
+    fn forth(self, [x, y, z]: [f64; 3]) -> [f64; 3] {
+        if self.0 { [z, x, y] } else { [x, y, z] }
+    }
+
+    fn back(self, [x, y, z]: [f64; 3]) -> [f64; 3] {
+        if self.0 { [y, z, x] } else { [x, y, z] }
+    }
+
+    /// The scene in these coordinates; its populations stay, since its grains are given.
+    pub fn scene(self, scene: &Scene) -> Scene {
+        let mut turned = scene.clone();
+        turned.gravity = self.forth(scene.gravity);
+        let Domain { min, max, .. } = &scene.domain;
+        (turned.domain.min, turned.domain.max) = (self.forth(*min), self.forth(*max));
+        for wall in &mut turned.wall {
+            self.shape(&mut wall.shape);
+            self.motion(&mut wall.motion);
+        }
+        turned
+    }
+
+    fn shape(self, shape: &mut Shape) {
+        let turn = |vector: &mut [f64; 3]| *vector = self.forth(*vector);
+        match shape {
+            Shape::Plane { point, normal } => [point, normal].into_iter().for_each(turn),
+            Shape::Box { min, max, open } => {
+                [min, max].into_iter().for_each(turn);
+                open.iter_mut().for_each(|face| *face = self.face(face));
+            }
+            Shape::Cylinder { base, axis, .. } => [base, axis].into_iter().for_each(turn),
+            Shape::Disc { centre, normal, .. } => [centre, normal].into_iter().for_each(turn),
+            Shape::Spheres { centres, .. } => centres.iter_mut().for_each(turn),
+        }
+    }
+
+    /// The name of a face: what is along x before is along y after.
+    fn face(self, name: &str) -> String {
+        let turn = |letter: char| match letter {
+            'x' if self.0 => 'y',
+            'y' if self.0 => 'z',
+            'z' if self.0 => 'x',
+            other => other,
+        };
+        name.chars().map(turn).collect()
+    }
+
+    fn motion(self, motion: &mut Motion) {
+        let turn = |vector: &mut [f64; 3]| *vector = self.forth(*vector);
+        match motion {
+            Motion::Fixed => {}
+            Motion::Translating { velocity, .. } => turn(velocity),
+            Motion::Rotating { point, axis, .. } | Motion::TorqueDriven { point, axis, .. } => {
+                [point, axis].into_iter().for_each(turn)
+            }
+            Motion::Vibrating { amplitude, .. } => turn(amplitude),
+            Motion::ForceDriven { axis, .. } => turn(axis),
+        }
+    }
+
+    /// Grains in these coordinates.
+    pub fn grains(self, grains: &[Grain]) -> Vec<Grain> {
+        let turn = |grain: &Grain| Grain {
+            position: self.forth(grain.position),
+            velocity: self.forth(grain.velocity),
+            spin: self.forth(grain.spin),
+            ..grain.clone()
+        };
+        grains.iter().map(turn).collect()
+    }
+
+    /// Turns a frame back to the scene's own coordinates.
+    pub fn frame_back(self, frame: &mut Snapshot) {
+        let turn = |vector: &mut [f64; 3]| *vector = self.back(*vector);
+        for grain in &mut frame.particles {
+            [&mut grain.position, &mut grain.velocity, &mut grain.spin].into_iter().for_each(turn);
+        }
+        for contact in &mut frame.contacts {
+            [&mut contact.point, &mut contact.normal, &mut contact.tangential_force].into_iter().for_each(turn);
+        }
+    }
+}
+
+/// Largest relative error of the velocity of a turning wall that is a primitive.
+const VELOCITY_ERROR: f64 = 0.01;
+
+/// The walls of a deck.
+pub(super) struct Walls {
+    pub purpose: Purpose,
+    /// The walls that are meshes, by their place in the scene: LIGGGHTS numbers its meshes itself, and a wall without triangles has none.
+    pub meshes: Vec<(usize, Mesh)>,
+    /// The primitives of the other walls, in the words of `fix wall/gran`.
+    pub primitives: Vec<(usize, String)>,
+}
+
+impl Walls {
+    /// Meshes alone for measuring; for timing, what is fastest with the same physics.
+    pub fn new(scene: &Scene, grains: &[Grain], purpose: Purpose) -> Walls {
+        let smallest = grains.iter().map(|grain| grain.radius).fold(f64::INFINITY, f64::min);
+        let (fineness, found) = match purpose {
+            Purpose::Measuring => (FINE, vec![Vec::new(); scene.wall.len()]),
+            Purpose::Timing => (COARSE, primitives(scene, grains)),
+        };
+        let mut walls = Walls { purpose, meshes: Vec::new(), primitives: Vec::new() };
+        for (place, (wall, found)) in scene.wall.iter().zip(&found).enumerate() {
+            let words: Option<Vec<String>> = found.iter().map(|primitive| words(primitive, grains)).collect();
+            match words.filter(|words| !words.is_empty()) {
+                Some(words) => walls.primitives.extend(words.into_iter().map(|words| (place, words))),
+                None => {
+                    let mesh = wall_mesh(&wall.shape, &scene.domain, smallest, fineness);
+                    walls.meshes.extend((!mesh.triangles.is_empty()).then_some((place, mesh)));
+                }
+            }
+        }
+        walls
+    }
+
+    /// Returns true if their contacts are dumped.
+    pub fn are_told(&self) -> bool {
+        self.purpose == Purpose::Measuring && !self.meshes.is_empty()
+    }
+}
+
+/// A primitive in the words of `fix wall/gran`; nothing for one that it cannot have.
+///
+/// A cylinder turns by `shear`: the word of a direction across its axis, and the angular velocity. The velocity is taken at the centre of the
+/// grain in place of the surface, so that the angular velocity is raised by the ratio of both distances from the axis: exact for the mean
+/// grain. About y it is wrong: the two coordinates of the distance are interchanged, and grains are not dragged along ([`Turn`]).
+fn words(primitive: &Primitive, grains: &[Grain]) -> Option<String> {
+    match *primitive {
+        Primitive::Plane { axis, at } => Some(format!("{}plane {at:.17e}", AXES[axis])),
+        Primitive::Cylinder { axis, centre, radius, rate } => {
+            // The two coordinates of the centre follow in the order x, y, z, x.
+            let [first, second] = [1, 2].map(|step| centre[(axis + step) % 3]);
+            let name = format!("{}cylinder {radius:.17e} {first:.17e} {second:.17e}", AXES[axis]);
+            if rate == 0.0 {
+                return Some(name);
+            }
+            let radii = || grains.iter().map(|grain| grain.radius);
+            let mean = radii().sum::<f64>() / grains.len() as f64;
+            let error = radii().map(|own| ((radius - own) / (radius - mean) - 1.0).abs()).fold(0.0, f64::max);
+            let shear = rate * radius / (radius - mean);
+            let across = AXES[(axis + 1) % 3];
+            (axis != 1 && error <= VELOCITY_ERROR).then(|| format!("{name} shear {across} {shear:.17e}"))
+        }
+    }
+}
+
+#[cfg(test)]
+#[path = "../../../tests/unit/codes_liggghts_turn.rs"]
+mod tests;

@@ -13,14 +13,14 @@ mod profile;
 
 use self::profile::Profile;
 use super::campaign::values;
-use super::{Case, Law, Mean, Run, RunError, Values};
+use super::{Case, Law, Mean, Run, RunError, Values, figure};
 use crate::sketch::{GRAVITY, Sketch};
 use crate::study::Finding;
 use makadam::scene::{Axis as Periodic, Motion, Region, Shape};
 use makadam::snapshot::{Partner, Snapshot};
 use makadam_view::draw::figure::Figure;
-pub use makadam_view::draw::names::{CodeStyle, Marker};
-pub use makadam_view::draw::plot::{Axis, Key, Plot};
+use makadam_view::draw::names::{CodeStyle, Marker};
+use makadam_view::draw::plot::{Axis, Key, Plot};
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
@@ -179,10 +179,12 @@ fn figures(means: &[Mean]) -> Vec<Figure> {
         plot.marker(planes, mean.of_value("inertial_number"), mean.of_value("friction"), 3.6);
         plot.marker(own, mean.of_value("inertial_number_of_pressure"), mean.of_value("friction_of_pressure"), 4.2);
     }
-    let title = "Friction of a flowing layer";
-    let caption =
-        format!("{title}: measured on a chute, and the laws of Chialvo et al. (2012) and of Jop et al. (2006).");
-    vec![Figure { name: "friction".into(), svg: plot.finish(title), caption }]
+    vec![figure(
+        "friction",
+        plot,
+        "Friction of a flowing layer",
+        "measured on a chute, and the laws of Chialvo et al. (2012) and of Jop et al. (2006).",
+    )]
 }
 
 /// Returns true if a case has a longer step than another one of the same slope.
@@ -217,7 +219,7 @@ fn case(angle: f64, layer: Layer, coarseness: f64) -> Case {
             Shape::Plane { point: [0.0, 0.0, -1.5 * DIAMETER], normal: [0.0, 0.0, 1.0] },
             Motion::Fixed,
         )
-        .description(format!("A layer on a rough chute without end, inclined by {angle} degrees."))
+        .with(|scene| scene.description = format!("A layer on a rough chute without end, inclined by {angle} degrees."))
         .polydisperse(
             count,
             [radius, SPREAD],

@@ -4,7 +4,7 @@
 //! about their mean (Irving & Kirkwood 1950; Goldhirsch, Granular Matter 12, 239, 2010), compression positive. A contact counts in
 //! the bin of its point. Grains here overlap by some ten thousandths, so the branch is as long as the radii together.
 
-use super::super::fit::{least, line};
+use super::super::results::{least, line};
 use super::{DIAMETER, PERIOD};
 use crate::sketch::DENSITY;
 use makadam::snapshot::{Contact, Particle, Partner, Snapshot};

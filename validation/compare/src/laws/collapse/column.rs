@@ -3,7 +3,7 @@
 use super::super::Case;
 use super::law;
 use crate::sketch::{GRAVITY, SPACING, Sketch};
-use makadam::scene::{Motion, Region, Shape};
+use makadam::scene::{Motion, Reaction, Region, Shape};
 use makadam_frames::plan::Scene;
 use std::f64::consts::{PI, SQRT_2};
 
@@ -110,7 +110,7 @@ fn lifted([radius, height]: [f64; 2], part: Part, lift: f64, reach: f64, until: 
             tube,
         )
         // Single grains may roll away.
-        .open_domain()
+        .with(|scene| scene.watch.on_escape = Reaction::Ignore)
         // The tube slides off without a pull.
         .change_material("wall", |wall| wall.friction = 0.0)
         .change_material("grain", |grain| (grain.friction, grain.rolling_friction) = (FRICTION, ROLLING_FRICTION))

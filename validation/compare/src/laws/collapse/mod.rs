@@ -24,8 +24,8 @@ mod column;
 mod deposit;
 
 use super::campaign::values;
-use super::fit::{at_zero, line, parabola_at_zero};
-use super::{Case, Law, Mean, Run, RunError, Values};
+use super::results::{at_zero, line, parabola_at_zero};
+use super::{Case, Law, Mean, Run, RunError, Values, figure};
 use crate::sketch::GRAVITY;
 use crate::study::Finding;
 use column::{DIAMETER, Part, case, heap};
@@ -33,9 +33,9 @@ use deposit::{
     angle_of_repose, centre_of_mass, connected, coverage, edge, height_at_axis, holding, solid_volume, speed,
 };
 use makadam_view::draw::figure::Figure;
-pub use makadam_view::draw::names::{CodeStyle, Marker};
-pub use makadam_view::draw::plot::{Axis, Key, Plot};
-pub use makadam_view::draw::svg::Anchor;
+use makadam_view::draw::names::{CodeStyle, Marker};
+use makadam_view::draw::plot::{Axis, Key, Plot};
+use makadam_view::draw::svg::Anchor;
 use std::f64::consts::PI;
 
 /// Coverage at which the deposit ends: half the plane under grains. Deposits thinner than that are scattered grains, which the
@@ -263,9 +263,7 @@ fn run_outs(all: &[Series<'_>]) -> Figure {
         }
         plot.marker(OWN, aspect, widest.of_value("run_out"), 4.2);
     }
-    let title = "Run-out of collapsing columns";
-    let caption = format!("{title}: measured, and the law of Lube et al. (2004).");
-    Figure { name: "run-out".into(), svg: plot.finish(title), caption }
+    figure("run-out", plot, "Run-out of collapsing columns", "measured, and the law of Lube et al. (2004).")
 }
 
 /// Ratios to the law over `d/r0`, with the lines that are judged at zero.
@@ -289,9 +287,12 @@ fn widths(all: &[Series<'_>]) -> Figure {
         let [x, y] = point(series.columns[0], "run_out");
         plot.label([x, y], [6.0, 3.0], Anchor::Start, &format!("a = {}", series.aspect));
     }
-    let title = "Run-out over the law's, and the width of the column";
-    let caption = format!("{title}: a deposit of few grains is too short by some diameters.");
-    Figure { name: "widths".into(), svg: plot.finish(title), caption }
+    figure(
+        "widths",
+        plot,
+        "Run-out over the law's, and the width of the column",
+        "a deposit of few grains is too short by some diameters.",
+    )
 }
 
 #[cfg(test)]

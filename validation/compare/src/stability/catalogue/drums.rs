@@ -4,7 +4,7 @@ use crate::sketch::{GRAVITY, RADIUS, Sketch, turning};
 use crate::stability::{Case, Evidence};
 use crate::study::Finding;
 use makadam::scene::{Motion, Region, Shape};
-use makadam::snapshot::Snapshot;
+use makadam::snapshot::{Particle, Snapshot};
 
 /// Radius of the drums, m: ten grains across.
 const WIDE: f64 = 10.0 * RADIUS;
@@ -68,7 +68,7 @@ fn escaped(evidence: &Evidence<'_>) -> Finding {
 }
 
 fn rolling(froude: f64, duration: f64) -> Case {
-    let scene = drum(format!("drum-froude-{froude:.0e}"), duration, turning(rate(froude))).scene();
+    let scene = drum(format!("drum-froude-{froude:.0e}"), duration, turning(rate(froude), None, None)).scene();
     let right = format!("a drum at a Froude number of {froude:.0e} carries its bed up and loses no grain");
     Case::new("drums", scene, right, CONTAINED, move |evidence| rolling_findings(evidence, froude))
 }
@@ -88,13 +88,13 @@ fn rolling_findings(evidence: &Evidence<'_>, froude: f64) -> Vec<Finding> {
 
 fn creeping_long() -> Case {
     let froude = 1e-5;
-    let scene = drum("drum-creeping-long".into(), 100.0, turning(rate(froude))).interval(1.0).scene();
+    let scene = drum("drum-creeping-long".into(), 100.0, turning(rate(froude), None, None)).interval(1.0).scene();
     let right = "a creeping drum turns by 250 degrees, carries its bed up and loses no grain";
     Case::new("drums", scene, right, CONTAINED, move |evidence| rolling_findings(evidence, froude))
 }
 
 fn critical() -> Case {
-    let scene = drum("drum-froude-1".into(), 5.0, turning(rate(1.0))).scene();
+    let scene = drum("drum-froude-1".into(), 5.0, turning(rate(1.0), None, None)).scene();
     let right = "a drum at a Froude number of 1 throws its grains about and loses none";
     let source = "a drum is closed; no grain outruns shell and free fall";
     Case::new("drums", scene, right, source, |evidence| rolling_findings(evidence, 1.0)[1..].to_vec())
@@ -103,7 +103,7 @@ fn critical() -> Case {
 fn centrifuging() -> Case {
     let froude = 2.0;
     // Smooth or rolling grains slip or roll back on the rising side, whatever presses them to the shell.
-    let scene = drum("drum-froude-2".into(), 5.0, turning(rate(froude)))
+    let scene = drum("drum-froude-2".into(), 5.0, turning(rate(froude), None, None))
         .friction(2.0)
         .rolling_friction(2.0)
         .interval(0.05)
@@ -114,17 +114,15 @@ fn centrifuging() -> Case {
     Case::new("drums", scene, right, source, move |evidence| {
         let ending = evidence.ending(0.2);
         let grains = || ending.iter().flat_map(|frame| &frame.particles);
-        let turning = mean(grains().map(|grain| {
+        let turned = mean(grains().map(|grain| {
             let ([x, _, z], [u, _, w]) = (grain.position, grain.velocity);
             (z * u - x * w) / (x * x + z * z) / rate(froude)
         }));
         // A grain that was thrown inwards may fly for some turns before it joins the others.
-        let held = mean(grains().map(|grain| {
-            let far = grain.position[0].hypot(grain.position[2]) > 0.5 * WIDE;
-            f64::from(u8::from(far))
-        }));
+        let is_far = |grain: &Particle| grain.position[0].hypot(grain.position[2]) > 0.5 * WIDE;
+        let held = mean(grains().map(|grain| f64::from(u8::from(is_far(grain)))));
         vec![
-            Finding::near("angular velocity of the grains over the drum's", turning, 1.0, 0.05),
+            Finding::near("angular velocity of the grains over the drum's", turned, 1.0, 0.05),
             Finding::at_least("share of the grains beyond half the drum's radius", held, 0.95),
             escaped(evidence),
         ]
@@ -137,7 +135,18 @@ fn lone_grain(froude: f64) -> Case {
     let stays = froude > 1.0;
     // A grain that lets go flies on a parabola that meets the shell again after this time.
     let flight = 2.0 * ((1.0 - froude).max(0.0) * arm / GRAVITY).sqrt();
-    let duration = if stays { 1.0 } else { flight };
+    let (duration, right, source) = match stays {
+        true => (
+            1.0,
+            "a grain carried over the top of a drum at omega^2 (R - r) = 1.1 g stays on the shell".to_string(),
+            "the shell bears m (v^2/(R - r) - g) at the top, and more elsewhere",
+        ),
+        false => (
+            flight,
+            format!("a grain carried over the top of a drum at omega^2 (R - r) = {froude} g lets go and flies"),
+            "the parabola's least distance from the axis: (R - r) sqrt(1 - (1 - Fr)^2)",
+        ),
+    };
     let scene = Sketch::new(format!("drum-lone-grain-{froude}"), duration)
         .domain([-0.06; 3], [0.06; 3])
         .friction(10.0)
@@ -145,18 +154,10 @@ fn lone_grain(froude: f64) -> Case {
         .interval(duration / 100.0)
         .moving_wall(
             Shape::Cylinder { base: [0.0, -0.05, 0.0], axis: [0.0, 1.0, 0.0], radius: WIDE, length: 0.1 },
-            turning(rate),
+            turning(rate, None, None),
         )
         .moving_grain(RADIUS, [0.0, 0.0, arm], [rate * arm, 0.0, 0.0], [0.0, rate, 0.0])
         .scene();
-    let right = match stays {
-        true => "a grain carried over the top of a drum at omega^2 (R - r) = 1.1 g stays on the shell".to_string(),
-        false => format!("a grain carried over the top of a drum at omega^2 (R - r) = {froude} g lets go and flies"),
-    };
-    let source = match stays {
-        true => "the shell bears m (v^2/(R - r) - g) at the top, and more elsewhere",
-        false => "the parabola's least distance from the axis: (R - r) sqrt(1 - (1 - Fr)^2)",
-    };
     Case::new("drums", scene, right, source, move |evidence| {
         let gap = |frame: &Snapshot| {
             let [x, _, z] = frame.particles[0].position;
@@ -172,15 +173,7 @@ fn lone_grain(froude: f64) -> Case {
 }
 
 fn stopped() -> Case {
-    let motion = Motion::Rotating {
-        point: [0.0; 3],
-        axis: [0.0, 1.0, 0.0],
-        rate: 1.0,
-        start: 0.0,
-        stop: Some(4.0),
-        reverse: None,
-    };
-    let scene = drum("drum-stopped".into(), 6.0, motion).scene();
+    let scene = drum("drum-stopped".into(), 6.0, turning(1.0, Some(4.0), None)).scene();
     let right = "a drum that stops leaves its bed leaning, at rest";
     Case::new("drums", scene, right, CONTAINED, |evidence| {
         let leaning = lean(evidence, evidence.last());
@@ -193,15 +186,7 @@ fn stopped() -> Case {
 }
 
 fn reversed() -> Case {
-    let motion = Motion::Rotating {
-        point: [0.0; 3],
-        axis: [0.0, 1.0, 0.0],
-        rate: 1.0,
-        start: 0.0,
-        stop: None,
-        reverse: Some(5.0),
-    };
-    let scene = drum("drum-reversed".into(), 10.0, motion).interval(0.1).scene();
+    let scene = drum("drum-reversed".into(), 10.0, turning(1.0, None, Some(5.0))).interval(0.1).scene();
     let right = "a drum that is reversed leans its bed as far to the other side";
     Case::new("drums", scene, right, "mirror symmetry", |evidence| {
         let over = |from: f64, to: f64| {

@@ -3,7 +3,7 @@
 use crate::sketch::{DENSITY, GRAVITY, RADIUS, Sketch, hertz_overlap, mass};
 use crate::stability::{Case, Evidence};
 use crate::study::Finding;
-use makadam::scene::Region;
+use makadam::scene::{Region, SolverMethod};
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 
 const BALANCE: &str = "balance of forces and Hertz's law (Johnson, Contact Mechanics, 1985, 4.2)";
@@ -25,13 +25,13 @@ pub(super) fn cases() -> Vec<Case> {
     cases
 }
 
-/// Tests for rest: the walls carry the weight, nothing moves.
-fn at_rest(evidence: &Evidence<'_>) -> Vec<Finding> {
-    let share = -evidence.wall_force(0.1).z / evidence.weight();
-    vec![
-        Finding::near("force on walls over weight", share, 1.0, WEIGHT),
+/// Figures of a case, then those of rest: the walls carry the weight, nothing moves.
+fn resting(evidence: &Evidence<'_>, own: Vec<Finding>) -> Vec<Finding> {
+    let at_rest = [
+        Finding::near("force on walls over weight", evidence.carried(0.1), 1.0, WEIGHT),
         Finding::at_most("largest speed at the end", evidence.fastest(), AT_REST).in_unit("m/s"),
-    ]
+    ];
+    own.into_iter().chain(at_rest).collect()
 }
 
 fn mass_ratio(exponent: i32) -> Case {
@@ -49,7 +49,7 @@ fn mass_ratio(exponent: i32) -> Case {
         .modulus(MODULUS)
         .material("light", |material| material.density = LIGHT)
         .material("heavy", |material| material.density = LIGHT * ratio / times.powi(3))
-        .accelerated()
+        .with(|scene| scene.solver.method = SolverMethod::Anderson { memory: 3 })
         .with(|scene| scene.largest_start_overlap = 0.1)
         .floor()
         .grain(RADIUS, [0.0, 0.0, RADIUS - floor])
@@ -61,10 +61,8 @@ fn mass_ratio(exponent: i32) -> Case {
         format!("a grain {ratio:.0} times as heavy as the one under it, placed in equilibrium, stays where it is");
     Case::new("mass ratios", scene, right, BALANCE, move |evidence| {
         let sunk = (height - evidence.grain(1).position[2]) / RADIUS;
-        let mut findings =
-            vec![Finding::near("heavy grain below its place, over the light one's radius", sunk, 0.0, 0.01)];
-        findings.extend(at_rest(evidence));
-        findings
+        let own = Finding::near("heavy grain below its place, over the light one's radius", sunk, 0.0, 0.01);
+        resting(evidence, vec![own])
     })
 }
 
@@ -90,12 +88,11 @@ fn stack(count: usize, modulus: f64) -> Case {
     let right = format!("{count} grains one on the other, placed in equilibrium, stay where they are");
     Case::new("stacks", sketch.scene(), right, BALANCE, move |evidence| {
         let sunk = (height - evidence.grain(count - 1).position[2]) / height;
-        let mut findings = vec![
+        let own = vec![
             Finding::near("top grain below its place, over its height", sunk, 0.0, 1e-3),
             Finding::at_most("largest overlap over the static one", evidence.largest_overlap(1.0) / largest, 1.5),
         ];
-        findings.extend(at_rest(evidence));
-        findings
+        resting(evidence, own)
     })
 }
 
@@ -129,13 +126,12 @@ fn deep_column() -> Case {
             .filter(|contact| matches!(contact.second, makadam::snapshot::Partner::Wall(_)))
             .map(|contact| contact.normal_force)
             .sum();
-        let share = -evidence.wall_force(0.1).z / evidence.weight();
         let forces = || frame.contacts.iter().map(|contact| contact.normal_force);
         let mean_force = forces().sum::<f64>() / frame.contacts.len().max(1) as f64;
         let largest_force = forces().fold(0.0, f64::max);
         vec![
             Finding::between("force on the floor over weight", floor / evidence.weight(), 1e-3, 0.25),
-            Finding::near("force on walls over weight", share, 1.0, 0.02),
+            Finding::near("force on walls over weight", evidence.carried(0.1), 1.0, 0.02),
             Finding::at_most("mean force over that of weight and impact", mean_force / bearable, 1.0),
             Finding::at_most("largest force over the mean", largest_force / mean_force, 12.0),
             Finding::at_most("grains lost", evidence.lost(), 0.0),
@@ -147,26 +143,22 @@ fn deep_column() -> Case {
 fn groove(friction: f64) -> Case {
     let s = FRAC_1_SQRT_2;
     let height = RADIUS * SQRT_2;
-    let name = if friction > 0.0 { "groove-friction" } else { "groove-smooth" };
+    let (name, right) = match friction > 0.0 {
+        true => ("groove-friction", "forces are not unique, but they balance the weight and the grain stays"),
+        false => ("groove-smooth", "each side bears the weight over the square root of 2, and the grain stays"),
+    };
     let scene = Sketch::new(name, 0.5)
         .friction(friction)
         .plane([0.0; 3], [s, 0.0, s])
         .plane([0.0; 3], [-s, 0.0, s])
         .grain(RADIUS, [0.0, 0.0, height])
         .scene();
-    let right = match friction > 0.0 {
-        true => "forces are not unique, but they balance the weight and the grain stays",
-        false => "each side bears the weight over the square root of 2, and the grain stays",
-    };
     Case::new("hyperstatic", scene, right, "balance of forces", move |evidence| {
         let aside = evidence.grain(0).position[0].abs() / RADIUS;
         let force = evidence.force_on_wall(0, 0.1).norm() / evidence.weight();
-        let mut findings = vec![Finding::at_most("grain beside the groove's middle, over its radius", aside, 1e-3)];
-        if friction == 0.0 {
-            findings.insert(0, Finding::near("force on one side over weight", force, s, WEIGHT * s));
-        }
-        findings.extend(at_rest(evidence));
-        findings
+        let unique = (friction == 0.0).then(|| Finding::near("force on one side over weight", force, s, WEIGHT * s));
+        let beside = Finding::at_most("grain beside the groove's middle, over its radius", aside, 1e-3);
+        resting(evidence, unique.into_iter().chain([beside]).collect())
     })
 }
 
@@ -191,12 +183,11 @@ fn jam() -> Case {
         let aside = grains()
             .flat_map(|(end, start)| [0, 1].map(|axis| (end.position[axis] - start.position[axis]).abs()))
             .fold(0.0, f64::max);
-        let mut findings = vec![
+        let own = vec![
             Finding::between("deepest sunk over smooth columns", sunk / sink, 0.0, 1.01),
             Finding::at_most("furthest aside over the radius", aside / RADIUS, 0.01),
         ];
-        findings.extend(at_rest(evidence));
-        findings
+        resting(evidence, own)
     })
 }
 
@@ -207,7 +198,10 @@ fn size_ratio(ratio: f64) -> Case {
     let from_axis = 3.0 * small;
     let touch = LARGE + small;
     let height = small + (touch * touch - from_axis * from_axis).sqrt();
-    let mut sketch = Sketch::new(format!("size-ratio-{ratio}"), 0.3).modulus(MODULUS).accelerated().floor();
+    let mut sketch = Sketch::new(format!("size-ratio-{ratio}"), 0.3)
+        .modulus(MODULUS)
+        .with(|scene| scene.solver.method = SolverMethod::Anderson { memory: 3 })
+        .floor();
     for corner in 0..3 {
         let (sine, cosine) = (f64::from(corner) * std::f64::consts::TAU / 3.0).sin_cos();
         sketch = sketch.grain(small, [from_axis * cosine, from_axis * sine, small]);
@@ -221,9 +215,7 @@ fn size_ratio(ratio: f64) -> Case {
     let source = "Coulomb's cone holds: the tangent of half the lean, 3/(ratio + 1), is below the friction of 0.5";
     Case::new("size ratios", sketch.grain(LARGE, [0.0, 0.0, height]).scene(), right, source, move |evidence| {
         let sunk = (height - evidence.grain(3).position[2]) / small;
-        let mut findings = vec![Finding::between("large grain sunk, over the small radius", sunk, 0.0, most)];
-        findings.extend(at_rest(evidence));
-        findings
+        resting(evidence, vec![Finding::between("large grain sunk, over the small radius", sunk, 0.0, most)])
     })
 }
 
@@ -246,8 +238,6 @@ fn stiffness_contrast() -> Case {
     let right = "two stiff grains rest on one a million times as soft, at the static overlaps";
     Case::new("stiffness contrast", scene, right, BALANCE, move |evidence| {
         let sunk = (5.0 * RADIUS - evidence.grain(2).position[2]) / sink;
-        let mut findings = vec![Finding::near("top grain's sinking over the static one", sunk, 1.0, 0.02)];
-        findings.extend(at_rest(evidence));
-        findings
+        resting(evidence, vec![Finding::near("top grain's sinking over the static one", sunk, 1.0, 0.02)])
     })
 }

@@ -1,4 +1,4 @@
-//! Studies as parts of a qualification: a study states its jobs, and returns checks, figures and tables; the report writes them.
+//! Studies as parts of a qualification: items state their jobs, and return tests, figures and tables; the report writes them.
 
 mod numerics;
 mod physics;
@@ -6,20 +6,92 @@ mod physics;
 use super::scenes::{Job, weight};
 use super::tier::Study;
 use super::{QualifyError, Settings};
-use crate::report::StudySection;
+use crate::report::{StudySection, StudyTest};
 use makadam_compare::scenes;
 use makadam_compare::study::{File, RunCache, RunError};
 use makadam_frames::output::WriteError;
 use makadam_frames::plan::Scene;
+use makadam_view::draw::figure::Figure;
+use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
+use std::sync::{Arc, OnceLock};
 
-/// A study under way.
-pub(super) trait Part: Sync {
-    /// Returns its jobs, each of which stores a result.
-    fn jobs(&self) -> Vec<Job<'_>>;
+/// A study under way: its section, still without results, and its items.
+pub(super) struct Part<'a> {
+    section: StudySection,
+    items: Vec<Item<'a>>,
+}
 
-    /// Returns the result of the study from the stored results.
-    fn section(&self) -> Result<StudySection, RunError>;
+/// A case, a scene or a problem of a study.
+struct Item<'a> {
+    /// Each stores a result.
+    jobs: Vec<Job<'a>>,
+    /// Puts the stored results together.
+    solved: Box<dyn FnOnce() -> Result<Solved, RunError> + 'a>,
+}
+
+/// Result of an item.
+#[derive(Clone, Default, Serialize, Deserialize)]
+struct Solved {
+    /// Words for the item in the scope of the study.
+    words: String,
+    runs: usize,
+    wall_seconds: f64,
+    tests: Vec<StudyTest>,
+    notes: Vec<String>,
+    figures: Vec<Figure>,
+    files: Vec<File>,
+}
+
+impl<'a> Item<'a> {
+    /// An item of one job, whose result is that of the item.
+    fn of(
+        identity: String,
+        weight: f64,
+        alone: bool,
+        solve: impl Fn() -> Result<Solved, RunError> + Send + Sync + 'a,
+    ) -> Item<'a> {
+        let result = Arc::new(OnceLock::new());
+        let stored = result.clone();
+        let work = Box::new(move || {
+            let solved = solve()?;
+            result.get_or_init(|| solved);
+            Ok(())
+        });
+        let solved = move || Ok(stored.get().expect("its job has ended well").clone());
+        Item { jobs: vec![Job { identity, weight, alone, work }], solved: Box::new(solved) }
+    }
+}
+
+impl<'a> Part<'a> {
+    /// `{items}` in the scope stands for the words of the items.
+    fn new(name: &str, title: &str, scope: impl Into<String>, items: Vec<Item<'a>>) -> Part<'a> {
+        let [name, title] = [name, title].map(String::from);
+        Part { section: StudySection { name, title, scope: scope.into(), ..StudySection::default() }, items }
+    }
+
+    /// Hands out its jobs.
+    pub(super) fn jobs(&mut self) -> Vec<Job<'a>> {
+        self.items.iter_mut().flat_map(|item| std::mem::take(&mut item.jobs)).collect()
+    }
+
+    /// Returns the section of the study once all jobs have ended.
+    pub(super) fn section(self) -> Result<StudySection, RunError> {
+        let Part { mut section, items } = self;
+        let mut words = Vec::new();
+        for item in items {
+            let solved = (item.solved)()?;
+            words.push(solved.words);
+            section.runs += solved.runs;
+            section.wall_seconds += solved.wall_seconds;
+            section.tests.extend(solved.tests);
+            section.notes.extend(solved.notes);
+            section.figures.extend(solved.figures);
+            section.files.extend(solved.files);
+        }
+        section.scope = section.scope.replace("{items}", &words.join(", "));
+        Ok(section)
+    }
 }
 
 /// Settings and stored runs of the qualification.
@@ -57,15 +129,15 @@ impl Named {
 }
 
 /// Opens a study of the table of tiers.
-pub(super) fn open<'a>(study: &Study, place: Place<'a>) -> Result<Box<dyn Part + 'a>, QualifyError> {
-    Ok(match study {
-        Study::HardCases(filters) => Box::new(physics::StressTests::open(filters, place)?),
-        Study::Laws(laws) => Box::new(physics::Laws::open(laws, place)?),
-        Study::Ablation(scenes) => Box::new(physics::Ablations::open(scenes, place)?),
-        Study::Convergence(scenes) => Box::new(numerics::Convergence::open(scenes, place)?),
-        Study::ContactProblems => Box::new(numerics::ContactProblems::open(place)?),
-        Study::Tradeoff(scenes) => Box::new(numerics::Tradeoff::open(scenes, place)?),
-    })
+pub(super) fn open<'a>(study: &Study, place: Place<'a>) -> Result<Part<'a>, QualifyError> {
+    match study {
+        Study::HardCases(filters) => physics::stress_tests(filters, place),
+        Study::Laws(laws) => physics::laws(laws, place),
+        Study::Ablation(scenes) => physics::ablations(scenes, place),
+        Study::Convergence(scenes) => numerics::convergence(scenes, place),
+        Study::ContactProblems => numerics::contact_problems(place),
+        Study::Tradeoff(scenes) => numerics::tradeoff(scenes, place),
+    }
 }
 
 /// Lets a job fail only if no other may follow: a run that fails by itself shows in the tests.

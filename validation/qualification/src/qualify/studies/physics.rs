@@ -1,67 +1,36 @@
 //! Studies of the physics: stress tests, published laws, and effects that scenes need.
 
-use super::{Job, Named, Part, Place, QualifyError, unless_fatal, weight};
+use super::{Item, Job, Named, Part, Place, QualifyError, Solved, unless_fatal, weight};
 use crate::qualify::tier::Ablated;
-use crate::report::{StudyOutcome, StudySection, StudyTest};
+use crate::report::{StudyOutcome, StudyTest};
 use makadam_compare::codes::Makadam;
-use makadam_compare::laws::{self, Case as LawCase, LAWS, Law, LawResult, figure_and_bounds, row_of};
+use makadam_compare::laws::{self, Case as LawCase, LAWS, LawResult, figure_and_bounds, row_of};
 pub use makadam_compare::stability::{Campaign, Case, Outcome, Verdict, catalogue, known_exception};
-use makadam_compare::study::{DocumentError, File, RunCache, RunError, Table, cells};
-use makadam_frames::output::WriteError;
+use makadam_compare::study::{DocumentError, File, RunError, Table, cells};
 pub use makadam_studies::effects::{Ablated as Row, Ablation, Need, Plan};
-use std::path::PathBuf;
+use std::sync::Arc;
 
 /// Wall time after which a stress test is stopped, s: that of the whole catalogue.
 const TIME_LIMIT: f64 = 600.0;
 
 /// The stress tests of `makadam stability`, in Makadam.
-pub(super) struct StressTests<'a> {
-    place: Place<'a>,
-    folder: PathBuf,
-    cache: RunCache,
-    cases: Vec<Case>,
-}
-
-impl<'a> StressTests<'a> {
-    pub(super) fn open(filters: &[&str], place: Place<'a>) -> Result<StressTests<'a>, WriteError> {
-        let is_wanted = |case: &Case| filters.is_empty() || filters.iter().any(|filter| case.matches(filter));
-        let (folder, cases) = (place.folder("stability"), catalogue().into_iter().filter(is_wanted).collect());
-        Ok(StressTests { place, folder, cache: place.open("stability")?, cases })
-    }
-
-    fn outcome(&self, case: &Case) -> Result<Outcome, RunError> {
-        let (folder, cache) = (&self.folder, &self.cache);
-        Campaign { cases: &[], codes: &[], time_limit: TIME_LIMIT, folder, cache }.outcome(case, &Makadam)
-    }
-}
-
-impl Part for StressTests<'_> {
-    fn jobs(&self) -> Vec<Job<'_>> {
-        let job = |place: usize| Job {
-            identity: format!("stability {}", self.cases[place].name),
-            weight: weight(&self.cases[place].scene),
-            alone: false,
-            work: Box::new(move || {
-                let _display = (self.place.settings.announce)(&self.cases[place].name);
-                self.outcome(&self.cases[place]).map(|_| ())
-            }),
-        };
-        (0..self.cases.len()).map(job).collect()
-    }
-
-    fn section(&self) -> Result<StudySection, RunError> {
-        let outcomes = self.cases.iter().map(|case| self.outcome(case)).collect::<Result<Vec<_>, RunError>>()?;
-        Ok(StudySection {
-            name: "stability".into(),
-            title: "Hard cases".into(),
-            scope: "Scenes that break simulators, each with what is right by a closed form or a law of conservation."
-                .into(),
-            runs: outcomes.len(),
-            wall_seconds: outcomes.iter().map(|outcome| outcome.wall_seconds).sum(),
-            tests: self.cases.iter().zip(&outcomes).map(|(case, outcome)| case_test(case, outcome)).collect(),
-            ..StudySection::default()
+pub(super) fn stress_tests<'a>(filters: &[&str], place: Place<'a>) -> Result<Part<'a>, QualifyError> {
+    let cache = Arc::new(place.open("stability")?);
+    let is_wanted = |case: &Case| filters.is_empty() || filters.iter().any(|filter| case.matches(filter));
+    let item = |case: Case| {
+        let cache = cache.clone();
+        Item::of(format!("stability {}", case.name), weight(&case.scene), false, move || {
+            let _display = (place.settings.announce)(&case.name);
+            let folder = &place.folder("stability");
+            let campaign = Campaign { cases: &[], codes: &[], time_limit: TIME_LIMIT, folder, cache: &cache };
+            let outcome = campaign.outcome(&case, &Makadam)?;
+            let (wall_seconds, tests) = (outcome.wall_seconds, vec![case_test(&case, &outcome)]);
+            Ok(Solved { runs: 1, wall_seconds, tests, ..Solved::default() })
         })
-    }
+    };
+    let scope = "Scenes that break simulators, each with what is right by a closed form or a law of conservation.";
+    let items = catalogue().into_iter().filter(is_wanted).map(item).collect();
+    Ok(Part::new("stability", "Hard cases", scope, items))
 }
 
 fn case_test(case: &Case, outcome: &Outcome) -> StudyTest {
@@ -75,91 +44,56 @@ fn case_test(case: &Case, outcome: &Outcome) -> StudyTest {
 const SWEEPS: f64 = 20.0;
 
 /// Published laws.
-pub(super) struct Laws<'a> {
-    place: Place<'a>,
-    laws: Vec<Measured>,
+pub(super) fn laws<'a>(laws: &[(&'static str, u64)], place: Place<'a>) -> Result<Part<'a>, QualifyError> {
+    let scope = "What others found in experiments and, for the friction of a flowing layer, in simulations: measured as its authors did, and \
+                 judged by bounds that were set before.";
+    let items = laws.iter().map(|&(name, seeds)| law_item(name, seeds, place)).collect::<Result<_, _>>()?;
+    Ok(Part::new("laws", "Published laws", scope, items))
 }
 
-/// A law and its runs.
-struct Measured {
-    law: &'static Law,
-    cases: Vec<LawCase>,
-    seeds: u64,
-    cache: RunCache,
-}
-
-impl<'a> Laws<'a> {
-    pub(super) fn open(laws: &[(&'static str, u64)], place: Place<'a>) -> Result<Laws<'a>, QualifyError> {
-        let open = |&(name, seeds): &(&'static str, u64)| {
-            let law = LAWS.iter().find(|law| law.name == name).expect("the table of tiers names laws");
-            let cache = place.open(&format!("laws/{name}"))?;
-            Ok(Measured { law, cases: (law.cases)(false), seeds, cache })
-        };
-        Ok(Laws { place, laws: laws.iter().map(open).collect::<Result<_, QualifyError>>()? })
-    }
-}
-
-impl Measured {
-    /// Cases, each with each seed.
-    fn runs(&self) -> impl Iterator<Item = (&LawCase, u64)> {
-        self.cases.iter().flat_map(|case| (1..=self.seeds).map(move |seed| (case, seed)))
-    }
-
-    fn row(&self, case: &LawCase, seed: u64, progress: &(dyn Fn(f64) + Sync)) -> Result<laws::Row, RunError> {
-        row_of(self.law, case, seed, &self.cache, progress)
-    }
-}
-
-impl Part for Laws<'_> {
-    fn jobs(&self) -> Vec<Job<'_>> {
-        let mut jobs = Vec::new();
-        for measured in &self.laws {
-            jobs.extend(measured.runs().map(|(case, seed)| Job {
-                identity: format!("law {} seed {seed}", case.name),
-                weight: laws::work(case) * SWEEPS,
-                alone: false,
-                work: Box::new(move || {
-                    let share = (self.place.settings.announce)(&format!("{} seed {seed}", case.name));
-                    unless_fatal(measured.row(case, seed, &*share))
-                }),
-            }));
+fn law_item<'a>(name: &'static str, seeds: u64, place: Place<'a>) -> Result<Item<'a>, QualifyError> {
+    let law = LAWS.iter().find(|law| law.name == name).expect("the table of tiers names laws");
+    let cache = Arc::new(place.open(&format!("laws/{name}"))?);
+    let cases = (law.cases)(false).into_iter().map(Arc::new);
+    let runs: Vec<_> = cases.flat_map(|case| (1..=seeds).map(move |seed| (case.clone(), seed))).collect();
+    let job = |(case, seed): (Arc<LawCase>, u64)| {
+        let cache = cache.clone();
+        Job {
+            identity: format!("law {} seed {seed}", case.name),
+            weight: laws::work(&case) * SWEEPS,
+            alone: false,
+            work: Box::new(move || {
+                let share = (place.settings.announce)(&format!("{} seed {seed}", case.name));
+                unless_fatal(row_of(law, &case, seed, &cache, &*share))
+            }),
         }
-        jobs
-    }
-
-    fn section(&self) -> Result<StudySection, RunError> {
-        let mut section = StudySection {
-            name: "laws".into(),
-            title: "Published laws".into(),
-            scope: "What others found in experiments and, for the friction of a flowing layer, in simulations: measured as its authors \
-                    did, and judged by bounds that were set before."
-                .into(),
-            ..StudySection::default()
-        };
-        for measured in &self.laws {
-            let name = measured.law.name;
-            let rows = measured.runs().map(|(case, seed)| measured.row(case, seed, &|_| {}));
-            match rows.collect::<Result<Vec<_>, RunError>>() {
-                Ok(rows) => {
-                    let result = LawResult::new(measured.law, rows);
-                    section.runs += result.rows.len();
-                    section.wall_seconds += result.wall_seconds();
-                    section.tests.extend(law_tests(&result));
-                    section.notes.push(format!("{name}: {}. {}", result.statement, result.source));
-                    section.files.push(laws::runs(&result.rows).csv(&format!("laws-{name}"))?);
-                    section.figures.extend(result.figures);
-                }
-                Err(error) if error.ends_all() => return Err(error),
-                Err(error) => {
-                    let test =
-                        StudyTest::of(format!("{name}: runs"), "no numbers".into(), "every run ends".into(), false);
-                    let remark = Some(error.to_string());
-                    section.tests.push(StudyTest { outcome: StudyOutcome::NotMeasured, remark, ..test });
-                }
+    };
+    let jobs = runs.iter().cloned().map(job).collect();
+    let solved = move || {
+        let rows = runs.iter().map(|(case, seed)| row_of(law, case, *seed, &cache, &|_| {}));
+        match rows.collect::<Result<Vec<_>, RunError>>() {
+            Ok(rows) => Ok(law_solved(LawResult::new(law, rows))?),
+            Err(error) if error.ends_all() => Err(error),
+            Err(error) => {
+                let test = StudyTest::of(format!("{name}: runs"), "no numbers".into(), "every run ends".into(), false);
+                let test = StudyTest { outcome: StudyOutcome::NotMeasured, remark: Some(error.to_string()), ..test };
+                Ok(Solved { tests: vec![test], ..Solved::default() })
             }
         }
-        Ok(section)
-    }
+    };
+    Ok(Item { jobs, solved: Box::new(solved) })
+}
+
+fn law_solved(result: LawResult) -> Result<Solved, DocumentError> {
+    Ok(Solved {
+        runs: result.rows.len(),
+        wall_seconds: result.wall_seconds(),
+        tests: law_tests(&result),
+        notes: vec![format!("{}: {}. {}", result.name, result.statement, result.source)],
+        files: vec![laws::runs(&result.rows).csv(&format!("laws-{}", result.name))?],
+        figures: result.figures,
+        ..Solved::default()
+    })
 }
 
 /// Returns the figures of a law that have bounds.
@@ -175,66 +109,47 @@ fn law_tests(result: &LawResult) -> Vec<StudyTest> {
 }
 
 /// Scenes with each of their effects off, or on: an effect that a scene is known to need must move a measured value.
-pub(super) struct Ablations<'a> {
-    place: Place<'a>,
-    scenes: Vec<(Ablated, Named, Vec<u64>)>,
+pub(super) fn ablations<'a>(scenes: &[Ablated], place: Place<'a>) -> Result<Part<'a>, QualifyError> {
+    let scope = "Scenes with each of their effects off, and resistance to turning on: what a scene is known to need must move an observable by \
+                 more than its margin.";
+    let items = scenes.iter().map(|ablated| ablation_item(*ablated, place)).collect::<Result<_, _>>()?;
+    Ok(Part::new("effects", "Effects that scenes need", scope, items))
 }
 
-impl<'a> Ablations<'a> {
-    pub(super) fn open(ablated: &[Ablated], place: Place<'a>) -> Result<Ablations<'a>, QualifyError> {
-        let open =
-            |&ablated: &Ablated| Ok((ablated, Named::open(ablated.scene, place)?, (1..=ablated.seeds).collect()));
-        Ok(Ablations { place, scenes: ablated.iter().map(open).collect::<Result<_, QualifyError>>()? })
+fn ablation_item<'a>(ablated: Ablated, place: Place<'a>) -> Result<Item<'a>, QualifyError> {
+    let own = Arc::new((Named::open(ablated.scene, place)?, (1..=ablated.seeds).collect::<Vec<_>>()));
+    let mut jobs = Vec::new();
+    let plan = plan_of(&own, place);
+    for (version, &seed) in plan.versions().iter().flat_map(|version| own.1.iter().map(move |seed| (version, seed))) {
+        let (own, version) = (own.clone(), version.clone());
+        jobs.push(Job {
+            identity: plan.runs(&version, seed).key(&Makadam, seed, false).name().into(),
+            weight: weight(&version.scene),
+            alone: false,
+            work: Box::new(move || unless_fatal(plan_of(&own, place).take(&version, seed))),
+        });
     }
-
-    fn plan<'s>(&'s self, named: &'s Named, seeds: &'s [u64]) -> Plan<'s> {
-        Plan {
-            scene: &named.scene,
-            scene_file: &named.file,
-            seeds,
-            time_limit: self.place.settings.time_limit,
-            cache: self.place.cache,
-            announce: self.place.settings.announce,
-        }
-    }
+    let solved = move || {
+        let ablation = Ablation::run(&plan_of(&own, place))?;
+        Ok(Solved {
+            runs: ablation.runs,
+            wall_seconds: ablation.wall_seconds,
+            tests: ablation_tests(&ablated, &ablation),
+            files: vec![ablation_rows(ablated.scene, &ablation)?],
+            ..Solved::default()
+        })
+    };
+    Ok(Item { jobs, solved: Box::new(solved) })
 }
 
-impl Part for Ablations<'_> {
-    fn jobs(&self) -> Vec<Job<'_>> {
-        let mut jobs = Vec::new();
-        for (_, named, seeds) in &self.scenes {
-            for version in self.plan(named, seeds).versions() {
-                for &seed in seeds {
-                    let version = version.clone();
-                    jobs.push(Job {
-                        identity: self.plan(named, seeds).runs(&version, seed).key(&Makadam, seed, false).name().into(),
-                        weight: weight(&version.scene),
-                        alone: false,
-                        work: Box::new(move || unless_fatal(self.plan(named, seeds).take(&version, seed))),
-                    });
-                }
-            }
-        }
-        jobs
-    }
-
-    fn section(&self) -> Result<StudySection, RunError> {
-        let mut section = StudySection {
-            name: "effects".into(),
-            title: "Effects that scenes need".into(),
-            scope: "Scenes with each of their effects off, and resistance to turning on: what a scene is known to need must move an \
-                    observable by more than its margin."
-                .into(),
-            ..StudySection::default()
-        };
-        for (ablated, named, seeds) in &self.scenes {
-            let ablation = Ablation::run(&self.plan(named, seeds))?;
-            section.runs += ablation.runs;
-            section.wall_seconds += ablation.wall_seconds;
-            section.tests.extend(ablation_tests(ablated, &ablation));
-            section.files.push(ablation_rows(ablated.scene, &ablation)?);
-        }
-        Ok(section)
+fn plan_of<'s>((named, seeds): &'s (Named, Vec<u64>), place: Place<'s>) -> Plan<'s> {
+    Plan {
+        scene: &named.scene,
+        scene_file: &named.file,
+        seeds,
+        time_limit: place.settings.time_limit,
+        cache: place.cache,
+        announce: place.settings.announce,
     }
 }
 
