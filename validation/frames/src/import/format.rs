@@ -71,11 +71,11 @@ pub fn parse(file: &Path, bytes: Vec<u8>, columns: &StatedColumns) -> Result<Vec
         is_whole(file, &bytes)?;
     }
     match format {
-        Format::Dump => dump::dump(file, &bytes, columns),
+        Format::Dump => dump::dump(file, &String::from_utf8_lossy(&bytes), columns),
         Format::Hdf => vtkhdf::hdf(file, bytes, columns),
         Format::Xml => xml::xml(file, &bytes, columns),
         Format::LegacyVtk => legacy_vtk::legacy_vtk(file, &bytes, columns),
-        Format::Yade => text::yade(file, &bytes, columns),
+        Format::Yade => text::yade(file, &String::from_utf8_lossy(&bytes), columns),
         Format::Csv => text::csv(file, &bytes, columns),
     }
 }

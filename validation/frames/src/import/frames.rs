@@ -1,7 +1,7 @@
 //! Times of frames: grains in the order of time, each frame with the contacts of its time.
 
 use super::Tables;
-use super::columns::{Column, Places};
+use super::columns::Column;
 use super::manifest::{Manifest, Missing};
 use super::table::{FrameTable, ImportError};
 use crate::plan::Scene;
@@ -201,7 +201,7 @@ impl Timeline<'_> {
         }
         // A frame of which no file lists contacts would count as one without contacts.
         for (column, content) in [(Column::Second, Content::Contacts), (Column::Wall, Content::WallContacts)] {
-            let has = |table: &&FrameTable| Places::of(table).find(column).is_some();
+            let has = |table: &&FrameTable| table.find(column).is_some();
             let lists = |frame: &Frame<'_>| frame.contacts.iter().any(&has);
             let Some(first) = tables.iter().find(has) else { continue };
             if let Some(frame) = frames.iter().find(|frame| frame.is_measured && !lists(frame)) {

@@ -1,67 +1,33 @@
 //! Legacy VTK files, in ASCII or binary, of polygonal data or an unstructured grid, as YADE's `VTKExporter`, LIGGGHTS's `dump custom/vtk`
 //! and ParaView write them: points and arrays over them, or lines and arrays over them.
 
-use super::columns::StatedColumns;
+use super::columns::{StatedColumns, number};
 use super::table::{FrameTable, ImportError, Named, is_wanted, table_of};
+use crate::run_frames::columns::Number;
 use std::path::Path;
 
 /// Cells of polygonal data, in the order of the format, and those of an unstructured grid.
 const CELLS: [&str; 5] = ["VERTICES", "LINES", "POLYGONS", "TRIANGLE_STRIPS", "CELLS"];
 
-/// Type of the numbers of an array, with the bytes of one.
-#[derive(Clone, Copy)]
-enum Type {
-    Bit,
-    Int(usize),
-    UInt(usize),
-    Float,
-    Double,
-}
+/// Kind of the numbers of an array; none for bits.
+type Type = Option<Number>;
 
-impl Type {
-    fn of(name: &str) -> Option<Type> {
-        Some(match name.to_ascii_lowercase().as_str() {
-            "bit" => Type::Bit,
-            "char" | "signed_char" => Type::Int(1),
-            "unsigned_char" => Type::UInt(1),
-            "short" => Type::Int(2),
-            "unsigned_short" => Type::UInt(2),
-            // VTK writes its own integers as int.
-            "int" | "vtkidtype" => Type::Int(4),
-            "unsigned_int" => Type::UInt(4),
-            "long" | "vtktypeint64" => Type::Int(8),
-            "unsigned_long" | "vtktypeuint64" => Type::UInt(8),
-            "float" => Type::Float,
-            "double" => Type::Double,
-            _ => return None,
-        })
-    }
-
-    /// Bytes of `count` numbers.
-    fn bytes(self, count: usize) -> Option<usize> {
-        match self {
-            Type::Bit => Some(count.div_ceil(8)),
-            Type::Int(size) | Type::UInt(size) => count.checked_mul(size),
-            Type::Float => count.checked_mul(4),
-            Type::Double => count.checked_mul(8),
-        }
-    }
-
-    /// Numbers from bytes in big endian.
-    fn numbers(self, bytes: &[u8], count: usize) -> Vec<f64> {
-        let unsigned = |bytes: &[u8]| bytes.iter().fold(0_u64, |sum, byte| sum << 8 | u64::from(*byte));
-        let signed = |bytes: &[u8]| {
-            let unused = 64 - 8 * bytes.len() as u32;
-            (unsigned(bytes) << unused).cast_signed() >> unused
-        };
-        match self {
-            Type::Bit => (0..count).map(|bit| f64::from(bytes[bit / 8] >> (7 - bit % 8) & 1)).collect(),
-            Type::UInt(size) => bytes.chunks_exact(size).map(|bytes| unsigned(bytes) as f64).collect(),
-            Type::Int(size) => bytes.chunks_exact(size).map(|bytes| signed(bytes) as f64).collect(),
-            Type::Float => bytes.as_chunks().0.iter().map(|bytes| f64::from(f32::from_be_bytes(*bytes))).collect(),
-            Type::Double => bytes.as_chunks().0.iter().map(|bytes| f64::from_be_bytes(*bytes)).collect(),
-        }
-    }
+fn type_of(name: &str) -> Option<Type> {
+    Some(Some(match name.to_ascii_lowercase().as_str() {
+        "bit" => return Some(None),
+        "char" | "signed_char" => Number::Int8,
+        "unsigned_char" => Number::UInt8,
+        "short" => Number::Int16,
+        "unsigned_short" => Number::UInt16,
+        // VTK writes its own integers as int.
+        "int" | "vtkidtype" => Number::Int32,
+        "unsigned_int" => Number::UInt32,
+        "long" | "vtktypeint64" => Number::Int64,
+        "unsigned_long" | "vtktypeuint64" => Number::UInt64,
+        "float" => Number::Float32,
+        "double" => Number::Float64,
+        _ => return None,
+    }))
 }
 
 /// Position in a file.
@@ -117,7 +83,7 @@ impl<'a> Reader<'a> {
 
     fn number_type(&mut self) -> Result<Type, Fault> {
         let word = self.text("a type of numbers")?;
-        Type::of(word).map_or_else(|| self.fault(format!("'{word}' is no type of numbers")), Ok)
+        type_of(word).map_or_else(|| self.fault(format!("'{word}' is no type of numbers")), Ok)
     }
 
     /// Passes over the description of an array, which ends with an empty line.
@@ -128,17 +94,17 @@ impl<'a> Reader<'a> {
 
     /// The numbers of an array; none where they are not wanted.
     fn numbers(&mut self, name: &str, kind: Type, count: usize, wanted: bool) -> Result<Option<Vec<f64>>, Fault> {
-        let left = self.bytes.len() - self.at.min(self.bytes.len());
         if self.is_binary {
             self.rest_of_line();
-            let size = kind.bytes(count).filter(|size| *size <= left);
-            let Some(own) = size.and_then(|size| self.bytes.get(self.at..self.at.checked_add(size)?)) else {
+            let size = kind.map_or(count.div_ceil(8), |number| count.saturating_mul(number.size()));
+            let Some(own) = self.bytes.get(self.at..self.at.saturating_add(size)) else {
                 return self.fault(format!("{name} ends before its last number"));
             };
-            self.at += own.len();
-            return Ok(wanted.then(|| kind.numbers(own, count)));
+            self.at += size;
+            let bits = || (0..count).map(|bit| f64::from(own[bit / 8] >> (7 - bit % 8) & 1)).collect();
+            return Ok(wanted.then(|| kind.map_or_else(bits, |number| number.decode(own.to_vec(), true))));
         }
-        if count > left {
+        if count > self.bytes.len() - self.at {
             return self.fault(format!("{name} has more numbers than the file can hold"));
         }
         let mut numbers = Vec::with_capacity(if wanted { count } else { 0 });
@@ -146,15 +112,10 @@ impl<'a> Reader<'a> {
             let Some(word) = self.word() else {
                 return self.fault(format!("{name} ends before its last number"));
             };
-            if wanted {
-                match std::str::from_utf8(word).ok().and_then(|word| word.parse::<f64>().ok()) {
-                    Some(number) if number.is_finite() => numbers.push(number),
-                    Some(_) => return self.fault(format!("{name}: a number is not finite: the run has blown up")),
-                    None => {
-                        let word = String::from_utf8_lossy(word);
-                        return self.fault(format!("{name}: '{word}' is not a number"));
-                    }
-                }
+            match number(&String::from_utf8_lossy(word)) {
+                Ok(number) if wanted => numbers.push(number),
+                Err(problem) if wanted => return self.fault(format!("{name}: {problem}")),
+                _ => {}
             }
         }
         Ok(wanted.then_some(numbers))
@@ -242,7 +203,7 @@ fn read(bytes: &[u8], stated: &StatedColumns) -> Result<Found, Fault> {
             "METADATA" => reader.pass_metadata(),
             "CELL_TYPES" => {
                 let count = reader.count("number of cells")?;
-                reader.numbers(&word, Type::Int(4), count, false)?;
+                reader.numbers(&word, Some(Number::Int32), count, false)?;
             }
             cells if CELLS.contains(&cells) => pass_cells(&mut reader, cells, &mut found)?,
             "POINT_DATA" | "CELL_DATA" => {
@@ -265,8 +226,8 @@ fn read(bytes: &[u8], stated: &StatedColumns) -> Result<Found, Fault> {
                 reader.text("a name")?;
                 let size = reader.count("number of components")?;
                 let (kind, count) = match &*word {
-                    "LOOKUP_TABLE" => (Type::UInt(1), 4 * size),
-                    "COLOR_SCALARS" => (Type::UInt(1), size.saturating_mul(tuples)),
+                    "LOOKUP_TABLE" => (Some(Number::UInt8), 4 * size),
+                    "COLOR_SCALARS" => (Some(Number::UInt8), size.saturating_mul(tuples)),
                     _ => (reader.number_type()?, size.saturating_mul(tuples)),
                 };
                 reader.numbers(&word, kind, count, false)?;
@@ -326,7 +287,7 @@ fn pass_cells(reader: &mut Reader<'_>, cells: &str, found: &mut Found) -> Result
         first.saturating_sub(1)
     } else {
         (reader.at, reader.line) = (at, line);
-        reader.numbers(cells, Type::Int(4), second, false)?;
+        reader.numbers(cells, Some(Number::Int32), second, false)?;
         first
     };
     if cells == "LINES" {
@@ -362,7 +323,7 @@ fn field_array(
         reader.pass_texts(&name, count)?;
         return Ok(());
     }
-    let Some(of_numbers) = Type::of(&kind) else { return reader.fault(format!("'{kind}' is no type of numbers")) };
+    let Some(of_numbers) = type_of(&kind) else { return reader.fault(format!("'{kind}' is no type of numbers")) };
     let numbers = reader.numbers(&name, of_numbers, count, is_wanted)?;
     keep(found, of, Named::new(name, components, numbers));
     Ok(())

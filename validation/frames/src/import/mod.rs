@@ -29,7 +29,6 @@ pub use table::{FrameTable, ImportError, Periods};
 
 use crate::plan::Scene;
 use crate::recording::{Content, Recording, outside_domain};
-use columns::Places;
 use contacts::{Columns, ContactList, vector};
 use frames::{Frame, frames};
 use identity::{Identity, Numbers};
@@ -143,7 +142,7 @@ pub fn assemble(scene: &Scene, manifest: &Manifest, tables: &Tables) -> Result<I
     let frames = frames(scene, manifest, tables, &mut missing, &mut notes)?;
     let identity = Identity::new(scene, manifest, &frames);
     let numbers = identity.numbers(&frames, &mut missing)?;
-    let radii = match tables.grains.iter().find(|table| Places::of(table).radius().is_none()) {
+    let radii = match tables.grains.iter().find(|table| table.radius().is_none()) {
         Some(table) => identity.radii(table, &mut missing, &mut notes)?,
         None => Vec::new(),
     };
@@ -180,8 +179,8 @@ fn lacks(scene: &Scene, tables: &Tables) -> Vec<Content> {
         (0..).zip(&scene.wall).filter(|(_, wall)| wall.motion.is_driven()).map(|(wall, _)| wall).collect();
     let states_poses =
         |table: &FrameTable| driven.iter().all(|wall| table.driven_walls.iter().any(|stated| stated.wall == *wall));
-    let all_have = |of: fn(usize) -> Column| tables.grains.iter().all(|table| Places::of(table).vector(of).is_some());
-    let some_has = |column: Column| tables.contacts.iter().any(|table| Places::of(table).find(column).is_some());
+    let all_have = |of: fn(usize) -> Column| tables.grains.iter().all(|table| table.vector(of).is_some());
+    let some_has = |column: Column| tables.contacts.iter().any(|table| table.find(column).is_some());
     let has = [
         (Content::DrivenWalls, !driven.is_empty() && tables.grains.iter().all(states_poses)),
         (Content::Velocities, all_have(Column::Velocity)),
@@ -194,7 +193,7 @@ fn lacks(scene: &Scene, tables: &Tables) -> Vec<Content> {
 
 /// Longest time step that the code can have had, s: none where velocities or times do not state it.
 fn longest_step(manifest: &Manifest, frames: &[Frame<'_>]) -> Option<f64> {
-    let has_velocities = frames.iter().all(|frame| Places::of(frame.grains).vector(Column::Velocity).is_some());
+    let has_velocities = frames.iter().all(|frame| frame.grains.vector(Column::Velocity).is_some());
     let between = frames.array_windows().map(|[one, other]| other.time - one.time);
     let step = between.chain(manifest.time_step).fold(f64::INFINITY, f64::min);
     (has_velocities && step.is_finite()).then_some(step)
@@ -223,16 +222,15 @@ fn same_box(table: &FrameTable, domain: &Domain) -> Result<(), ImportError> {
 
 /// Columns of the coordinates.
 fn position(table: &FrameTable) -> Result<[usize; 3], ImportError> {
-    let places = Places::of(table);
     let is_scaled = table.unread.iter().any(|name| ["xs", "xsu"].contains(&name.as_str()));
-    places.vector(Column::Position).ok_or_else(|| {
+    table.vector(Column::Position).ok_or_else(|| {
         let remedy = match is_scaled {
             true => "coordinates are scaled to the box: dump x y z instead",
             false => {
                 "name the columns of the file in their order: columns = [\"id\", \"x\", \"y\", \"z\", \"radius\", ...]"
             }
         };
-        table.fault(0, format!("no columns x, y, z among {}; {remedy}", places.names()))
+        table.fault(0, format!("no columns x, y, z among {}; {remedy}", table.names()))
     })
 }
 
@@ -244,10 +242,9 @@ fn particles(
     radii: &[f64],
     domain: &Domain,
 ) -> Result<Vec<Particle>, ImportError> {
-    let places = Places::of(table);
     let position = position(table)?;
-    let (id, size) = (places.find(Column::Id), places.radius());
-    let (velocity, spin) = (places.vector(Column::Velocity), places.vector(Column::Spin));
+    let (id, size) = (table.find(Column::Id), table.radius());
+    let (velocity, spin) = (table.vector(Column::Velocity), table.vector(Column::Spin));
     let particle = |(row, cells): (usize, &[f64])| {
         let id = numbers.get(&(identity.own_number(id, row, cells) as i64)).copied().unwrap_or_default();
         let radius = match size {

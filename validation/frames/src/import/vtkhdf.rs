@@ -7,7 +7,7 @@
 use super::columns::StatedColumns;
 use super::table::{FrameTable, ImportError, Named, is_wanted, table_of};
 use crate::export::FIRST_ID;
-use crate::output::{DRIVEN_WALLS, driven_walls};
+use crate::run_frames::columns::{DRIVEN_WALLS, driven_walls};
 use hdf5_pure::{AttrValue, File};
 use std::collections::BTreeMap;
 use std::path::Path;

@@ -2,7 +2,6 @@
 
 mod cache;
 pub mod cells;
-mod grain_fields;
 mod lock;
 pub mod mesh;
 mod names;
@@ -10,11 +9,8 @@ mod record;
 mod run_files;
 mod shown;
 mod table;
-pub(crate) mod vtk;
-mod wall_mesh;
 
 pub use cache::{cache_folder, run_folder};
-pub(crate) use grain_fields::{DRIVEN_WALLS, GrainTable, driven_walls};
 pub use lock::{FolderLock, LockError};
 pub use names::file_stem;
 pub use record::record_folder;
@@ -22,8 +18,6 @@ pub use run_files::RunFiles;
 pub use shown::shown;
 pub(crate) use table::open_to_grow;
 pub use table::{TableWritten, TimeTable};
-pub(crate) use wall_mesh::WallMesh;
-pub use wall_mesh::Walls;
 
 /// Version of the JSON documents, raised when a field changes its meaning or goes away.
 pub const JSON_VERSION: u32 = 1;

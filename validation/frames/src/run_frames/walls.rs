@@ -1,7 +1,7 @@
 //! Walls of a scene as triangles, at their pose at a time.
 
-use super::mesh::{DRAWN, wall_mesh};
-use super::vtk::{Array, Cells, Kind, PolyData};
+use super::columns::{Column, DOUBLES, Number, Part, VECTOR, WHOLE};
+use crate::output::mesh::{DRAWN, wall_mesh};
 use crate::plan::Scene;
 use makadam::scene::{Domain, Motion, Shape, Wall};
 use makadam::snapshot::DrivenWall;
@@ -26,6 +26,8 @@ pub struct Walls {
     pub shapes: Vec<&'static str>,
     /// Unit vectors along the axes that walls turn about, by their numbers; zero for those that do not turn.
     pub axes: Vec<[f64; 3]>,
+    /// Velocities of the corners, m/s.
+    pub velocities: Vec<[f64; 3]>,
 }
 
 /// The walls of a scene as triangles.
@@ -81,13 +83,7 @@ impl WallMesh {
 
     /// Returns the walls at a time (s), with the given poses of those that are driven.
     pub fn at(&self, time: f64, driven: &[DrivenWall]) -> Walls {
-        self.posed(time, driven).0
-    }
-
-    /// Returns the walls with the velocities of their corners, m/s.
-    fn posed(&self, time: f64, driven: &[DrivenWall]) -> (Walls, Vec<[f64; 3]>) {
         let placed = PlacedWalls::at(&self.walls, &self.domain, time, driven);
-        let mut velocities = Vec::new();
         let mut all = Walls {
             names: self.walls.iter().map(|wall| wall.name.clone()).collect(),
             shapes: self.walls.iter().map(|wall| kind(&wall.shape)).collect(),
@@ -111,34 +107,31 @@ impl WallMesh {
                     Triangles { points: points.iter().map(stands).collect(), triangles: triangles.clone() }
                 }
             };
-            velocities.extend(points.iter().map(|point| <[f64; 3]>::from(face.velocity_at(point))));
+            all.velocities.extend(points.iter().map(|point| <[f64; 3]>::from(face.velocity_at(point))));
             all.points.extend(points.iter().map(|point| <[f64; 3]>::from(*point)));
             all.wall.extend(triangles.iter().map(|_| number as u32));
             all.triangles.extend(triangles.iter().map(|corners| corners.map(|corner| first + corner)));
         }
-        (all, velocities)
+        all
     }
 
-    /// Returns the walls at a time (s) as polygonal data.
-    pub fn poly_data(&self, time: f64, driven: &[DrivenWall]) -> PolyData {
-        let (Walls { points, triangles, wall, names, shapes, axes }, velocities) = self.posed(time, driven);
-        let flat = |vectors: Vec<[f64; 3]>| vectors.into_iter().flatten();
+    /// Returns the walls at a time (s) as a part of a frame.
+    pub fn part(&self, time: f64, driven: &[DrivenWall]) -> Part {
+        let Walls { points, triangles, wall, names, shapes, axes, velocities } = self.at(time, driven);
         let diagonal = (Vector::from(self.domain.max) - Vector::from(self.domain.min)).norm();
-        let materials = wall.iter().map(|wall| self.materials[*wall as usize]).collect();
-        PolyData {
+        let materials = wall.iter().map(|wall| f64::from(self.materials[*wall as usize]));
+        Part {
+            corners_per_cell: 3,
             time,
-            points: Array::coordinates("Points", flat(points), 1e-3 * diagonal),
-            cells: Cells::Triangles(triangles),
-            point_data: vec![Array::floats("velocity", 3, flat(velocities))],
-            cell_data: vec![
-                Array::integers("wall", wall.into_iter().map(|wall| wall as i32)),
-                Array { name: "material".into(), components: 1, kind: Kind::UInt8, bytes: materials },
+            points: Column::coordinates("Points", points.into_flattened(), 1e-3 * diagonal),
+            corners: Some(triangles.into_flattened()),
+            of_points: vec![Column::new("velocity", VECTOR, velocities.into_flattened())],
+            of_cells: vec![
+                Column::new("wall", WHOLE, wall.iter().map(|wall| f64::from(*wall))),
+                Column::new("material", (Number::UInt8, 1), materials),
             ],
-            field_data: vec![Array::doubles("wall_axes", 3, flat(axes))],
-            texts: vec![
-                ("wall_names".into(), names),
-                ("wall_shapes".into(), shapes.into_iter().map(String::from).collect()),
-            ],
+            whole: vec![Column::new("wall_axes", DOUBLES, axes.into_flattened())],
+            texts: vec![("wall_names", names), ("wall_shapes", shapes.into_iter().map(String::from).collect())],
         }
     }
 }
@@ -164,5 +157,5 @@ fn axis(motion: &Motion) -> Vector {
 }
 
 #[cfg(test)]
-#[path = "../../tests/unit/output_wall_mesh.rs"]
+#[path = "../../tests/unit/run_frames_walls.rs"]
 mod tests;
