@@ -10,7 +10,7 @@ use super::stl::stl;
 use super::{Code, CodeError, CodeName, Job, starting_grains};
 use makadam::scene::{Grain, Reaction};
 use makadam::snapshot::{Particle, Snapshot};
-use makadam_frames::import::{FilePattern, ImportError, Imported, Manifest, Tables, assemble, unlike};
+use makadam_frames::import::{FilePattern, ImportError, Manifest, Tables, assemble, unlike};
 use makadam_frames::output::mesh::{FINE, wall_mesh};
 use makadam_frames::output::{RunFiles, cells::csv_below, shown};
 use makadam_frames::plan::{Measure, Scene};
@@ -144,13 +144,11 @@ impl External {
             Ok(found)
         };
         let (mut tables, own) = (Tables::default(), &self.description);
-        for pattern in &own.grains {
-            let mut found = named(pattern)?.into_iter();
-            found.try_for_each(|file| tables.add_grains(&file, pattern, own)).map_err(refused)?;
-        }
-        for pattern in &own.contacts {
-            let mut found = named(pattern)?.into_iter();
-            found.try_for_each(|file| tables.add_contacts(&file, pattern, own)).map_err(refused)?;
+        for (is_contacts, patterns) in [&own.grains, &own.contacts].into_iter().enumerate() {
+            for pattern in patterns {
+                let mut found = named(pattern)?.into_iter();
+                found.try_for_each(|file| tables.add(is_contacts == 1, &file, pattern, own)).map_err(refused)?;
+            }
         }
         Ok(tables)
     }
@@ -173,12 +171,12 @@ impl External {
         };
         manifest.check(job.scene).map_err(|problem| self.output(self.place(job), 1, problem))?;
         let refused = |ImportError { file, line, problem }: ImportError| self.output(&file, line, problem);
-        let Imported { recording, mut notes } = assemble(job.scene, &manifest, tables).map_err(refused)?;
+        let mut recording = assemble(job.scene, &manifest, tables).map_err(refused)?;
         self.check_times(job, &recording)?;
         self.check_grains(job, grains, &recording)?;
-        notes.extend(unlike(job.scene, measured_frames(job.scene, &recording).into_iter()));
+        let unlike = unlike(job.scene, measured_frames(job.scene, &recording).into_iter());
+        recording.notes.extend(unlike);
         Ok(Recording {
-            notes,
             rayleigh_fraction: None,
             stiffness_factor: job.stiffness_factor,
             wall_seconds,

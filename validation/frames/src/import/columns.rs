@@ -112,13 +112,10 @@ fn split_axis(name: &str) -> Option<(&str, usize)> {
     }
 }
 
-/// Names of columns: of each file, or of the columns that a file numbers under one name, such as `c_pairs[1]`.
+/// Names of columns: of each file under an empty name, or of the columns that a file numbers under one name, such as `c_pairs[1]`.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(from = "Written")]
-pub struct StatedColumns {
-    all: Vec<String>,
-    numbered: BTreeMap<String, Vec<String>>,
-}
+pub struct StatedColumns(BTreeMap<String, Vec<String>>);
 
 /// `StatedColumns` in a file: a list, or a table of lists.
 #[derive(Deserialize)]
@@ -130,10 +127,10 @@ enum Written {
 
 impl From<Written> for StatedColumns {
     fn from(written: Written) -> StatedColumns {
-        match written {
-            Written::All(all) => StatedColumns { all, numbered: BTreeMap::new() },
-            Written::Numbered(numbered) => StatedColumns { all: Vec::new(), numbered },
-        }
+        StatedColumns(match written {
+            Written::All(all) => BTreeMap::from([(String::new(), all)]),
+            Written::Numbered(numbered) => numbered,
+        })
     }
 }
 
@@ -152,25 +149,20 @@ impl FromStr for StatedColumns {
         if names.iter().any(String::is_empty) {
             return Err("a name is empty; write _ for a column that is not wanted".into());
         }
-        Ok(StatedColumns::from(match head {
-            None => Written::All(names),
-            Some((head, _)) => Written::Numbered(BTreeMap::from([(head.trim().to_string(), names)])),
-        }))
+        let head = head.map_or("", |(head, _)| head.trim());
+        Ok(StatedColumns(BTreeMap::from([(head.to_string(), names)])))
     }
 }
 
 impl StatedColumns {
     /// Joins lists that are stated one after the other; a later one replaces an earlier one of its kind.
     pub fn joined(all: impl IntoIterator<Item = StatedColumns>) -> StatedColumns {
-        all.into_iter().fold(StatedColumns::default(), |mut joined, one| {
-            joined.numbered.extend(one.numbered);
-            StatedColumns { all: if one.all.is_empty() { joined.all } else { one.all }, numbered: joined.numbered }
-        })
+        StatedColumns(all.into_iter().flat_map(|one| one.0).collect())
     }
 
     /// Reports whether nothing is stated.
     pub fn is_empty(&self) -> bool {
-        self.all.is_empty() && self.numbered.is_empty()
+        self.0.values().all(Vec::is_empty)
     }
 
     /// Makes the empty table of a file, given the names of its columns and their line.
@@ -181,17 +173,14 @@ impl StatedColumns {
         let fault = |problem: String| ImportError::new(file, line.max(1), problem);
         let remedy = "name each, those that are not wanted with _";
         let mut names = own;
-        if !self.all.is_empty() {
-            let (count, named) = (names.len(), self.all.len());
-            if named != count {
+        // The names of all columns come first.
+        for (compute, stated) in self.0.iter().filter(|(_, stated)| !stated.is_empty()) {
+            let is_named = |name: &str| compute.is_empty() || numbered(name) == Some(compute);
+            let places: Vec<usize> = (0..names.len()).filter(|place| is_named(&names[*place])).collect();
+            let (count, named) = (places.len(), stated.len());
+            if compute.is_empty() && count != named {
                 return Err(fault(format!("its rows have {count} numbers, and {named} columns are named; {remedy}")));
             }
-            names.clone_from(&self.all);
-        }
-        for (compute, stated) in &self.numbered {
-            let places: Vec<usize> =
-                (0..names.len()).filter(|place| numbered(&names[*place]) == Some(compute)).collect();
-            let (count, named) = (places.len(), stated.len());
             if count > 0 && count != named {
                 let problem = format!("it has {count} columns {compute}[...], and {named} are named; {remedy}");
                 return Err(fault(problem));

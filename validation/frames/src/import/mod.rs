@@ -57,73 +57,54 @@ impl Tables {
     /// [`ImportError`] with file and line.
     pub fn read(manifest: &Manifest) -> Result<Tables, ImportError> {
         let mut tables = Tables::default();
-        for pattern in &manifest.grains {
-            manifest.files(pattern)?.iter().try_for_each(|file| tables.add_grains(file, pattern, manifest))?;
-        }
-        for pattern in &manifest.contacts {
-            manifest.files(pattern)?.iter().try_for_each(|file| tables.add_contacts(file, pattern, manifest))?;
+        for (is_contacts, patterns) in [&manifest.grains, &manifest.contacts].into_iter().enumerate() {
+            for pattern in patterns {
+                for file in manifest.files(pattern)? {
+                    tables.add(is_contacts == 1, &file, pattern, manifest)?;
+                }
+            }
         }
         Ok(tables)
     }
 
-    /// Adds the frames of a file of grains.
+    /// Adds the frames of a file of grains or of contacts; a single one without time and step has those that its name states.
     ///
     /// # Errors
-    /// [`ImportError`] with file and line.
-    pub fn add_grains(&mut self, file: &Path, pattern: &FilePattern, manifest: &Manifest) -> Result<(), ImportError> {
-        once(&mut self.files[0], file)?;
-        self.grains.extend(read(file, pattern, &manifest.columns)?);
-        Ok(())
-    }
-
-    /// Adds the frames of a file of contacts.
-    ///
-    /// # Errors
-    /// [`ImportError`] with file and line.
-    pub fn add_contacts(&mut self, file: &Path, pattern: &FilePattern, manifest: &Manifest) -> Result<(), ImportError> {
-        once(&mut self.files[1], file)?;
-        self.contacts.extend(read(file, pattern, &manifest.contact_columns)?);
-        Ok(())
-    }
-}
-
-/// Refuses a file that has been read, by this name or another one: its frames would count twice.
-fn once(known: &mut BTreeSet<PathBuf>, file: &Path) -> Result<(), ImportError> {
-    match known.insert(file.canonicalize().unwrap_or_else(|_| file.to_path_buf())) {
-        true => Ok(()),
-        false => {
-            Err(ImportError::new(file, 1, "the file is given twice, by this name or another one; name each file once"))
+    /// [`ImportError`] with file and line, also for a file that has been read, by this name or another one: its frames would count twice.
+    pub fn add(
+        &mut self,
+        is_contacts: bool,
+        file: &Path,
+        pattern: &FilePattern,
+        manifest: &Manifest,
+    ) -> Result<(), ImportError> {
+        let own_name = file.canonicalize().unwrap_or_else(|_| file.to_path_buf());
+        if !self.files[usize::from(is_contacts)].insert(own_name) {
+            let problem = "the file is given twice, by this name or another one; name each file once";
+            return Err(ImportError::new(file, 1, problem));
         }
+        let (tables, columns) = match is_contacts {
+            true => (&mut self.contacts, &manifest.contact_columns),
+            false => (&mut self.grains, &manifest.columns),
+        };
+        let bytes = std::fs::read(file).map_err(|error| ImportError::new(file, 1, error.to_string()))?;
+        let mut frames = parse(file, bytes, columns)?;
+        if let ([frame], Some(stamp)) = (&mut frames[..], pattern.stamp(file))
+            && frame.time.is_none()
+            && frame.step.is_none()
+        {
+            (frame.time, frame.step) = (stamp.time, stamp.step);
+        }
+        tables.extend(frames);
+        Ok(())
     }
 }
 
-/// Reads the frames of a file; a single one without time and step has those that its name states.
-fn read(file: &Path, pattern: &FilePattern, columns: &StatedColumns) -> Result<Vec<FrameTable>, ImportError> {
-    let bytes = std::fs::read(file).map_err(|error| ImportError::new(file, 1, error.to_string()))?;
-    let mut frames = parse(file, bytes, columns)?;
-    if let ([frame], Some(stamp)) = (&mut frames[..], pattern.stamp(file))
-        && frame.time.is_none()
-        && frame.step.is_none()
-    {
-        (frame.time, frame.step) = (stamp.time, stamp.step);
-    }
-    Ok(frames)
-}
-
-/// Frames as a recording, and notes for the reader.
-#[derive(Debug)]
-pub struct Imported {
-    /// The frames.
-    pub recording: Recording,
-    /// Notes, in sentences.
-    pub notes: Vec<String>,
-}
-
-/// Puts the frames of files together.
+/// Puts the frames of files together; notes for the reader are among those of the recording.
 ///
 /// # Errors
 /// [`ImportError`] with file and line: statements that are missing, or contradict the scene or one another.
-pub fn assemble(scene: &Scene, manifest: &Manifest, tables: &Tables) -> Result<Imported, ImportError> {
+pub fn assemble(scene: &Scene, manifest: &Manifest, tables: &Tables) -> Result<Recording, ImportError> {
     if tables.grains.is_empty() {
         return Err(ImportError::new(Path::new("-"), 1, "no file has a frame; give files of grains"));
     }
@@ -169,8 +150,7 @@ pub fn assemble(scene: &Scene, manifest: &Manifest, tables: &Tables) -> Result<I
     let version = manifest.version.as_deref().unwrap_or("unknown");
     // Frames state no step of the code; the one by which they are numbered need not be it.
     let recording = Recording::new(scene, code, version, manifest.seed.unwrap_or(scene.seed), snapshots);
-    let recording = Recording { lacks: lacks(scene, tables), ..recording };
-    Ok(Imported { recording, notes })
+    Ok(Recording { lacks: lacks(scene, tables), notes, ..recording })
 }
 
 /// Contents that some frames lack.

@@ -253,32 +253,24 @@ fn header_number(source: &Source<'_>, bytes: &[u8], place: usize) -> Result<usiz
 
 /// The bytes of an array that begins a text in base64. Compressed ones have their header encoded by itself.
 fn from_base64(source: &Source<'_>, text: &[u8], size: usize) -> Result<Vec<u8>, String> {
-    let decoded = |start: usize, bytes: usize| {
-        let letters = bytes.checked_add(2).map(|bytes| bytes / 3 * 4).ok_or_else(cut)?;
-        let own = text.get(start..start.saturating_add(letters)).ok_or_else(cut)?;
-        let decoded = STANDARD.decode(own).map_err(|error| format!("it is no base64: {error}"))?;
-        Ok::<_, String>((decoded, start + letters))
-    };
     let header = source.header;
-    // Nine bytes and twelve letters are whole groups: enough for the first number of a header.
-    let begin =
-        STANDARD.decode(text.get(..12).ok_or_else(cut)?).map_err(|error| format!("it is no base64: {error}"))?;
-    let count = header_number(source, &begin, 0)?;
+    let unit = |start: usize, bytes: usize| {
+        let end = start.saturating_add(bytes.div_ceil(3).saturating_mul(4)).min(text.len());
+        let decoded = STANDARD.decode(text.get(start..end).unwrap_or_default());
+        decoded.map(|bytes| (bytes, end)).map_err(|error| format!("it is no base64: {error}"))
+    };
     if source.compression == Compression::None {
-        return match count == size {
-            true => decoded(0, header + size).map(|(bytes, _)| bytes),
-            false => Err(format!("it has {count} bytes in place of {size}")),
-        };
+        return Ok(unit(0, header + size)?.0);
     }
+    // Nine bytes are whole groups of letters: enough for the first number of a header.
+    let count = header_number(source, &unit(0, 9)?.0, 0)?;
     if count > text.len() {
         return Err(cut());
     }
-    let (mut bytes, start) = decoded(0, header * (3 + count))?;
-    let mut packed = 0_usize;
-    for block in 0..count {
-        packed = packed.saturating_add(header_number(source, &bytes, 3 + block)?);
-    }
-    bytes.extend(decoded(start, packed)?.0);
+    let (mut bytes, start) = unit(0, header * (3 + count))?;
+    let add = |sum: usize, block| header_number(source, &bytes, 3 + block).map(|size| sum.saturating_add(size));
+    let packed = (0..count).try_fold(0, add)?;
+    bytes.extend(unit(start, packed)?.0);
     Ok(bytes)
 }
 

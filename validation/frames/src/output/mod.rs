@@ -1,21 +1,14 @@
 //! Files of a run: tables as CSV, the summary as JSON, and what frames are made of for exports and pictures.
 
-mod cache;
 pub mod cells;
-mod lock;
+mod folders;
 pub mod mesh;
-mod names;
-mod record;
 mod run_files;
-mod shown;
 mod table;
 
-pub use cache::{cache_folder, run_folder};
-pub use lock::{FolderLock, LockError};
-pub use names::file_stem;
-pub use record::record_folder;
-pub use run_files::RunFiles;
-pub use shown::shown;
+pub use cells::shown;
+pub use folders::{cache_folder, file_stem, record_folder, run_folder};
+pub use run_files::{FolderLock, LockError, RunFiles};
 pub(crate) use table::open_to_grow;
 pub use table::{TableWritten, TimeTable};
 
