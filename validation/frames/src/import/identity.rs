@@ -5,7 +5,7 @@
 //! the file's. A grain that fits several kinds is refused.
 
 use super::columns::Column;
-use super::frames::Frame;
+use super::frames::{Assembly, Frame};
 use super::manifest::{Manifest, Missing, known_kinds};
 use super::table::{FrameTable, ImportError};
 use crate::plan::{Alike, Roster, Scene};
@@ -98,19 +98,12 @@ impl<'a> Identity<'a> {
 
     /// Radii of the scene's grains by number, m, for files without radii: where each kind has one, or where grains are stated to be numbered
     /// and placed as the scene does.
-    pub fn radii(
-        &self,
-        table: &FrameTable,
-        missing: &mut Missing,
-        notes: &mut Vec<String>,
-    ) -> Result<Vec<f64>, ImportError> {
+    pub fn radii(&self, table: &FrameTable, assembly: &mut Assembly<'_>) -> Result<Vec<f64>, ImportError> {
+        let Assembly { missing, notes, .. } = assembly;
         if self.groups.iter().all(|group| group.radii.0 == group.radii.1) {
             notes.push(format!("radii are those of the scene, {}", self.radii_text()));
-            return Ok(self
-                .groups
-                .iter()
-                .flat_map(|group| std::iter::repeat_n(group.radii.0, group.count as usize))
-                .collect());
+            let of = |group: &Alike| std::iter::repeat_n(group.radii.0, group.count as usize);
+            return Ok(self.groups.iter().flat_map(of).collect());
         }
         if let (Some(_), Some(seed)) = (self.manifest.first_id, self.manifest.seed) {
             notes.push(format!("radii are those of the scene's grains with seed {seed}, by their numbers"));

@@ -30,7 +30,7 @@ pub use table::{FrameTable, ImportError, Periods};
 use crate::plan::Scene;
 use crate::recording::{Content, Recording, outside_domain};
 use contacts::{Columns, ContactList, vector};
-use frames::{Frame, frames};
+use frames::{Assembly, Frame};
 use identity::{Identity, Numbers};
 use makadam::scene::{Domain, Reaction};
 use makadam::snapshot::{Particle, Snapshot};
@@ -108,26 +108,24 @@ pub fn assemble(scene: &Scene, manifest: &Manifest, tables: &Tables) -> Result<R
     if tables.grains.is_empty() {
         return Err(ImportError::new(Path::new("-"), 1, "no file has a frame; give files of grains"));
     }
-    let mut notes = Vec::new();
     tables.grains.iter().try_for_each(|table| position(table).map(|_| ()))?;
     tables.grains.iter().chain(&tables.contacts).try_for_each(|table| same_box(table, &scene.domain))?;
 
-    // All statements that are missing are reported at once.
-    let mut missing = Missing::default();
-    tables.contacts.iter().for_each(|table| _ = Columns::of(table, &mut missing));
+    let mut assembly = Assembly { scene, manifest, tables, missing: Missing::default(), notes: Vec::new() };
+    tables.contacts.iter().for_each(|table| _ = Columns::of(table, &mut assembly.missing));
     let foreign = tables.contacts.iter().find(|table| table.first_id.is_none());
     if let Some(table) = foreign.filter(|_| !manifest.contacts_complete) {
         let meaning = "the files list all contacts of each of their frames; else leave the files of contacts out";
-        missing.add(table, 0, "contacts-complete = true", meaning);
+        assembly.missing.add(table, 0, "contacts-complete = true", meaning);
     }
-    let frames = frames(scene, manifest, tables, &mut missing, &mut notes)?;
+    let frames = assembly.frames()?;
     let identity = Identity::new(scene, manifest, &frames);
-    let numbers = identity.numbers(&frames, &mut missing)?;
+    let numbers = identity.numbers(&frames, &mut assembly.missing)?;
     let radii = match tables.grains.iter().find(|table| table.radius().is_none()) {
-        Some(table) => identity.radii(table, &mut missing, &mut notes)?,
+        Some(table) => identity.radii(table, &mut assembly)?,
         None => Vec::new(),
     };
-    missing.refuse()?;
+    assembly.missing.refuse()?;
 
     let mut snapshots = Vec::with_capacity(frames.len());
     let step = longest_step(manifest, &frames);
@@ -135,7 +133,7 @@ pub fn assemble(scene: &Scene, manifest: &Manifest, tables: &Tables) -> Result<R
         let particles = particles(frame.grains, &identity, &numbers, &radii, &scene.domain)?;
         let mut list = ContactList::new(scene, manifest, &numbers, &particles);
         for table in &frame.contacts {
-            let columns = Columns::of(table, &mut missing);
+            let columns = Columns::of(table, &mut assembly.missing);
             columns.map_or(Ok(()), |columns| list.add(table, &columns))?;
         }
         if let Some(step) = step.filter(|_| frame.is_measured) {
@@ -150,7 +148,7 @@ pub fn assemble(scene: &Scene, manifest: &Manifest, tables: &Tables) -> Result<R
     let version = manifest.version.as_deref().unwrap_or("unknown");
     // Frames state no step of the code; the one by which they are numbered need not be it.
     let recording = Recording::new(scene, code, version, manifest.seed.unwrap_or(scene.seed), snapshots);
-    Ok(Recording { lacks: lacks(scene, tables), notes, ..recording })
+    Ok(Recording { lacks: lacks(scene, tables), notes: assembly.notes, ..recording })
 }
 
 /// Contents that some frames lack.

@@ -7,6 +7,7 @@ use crate::output::RunFiles;
 use crate::plan::{Scene, setup_hash};
 use crate::provenance::VERSION;
 use crate::recording::{Content, Recording};
+use makadam::scene::Motion;
 use makadam::snapshot::Snapshot;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -172,7 +173,7 @@ impl RunFrames {
         Ok(match kind {
             Kind::Grains => self.tables.grains(&frame),
             Kind::Contacts => self.tables.contacts(&frame),
-            Kind::Walls => self.tables.walls.part(frame.time, &frame.driven_walls),
+            Kind::Walls => self.tables.walls_part(frame.time, &frame.driven_walls),
         })
     }
 
@@ -184,7 +185,8 @@ impl RunFrames {
             Kind::Grains => 0..count,
             Kind::Contacts => 0..if output.contacts { count } else { 0 },
             Kind::Walls if !output.walls || scene.wall.is_empty() => 0..0,
-            Kind::Walls => 0..if self.tables.walls.moves() { count } else { 1 },
+            Kind::Walls if scene.wall.iter().all(|wall| wall.motion == Motion::Fixed) => 0..1,
+            Kind::Walls => 0..count,
         }
     }
 

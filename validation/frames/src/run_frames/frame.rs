@@ -1,7 +1,7 @@
 //! One frame of a run: columns of its grains and contacts, computed from a snapshot and the scene.
 
 use super::columns::{Column, DOUBLES, Number, Part, REAL, Shape, VECTOR, WHOLE, pose_columns};
-use super::walls::{WallMesh, Walls};
+use super::walls::{Triangles, Walls};
 use crate::plan::{GrainField, Roster, Scene};
 use makadam::snapshot::{Particle, Partner, Snapshot};
 use nalgebra::Vector3;
@@ -235,7 +235,8 @@ pub(crate) struct FrameTables {
     /// Density of each material, kg/m3.
     densities: Vec<f64>,
     roster: Roster,
-    pub walls: WallMesh,
+    /// Each wall as the scene places it; planes are cut again at their pose.
+    pub(super) walls: Vec<Triangles>,
 }
 
 impl FrameTables {
@@ -243,7 +244,7 @@ impl FrameTables {
         FrameTables {
             densities: scene.material.values().map(|material| material.density).collect(),
             roster: Roster::new(scene),
-            walls: WallMesh::new(scene),
+            walls: scene.wall.iter().map(|wall| Triangles::of(&wall.shape, &scene.domain)).collect(),
             scene: scene.clone(),
         }
     }
@@ -276,7 +277,7 @@ impl FrameTables {
             let ends = self.ends(snapshot).into_iter();
             ends.zip(forces).map(|(ends, normal_force)| ContactLine { ends, normal_force }).collect()
         };
-        let walls = || self.walls.at(snapshot.time, &snapshot.driven_walls);
+        let walls = || self.walls_at(snapshot.time, &snapshot.driven_walls);
         RunFrame {
             time: snapshot.time,
             gravity: self.scene.gravity_field().at(snapshot.time).into(),

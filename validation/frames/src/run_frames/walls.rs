@@ -1,8 +1,8 @@
 //! Walls of a scene as triangles, at their pose at a time.
 
 use super::columns::{Column, DOUBLES, Number, Part, VECTOR, WHOLE};
+use super::frame::FrameTables;
 use crate::output::mesh::{DRAWN, wall_mesh};
-use crate::plan::Scene;
 use makadam::scene::{Domain, Motion, Shape, Wall};
 use makadam::snapshot::DrivenWall;
 use makadam::wall::PlacedWalls;
@@ -30,27 +30,16 @@ pub struct Walls {
     pub velocities: Vec<[f64; 3]>,
 }
 
-/// The walls of a scene as triangles.
-#[derive(Clone, Debug)]
-pub(crate) struct WallMesh {
-    walls: Vec<Wall>,
-    domain: Domain,
-    /// Number of each wall's material.
-    materials: Vec<u8>,
-    /// Each wall as the scene places it; planes are cut again at their pose.
-    placed: Vec<Triangles>,
-}
-
 /// Points and triangles on them.
 #[derive(Clone, Debug, Default)]
-struct Triangles {
+pub(super) struct Triangles {
     points: Vec<Vector>,
     triangles: Vec<[u32; 3]>,
 }
 
 impl Triangles {
     /// Joins corners at one place.
-    fn of(shape: &Shape, domain: &Domain) -> Triangles {
+    pub fn of(shape: &Shape, domain: &Domain) -> Triangles {
         let mut all = Triangles::default();
         let mut known = HashMap::new();
         for corners in wall_mesh(shape, domain, 0.0, DRAWN).triangles {
@@ -65,32 +54,18 @@ impl Triangles {
     }
 }
 
-impl WallMesh {
-    pub fn new(scene: &Scene) -> WallMesh {
-        let number = |wall: &Wall| scene.material.keys().position(|name| *name == wall.material).unwrap_or(0) as u8;
-        WallMesh {
-            materials: scene.wall.iter().map(number).collect(),
-            placed: scene.wall.iter().map(|wall| Triangles::of(&wall.shape, &scene.domain)).collect(),
-            walls: scene.wall.clone(),
-            domain: scene.domain.clone(),
-        }
-    }
-
-    /// Returns true if a wall moves, within its own surface included.
-    pub fn moves(&self) -> bool {
-        self.walls.iter().any(|wall| !matches!(wall.motion, Motion::Fixed))
-    }
-
+impl FrameTables {
     /// Returns the walls at a time (s), with the given poses of those that are driven.
-    pub fn at(&self, time: f64, driven: &[DrivenWall]) -> Walls {
-        let placed = PlacedWalls::at(&self.walls, &self.domain, time, driven);
+    pub(super) fn walls_at(&self, time: f64, driven: &[DrivenWall]) -> Walls {
+        let (walls, domain) = (&self.scene.wall, &self.scene.domain);
+        let placed = PlacedWalls::at(walls, domain, time, driven);
         let mut all = Walls {
-            names: self.walls.iter().map(|wall| wall.name.clone()).collect(),
-            shapes: self.walls.iter().map(|wall| kind(&wall.shape)).collect(),
-            axes: self.walls.iter().map(|wall| axis(&wall.motion).into()).collect(),
+            names: walls.iter().map(|wall| wall.name.clone()).collect(),
+            shapes: walls.iter().map(|wall| kind(&wall.shape)).collect(),
+            axes: walls.iter().map(|wall| axis(&wall.motion).into()).collect(),
             ..Walls::default()
         };
-        for (number, wall) in self.walls.iter().enumerate() {
+        for (number, wall) in walls.iter().enumerate() {
             let Some((_, face)) = placed.faces().find(|(of, _)| *of == number) else { continue };
             let first = all.points.len() as u32;
             let stands = |point: &Vector| placed.point_of(number, point);
@@ -100,10 +75,10 @@ impl WallMesh {
                     let (point, normal) = (Vector::from(*point), Vector::from(*normal).normalize());
                     let foot = stands(&point);
                     let normal = (stands(&(point + normal)) - foot).into();
-                    Triangles::of(&Shape::Plane { point: foot.into(), normal }, &self.domain)
+                    Triangles::of(&Shape::Plane { point: foot.into(), normal }, domain)
                 }
                 _ => {
-                    let Triangles { points, triangles } = &self.placed[number];
+                    let Triangles { points, triangles } = &self.walls[number];
                     Triangles { points: points.iter().map(stands).collect(), triangles: triangles.clone() }
                 }
             };
@@ -116,10 +91,12 @@ impl WallMesh {
     }
 
     /// Returns the walls at a time (s) as a part of a frame.
-    pub fn part(&self, time: f64, driven: &[DrivenWall]) -> Part {
-        let Walls { points, triangles, wall, names, shapes, axes, velocities } = self.at(time, driven);
-        let diagonal = (Vector::from(self.domain.max) - Vector::from(self.domain.min)).norm();
-        let materials = wall.iter().map(|wall| f64::from(self.materials[*wall as usize]));
+    pub fn walls_part(&self, time: f64, driven: &[DrivenWall]) -> Part {
+        let Walls { points, triangles, wall, names, shapes, axes, velocities } = self.walls_at(time, driven);
+        let diagonal = (Vector::from(self.scene.domain.max) - Vector::from(self.scene.domain.min)).norm();
+        let material = |wall: &Wall| self.scene.material.keys().position(|name| *name == wall.material).unwrap_or(0);
+        let numbers: Vec<usize> = self.scene.wall.iter().map(material).collect();
+        let materials = wall.iter().map(|wall| numbers[*wall as usize] as f64);
         Part {
             corners_per_cell: 3,
             time,

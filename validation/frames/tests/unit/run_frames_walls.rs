@@ -1,6 +1,7 @@
 //! Unit tests of `src/run_frames/walls.rs`.
 
 use super::*;
+use crate::plan::Scene;
 use std::f64::consts::TAU;
 
 const WALLS: &str = r#"
@@ -60,10 +61,9 @@ const WALLS: &str = r#"
 #[test]
 fn corners_lie_on_the_walls_and_move_with_them() {
     let scene = Scene::parse(WALLS).unwrap();
-    let mesh = WallMesh::new(&scene);
-    assert!(mesh.moves());
+    let mesh = FrameTables::new(&scene);
     let driven = |displacement| vec![DrivenWall { wall: 3, displacement, rate: 0.25 }];
-    let (early, late) = (mesh.part(0.4, &driven(0.1)), mesh.part(0.5, &driven(0.2)));
+    let (early, late) = (mesh.walls_part(0.4, &driven(0.1)), mesh.walls_part(0.5, &driven(0.2)));
     let triangles: Vec<[u32; 3]> = late.corners().as_chunks().0.to_vec();
     let (points, before, velocities) = (&late.points.values, &early.points.values, &late.of_points[0].values);
     let vector = |values: &[f64], place: usize| Vector::from_column_slice(&values[3 * place..3 * place + 3]);
