@@ -152,9 +152,6 @@ impl<'a> Reader<'a> {
 }
 
 /// Reads a file.
-///
-/// # Errors
-/// [`ImportError`] with the line.
 pub(super) fn legacy_vtk(file: &Path, bytes: &[u8], stated: &StatedColumns) -> Result<Vec<FrameTable>, ImportError> {
     let mut reader = Reader {
         stated,

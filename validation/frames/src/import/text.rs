@@ -9,9 +9,6 @@ use std::path::Path;
 const SEPARATORS: [u8; 3] = [b',', b';', b'\t'];
 
 /// Frames of a table with names in its first row. Rows whose times differ are frames of their own, or else those whose steps differ.
-///
-/// # Errors
-/// [`ImportError`] with the line.
 pub(super) fn csv(file: &Path, bytes: &[u8], stated: &StatedColumns) -> Result<Vec<FrameTable>, ImportError> {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let separator = separator(bytes).map_err(|(line, problem)| ImportError::new(file, line, problem))?;
@@ -83,9 +80,6 @@ fn separator(bytes: &[u8]) -> Result<u8, (usize, String)> {
 }
 
 /// Reads YADE's columns; the first line names the format.
-///
-/// # Errors
-/// [`ImportError`] with the line.
 pub(super) fn yade(file: &Path, text: &str, stated: &StatedColumns) -> Result<Vec<FrameTable>, ImportError> {
     let mut columns: Vec<String> = Vec::new();
     let mut table: Option<FrameTable> = None;

@@ -19,9 +19,6 @@ const MOST_NUMBERS_PER_BYTE: u64 = 1000;
 const CELLS: [&str; 4] = ["Vertices", "Lines", "Polygons", "Strips"];
 
 /// The frames of a file: one per step, or a single one without a time.
-///
-/// # Errors
-/// [`ImportError`].
 pub(super) fn hdf(file: &Path, bytes: Vec<u8>, stated: &StatedColumns) -> Result<Vec<FrameTable>, ImportError> {
     let length = bytes.len() as u64;
     let fault = |problem: String| ImportError::new(file, 1, problem);

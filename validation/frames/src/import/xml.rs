@@ -52,9 +52,6 @@ struct Source<'a> {
 }
 
 /// Reads the frame of a file: its points, or its lines, if it has some.
-///
-/// # Errors
-/// [`ImportError`].
 pub(super) fn xml(file: &Path, bytes: &[u8], stated: &StatedColumns) -> Result<Vec<FrameTable>, ImportError> {
     let fault = |problem: String| ImportError::new(file, 1, problem);
     let head = String::from_utf8_lossy(&bytes[..bytes.len().min(1000)]);
