@@ -11,8 +11,9 @@ pub use roster::{Alike, Kind, Roster, lasting_number};
 
 use makadam::scene::{Beforehand, Checked, Document, DocumentPath, Finding, Motion, SceneError, SceneFileError};
 use makadam::wall::jumps_back;
-use schemars::JsonSchema;
+use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::ops::{Deref, DerefMut};
 use std::path::Path;
@@ -70,6 +71,35 @@ pub struct Tables {
     /// Observables for the comparison of codes, with margins of equivalence.
     #[serde(default)]
     compare: Vec<Expectation>,
+}
+
+/// That of the simulated scene, with the tables.
+impl JsonSchema for Scene {
+    fn schema_name() -> Cow<'static, str> {
+        "Scene".into()
+    }
+
+    fn schema_id() -> Cow<'static, str> {
+        concat!(module_path!(), "::Scene").into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let mut scene = makadam::scene::Scene::json_schema(generator);
+        let tables = Tables::json_schema(generator).to_value();
+        let keys =
+            ["prepare", "measure", "output", "compare"].map(|key| (key.into(), tables["properties"][key].clone()));
+        if let Some(properties) = scene.get_mut("properties").and_then(|properties| properties.as_object_mut()) {
+            properties.extend(keys);
+        }
+        // A scene is written without keys that have their default.
+        let is_left_out = |key: &serde_json::Value| {
+            ["gravity_changes", "largest_start_overlap", "unusual_values", "watch"].iter().any(|known| key == known)
+        };
+        if let Some(required) = scene.get_mut("required").and_then(|required| required.as_array_mut()) {
+            required.retain(|key| !is_left_out(key));
+        }
+        scene
+    }
 }
 
 impl Scene {

@@ -11,7 +11,7 @@ use std::path::Path;
 const MARK: [u8; 8] = *b"mkd-rec\x03";
 
 /// One run of a scene in one code.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Recording {
     /// Name of the scene.
     pub scene: String,
@@ -121,17 +121,11 @@ impl Recording {
             code: code.into(),
             version: version.into(),
             seed,
-            time_step: 0.0,
-            rayleigh_fraction: None,
             stiffness_factor: 1.0,
             threads: 1,
-            wall_seconds: 0.0,
-            core_seconds: None,
             simulated_seconds: frames.last().map_or(0.0, |frame| frame.time),
             frames,
-            lacks: Vec::new(),
-            alarms: Vec::new(),
-            notes: Vec::new(),
+            ..Recording::default()
         }
     }
 

@@ -5,7 +5,7 @@
 use super::columns::StatedColumns;
 use super::table::{FrameTable, ImportError, Named, is_wanted, table_of};
 use crate::output::FIELD_DATA;
-use crate::run_frames::columns::{DRIVEN_WALLS, Number, driven_walls};
+use crate::run_frames::columns::{Number, driven_walls};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use flate2::{Decompress, FlushDecompress, Status};
@@ -138,12 +138,9 @@ fn read(bytes: &[u8], is_wanted: impl Fn(&str, usize) -> bool) -> Result<Content
     let named = |name: &str| arrays_of(whole).into_iter().find(|node| node.attribute("Name") == Some(name));
     let time = named("TimeValue").map(|node| array(&source, node, 1)).transpose()?;
     let time = time.and_then(|time| time.first().copied()).filter(|time| time.is_finite());
-    let mut poses = Vec::new();
-    for (name, node) in DRIVEN_WALLS.iter().filter_map(|name| Some((*name, named(name)?))).filter(|_| of_run) {
-        poses.push((name, array(&source, node, tuples_of_field(node)?)?));
-    }
-    let pose = |name: &str| poses.iter().find(|(known, _)| *known == name).map(|(_, values)| values.clone());
-    Ok(Content { time, of_run, driven_walls: driven_walls(pose)?, count, arrays })
+    let pose = |node| tuples_of_field(node).and_then(|tuples| array(&source, node, tuples));
+    let driven_walls = driven_walls(|name| named(name).filter(|_| of_run).map(pose).transpose())?;
+    Ok(Content { time, of_run, driven_walls, count, arrays })
 }
 
 /// A document, with what is appended to it cut off.

@@ -172,8 +172,13 @@ pub(crate) fn pose_columns(walls: &[DrivenWall]) -> [Column; 3] {
 ///
 /// # Errors
 /// The problem, in names of the columns.
-pub(crate) fn driven_walls(values: impl Fn(&str) -> Option<Vec<f64>>) -> Result<Vec<DrivenWall>, String> {
-    let [Some(walls), Some(displacements), Some(rates)] = DRIVEN_WALLS.map(values) else { return Ok(Vec::new()) };
+pub(crate) fn driven_walls(
+    values: impl Fn(&str) -> Result<Option<Vec<f64>>, String>,
+) -> Result<Vec<DrivenWall>, String> {
+    let [walls, displacements, rates] = DRIVEN_WALLS.map(values);
+    let (Some(walls), Some(displacements), Some(rates)) = (walls?, displacements?, rates?) else {
+        return Ok(Vec::new());
+    };
     let all = walls.iter().chain(&displacements).chain(&rates);
     if [displacements.len(), rates.len()] != [walls.len(); 2] || !all.into_iter().all(|number| number.is_finite()) {
         return Err(format!("{} are not as many finite numbers each", DRIVEN_WALLS.join(", ")));
