@@ -97,6 +97,9 @@ impl JsonSchema for Scene {
         };
         if let Some(required) = scene.get_mut("required").and_then(|required| required.as_array_mut()) {
             required.retain(|key| !is_left_out(key));
+            if generator.contract().is_serialize() {
+                required.extend(["prepare", "measure", "compare"].map(serde_json::Value::from));
+            }
         }
         scene
     }
