@@ -86,10 +86,9 @@ impl JsonSchema for Scene {
     fn json_schema(generator: &mut SchemaGenerator) -> Schema {
         let mut scene = makadam::scene::Scene::json_schema(generator);
         let tables = Tables::json_schema(generator).to_value();
-        let keys =
-            ["prepare", "measure", "output", "compare"].map(|key| (key.into(), tables["properties"][key].clone()));
+        let more = tables["properties"].as_object().cloned().unwrap_or_default();
         if let Some(properties) = scene.get_mut("properties").and_then(|properties| properties.as_object_mut()) {
-            properties.extend(keys);
+            properties.extend(more);
         }
         // A scene is written without keys that have their default.
         let is_left_out = |key: &serde_json::Value| {
