@@ -451,7 +451,7 @@ fn links_to_files_count_once() {
     std::os::unix::fs::symlink(&file, &link).unwrap();
     let (pattern, manifest) = ("*".into(), Manifest::default());
     let mut tables = Tables::default();
-    tables.add_contacts(&file, &pattern, &manifest).unwrap();
-    let error = tables.add_contacts(&link, &pattern, &manifest).unwrap_err().to_string();
+    tables.add(true, &file, &pattern, &manifest).unwrap();
+    let error = tables.add(true, &link, &pattern, &manifest).unwrap_err().to_string();
     assert!(error.contains("the file is given twice"), "{error}");
 }
