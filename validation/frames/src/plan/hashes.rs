@@ -51,3 +51,7 @@ fn hash_without(scene: &Scene, keys: &[&str], of_measure: &[&str]) -> String {
     remove("/measure", of_measure);
     format!("{:016x}", checksum(physics.to_string().as_bytes()))
 }
+
+#[cfg(test)]
+#[path = "../../tests/unit/plan_hashes.rs"]
+mod tests;
