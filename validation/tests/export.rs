@@ -2,7 +2,7 @@
 
 use hdf5_pure::File;
 use makadam::Simulation;
-use makadam_frames::export::Format;
+use makadam_frames::export::write;
 use makadam_frames::output::RunFiles;
 use makadam_frames::plan::{FrameFormat, Scene};
 use makadam_frames::run_frames::{Kind, RunFrames, StoreWriter};
@@ -31,7 +31,7 @@ fn run(folder: &Path) -> RunFrames {
 fn a_vtkhdf_file_says_where_each_frame_begins() {
     let folder = tempfile::tempdir().unwrap();
     let run = run(folder.path());
-    let written = Format::of(FrameFormat::Vtkhdf).write(&run, folder.path(), &|_| {}).unwrap();
+    let written = write(FrameFormat::Vtkhdf, &run, folder.path(), &|_| {}).unwrap();
     assert!(written.iter().map(|written| written.frames).eq([FRAMES; 3]), "{written:?}");
     for kind in Kind::ALL {
         let path = folder.path().join(format!("{}.vtkhdf", kind.name()));
@@ -133,7 +133,7 @@ fn a_gsd_file_has_the_period_of_the_scene_and_the_steps_of_its_frames() {
     let run = RunFrames::open(folder.path()).unwrap();
     let frame = run.read(1).unwrap();
     assert_eq!(frame.repeats.unwrap()[0], [0.1, 0.06, 0.0]);
-    Format::of(FrameFormat::Gsd).write(&run, folder.path(), &|_| {}).unwrap();
+    write(FrameFormat::Gsd, &run, folder.path(), &|_| {}).unwrap();
     let bytes = std::fs::read(folder.path().join("grains.gsd")).unwrap();
     let cell = chunk(&bytes, 0, "configuration/box").unwrap();
     assert!((cell[0] - 0.1).abs() < 1e-8 && (cell[1] - 0.06).abs() < 1e-8 && (cell[2] - 0.02).abs() < 1e-8, "{cell:?}");
@@ -148,7 +148,7 @@ fn a_gsd_file_has_the_period_of_the_scene_and_the_steps_of_its_frames() {
 fn a_gsd_file_has_the_layout_of_its_schema() {
     let folder = tempfile::tempdir().unwrap();
     let run = run(folder.path());
-    assert_eq!(Format::of(FrameFormat::Gsd).write(&run, folder.path(), &|_| {}).unwrap()[0].frames, FRAMES);
+    assert_eq!(write(FrameFormat::Gsd, &run, folder.path(), &|_| {}).unwrap()[0].frames, FRAMES);
     let bytes = std::fs::read(folder.path().join("grains.gsd")).unwrap();
     let long = |place: usize| u64::from_le_bytes(bytes[place..place + 8].try_into().unwrap());
     assert_eq!(long(0), 0x65df_65df_65df_65df);
@@ -206,7 +206,7 @@ fn exports_hold_poses_of_driven_walls() {
     let run = RunFrames::open(folder.path()).unwrap();
     let [gsd, hdf] = ["grains.gsd", "grains.vtkhdf"].map(|name| folder.path().join(name));
     for format in [FrameFormat::Gsd, FrameFormat::Vtkhdf] {
-        Format::of(format).write(&run, folder.path(), &|_| {}).unwrap();
+        write(format, &run, folder.path(), &|_| {}).unwrap();
     }
     let (bytes, hdf) = (std::fs::read(&gsd).unwrap(), File::open(&hdf).unwrap());
     let of_hdf = |name: &str| hdf.dataset(&format!("VTKHDF/{name}")).unwrap().read_f64().unwrap();

@@ -4,10 +4,10 @@
 
 use libc::{SIG_IGN, SIGHUP, SIGINT, SIGTERM, c_int};
 use makadam::Interrupt;
-use std::sync::OnceLock;
+use std::sync::LazyLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-static INTERRUPT: OnceLock<Interrupt> = OnceLock::new();
+static INTERRUPT: LazyLock<Interrupt> = LazyLock::new(Interrupt::new);
 
 /// True while a computation runs that polls for a request.
 static POLLED: AtomicBool = AtomicBool::new(false);
@@ -16,7 +16,7 @@ static POLLED: AtomicBool = AtomicBool::new(false);
 /// the background of a script. Where the system refuses, the default stays.
 pub fn listen() {
     // A handler may not allocate: what it uses is made before.
-    let _ = interrupt();
+    LazyLock::force(&INTERRUPT);
     for signal in [SIGINT, SIGTERM, SIGHUP] {
         // SAFETY: a zeroed `sigaction` is a valid one (default action, empty mask, no flags); both pointers are to such.
         let inherited = unsafe {
@@ -38,7 +38,7 @@ pub fn listen() {
 }
 
 extern "C" fn request(_signal: c_int) {
-    let second = INTERRUPT.get().is_none_or(Interrupt::request);
+    let second = INTERRUPT.request();
     if second || !POLLED.load(Ordering::SeqCst) {
         // SAFETY: `_exit` runs nothing of this process and may be called in a handler.
         unsafe { libc::_exit(1) }
@@ -48,17 +48,13 @@ extern "C" fn request(_signal: c_int) {
 /// Returns true if the user has requested a stop. From the first poll on, the polling code handles requests.
 pub fn requested() -> bool {
     start_polling();
-    INTERRUPT.get().is_some_and(Interrupt::is_requested)
+    INTERRUPT.is_requested()
 }
 
 /// Returns the flag that a simulation polls to stop inside a step.
 pub fn handle() -> Interrupt {
     start_polling();
-    interrupt().clone()
-}
-
-fn interrupt() -> &'static Interrupt {
-    INTERRUPT.get_or_init(Interrupt::new)
+    INTERRUPT.clone()
 }
 
 fn start_polling() {

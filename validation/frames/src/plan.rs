@@ -1,25 +1,20 @@
 //! A scene as the judge has it: what is simulated, and what is measured and compared of it.
 //!
 //! Both stand in one TOML document with two readers. The solver reads what is simulated and passes over the tables `prepare`, `measure`,
-//! `output` and `compare`; here these are read, and written again with the rest, in the order that hashes of recorded results are taken in.
+//! `output` and `compare`; here these are read, and written again with the rest.
 
-mod output;
-mod physics;
+mod hashes;
 mod roster;
 
-pub use output::{FrameFormat, GrainField, Output};
-pub use physics::{physics_hash, setup_hash};
-pub use roster::{Kind, Roster, lasting_number};
+pub use hashes::{physics_hash, scene_hash, setup_hash};
+pub use roster::{Alike, Kind, Roster, lasting_number};
 
-use makadam::scene::{
-    Accuracy, Beforehand, Checked, Document, DocumentPath, Domain, Finding, GrainEntry, GravityChange, Material,
-    Motion, PairRule, Population, SceneError, SceneFileError, SolverSettings, Wall, Watch,
-};
+use makadam::scene::{Beforehand, Checked, Document, DocumentPath, Finding, Motion, SceneError, SceneFileError};
 use makadam::wall::jumps_back;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
-use serde::{Deserialize, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 use std::ops::{Deref, DerefMut};
 use std::path::Path;
 
@@ -29,18 +24,21 @@ pub const MOST_SEEDS: u64 = 1000;
 const MOST_FRAMES: f64 = 1e6;
 
 /// A scene that is measured. Whatever takes what is simulated takes it as it is.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(from = "Written")]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Scene {
     /// The simulated scene.
+    #[serde(flatten)]
     pub simulated: makadam::scene::Scene,
     /// Simulation before the run, for a start from a flowing state.
     pub prepare: Option<Prepare>,
     /// Observables and times of measurement.
+    #[serde(default)]
     pub measure: Measure,
     /// Content and interval of the frames on disk; all content at the interval of `measure`, if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub output: Option<Output>,
     /// Observables for the comparison of codes, with margins of equivalence.
+    #[serde(default)]
     pub compare: Vec<Expectation>,
 }
 
@@ -73,6 +71,37 @@ pub struct Tables {
     /// Observables for the comparison of codes, with margins of equivalence.
     #[serde(default)]
     compare: Vec<Expectation>,
+}
+
+/// That of the simulated scene, with the tables.
+impl JsonSchema for Scene {
+    fn schema_name() -> Cow<'static, str> {
+        "Scene".into()
+    }
+
+    fn schema_id() -> Cow<'static, str> {
+        concat!(module_path!(), "::Scene").into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let mut scene = makadam::scene::Scene::json_schema(generator);
+        let tables = Tables::json_schema(generator).to_value();
+        let more = tables["properties"].as_object().cloned().unwrap_or_default();
+        if let Some(properties) = scene.get_mut("properties").and_then(|properties| properties.as_object_mut()) {
+            properties.extend(more);
+        }
+        // A scene is written without keys that have their default.
+        let is_left_out = |key: &serde_json::Value| {
+            ["gravity_changes", "largest_start_overlap", "unusual_values", "watch"].iter().any(|known| key == known)
+        };
+        if let Some(required) = scene.get_mut("required").and_then(|required| required.as_array_mut()) {
+            required.retain(|key| !is_left_out(key));
+            if generator.contract().is_serialize() {
+                required.extend(["prepare", "measure", "compare"].map(serde_json::Value::from));
+            }
+        }
+        scene
+    }
 }
 
 impl Scene {
@@ -185,123 +214,6 @@ impl Scene {
     }
 }
 
-/// A scene as it is written: the keys in the order that recorded hashes are taken in. What is left out where it has its default keeps
-/// the hashes of scenes from before there was such a key.
-#[derive(Serialize, JsonSchema)]
-struct Form<'s> {
-    name: &'s str,
-    description: &'s str,
-    duration: f64,
-    gravity: [f64; 3],
-    #[serde(skip_serializing_if = "<[_]>::is_empty")]
-    gravity_changes: &'s [GravityChange],
-    seed: u64,
-    domain: &'s Domain,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    largest_start_overlap: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    unusual_values: Option<bool>,
-    material: &'s BTreeMap<String, Material>,
-    pair: &'s [PairRule],
-    wall: &'s [Wall],
-    population: &'s [Population],
-    grain: &'s [GrainEntry],
-    prepare: &'s Option<Prepare>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    accuracy: &'s Option<Accuracy>,
-    solver: &'s SolverSettings,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    watch: Option<&'s Watch>,
-    measure: &'s Measure,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    output: &'s Option<Output>,
-    compare: &'s [Expectation],
-}
-
-/// A scene that was written, to be read back from results.
-#[derive(Deserialize)]
-struct Written {
-    // First: what is simulated passes over these tables, and a table is read once.
-    #[serde(flatten)]
-    tables: Tables,
-    #[serde(flatten)]
-    simulated: makadam::scene::Scene,
-}
-
-impl From<Written> for Scene {
-    fn from(Written { simulated, tables: Tables { prepare, measure, output, compare } }: Written) -> Scene {
-        Scene { simulated, prepare, measure, output, compare }
-    }
-}
-
-/// Overlap at the start that is accepted where a scene says nothing else, over the smaller radius.
-const SLIGHT_OVERLAP: f64 = 0.01;
-
-impl Serialize for Scene {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let Scene { simulated, prepare, measure, output, compare } = self;
-        let makadam::scene::Scene {
-            name,
-            description,
-            duration,
-            gravity,
-            gravity_changes,
-            seed,
-            domain,
-            largest_start_overlap,
-            unusual_values,
-            material,
-            pair,
-            wall,
-            population,
-            grain,
-            accuracy,
-            solver,
-            watch,
-            ..
-        } = simulated;
-        let document = Form {
-            name,
-            description,
-            duration: *duration,
-            gravity: *gravity,
-            gravity_changes,
-            seed: *seed,
-            domain,
-            largest_start_overlap: Some(*largest_start_overlap).filter(|overlap| *overlap != SLIGHT_OVERLAP),
-            unusual_values: Some(true).filter(|_| *unusual_values),
-            material,
-            pair,
-            wall,
-            population,
-            grain,
-            prepare,
-            accuracy,
-            solver,
-            watch: Some(watch).filter(|watch| **watch != Watch::default()),
-            measure,
-            output,
-            compare,
-        };
-        document.serialize(serializer)
-    }
-}
-
-/// That of the scene as it is written.
-impl JsonSchema for Scene {
-    fn schema_name() -> Cow<'static, str> {
-        "Scene".into()
-    }
-
-    fn schema_id() -> Cow<'static, str> {
-        concat!(module_path!(), "::Scene").into()
-    }
-
-    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-        Form::json_schema(generator)
-    }
-}
-
 /// Times of frames, and observables averaged over them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -409,4 +321,78 @@ pub struct Prepare {
     pub duration: f64,
     /// Time step used for it, s.
     pub step: f64,
+}
+
+/// Content, interval and export of frames: the table `output` of a scene.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Output {
+    /// Time between frames on disk, s; default: that of `measure`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub interval: Option<f64>,
+    /// Fields of grains in exported frames, in addition to number, diameter and material; default: all.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fields: Option<Vec<GrainField>>,
+    /// Writes contacts.
+    pub contacts: bool,
+    /// Writes walls.
+    pub walls: bool,
+    /// Formats in which the frames of a complete run are exported into its folder, as `makadam export` does.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub formats: Vec<FrameFormat>,
+}
+
+/// A format of frames for other programs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum FrameFormat {
+    /// ParaView: one file per frame, and a script that opens them.
+    Vtp,
+    /// ParaView: one file for all frames of grains, contacts or walls.
+    Vtkhdf,
+    /// OVITO and HOOMD-blue: grains over time.
+    Gsd,
+}
+
+impl FrameFormat {
+    /// Returns the name in commands and scenes.
+    pub fn name(self) -> &'static str {
+        match self {
+            FrameFormat::Vtp => "vtp",
+            FrameFormat::Vtkhdf => "vtkhdf",
+            FrameFormat::Gsd => "gsd",
+        }
+    }
+}
+
+impl Default for Output {
+    fn default() -> Self {
+        Self { interval: None, fields: None, contacts: true, walls: true, formats: Vec::new() }
+    }
+}
+
+/// A quantity of grains in the frames of a run; hyphens are read as underscores.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum GrainField {
+    /// Index of the grain's population; -1 for a grain listed by itself.
+    Population,
+    /// Mass, kg.
+    Mass,
+    /// Magnitude of the velocity, m/s.
+    Speed,
+    /// Velocity, m/s.
+    Velocity,
+    /// Angular velocity, rad/s.
+    #[serde(alias = "angular-velocity")]
+    AngularVelocity,
+    /// Sum of the contact forces on the grain, N.
+    Force,
+    /// Number of force-carrying contacts.
+    #[serde(alias = "coordination-number")]
+    CoordinationNumber,
+    /// Symmetric part of the mean stress of the grain, pressure positive, Pa: xx, yy, zz, xy, yz, xz.
+    Stress,
+    /// A third of the trace of the stress, Pa.
+    Pressure,
 }

@@ -1,11 +1,13 @@
 //! Provenance of a result: version, commit, compiler, machine, seed, scene, settings.
 
 use crate::execution::Execution;
+pub use crate::plan::scene_hash;
+
 use crate::plan::Scene;
 use crate::stepping::steps_in;
 use makadam::checkpoint::checksum;
 use makadam::lanes::InstructionSet;
-use makadam::scene::{SolverSettings, Watch};
+use makadam::scene::SolverSettings;
 use makadam::schedule::Scheduler;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -178,15 +180,6 @@ pub fn facts(account: &BTreeMap<String, String>) -> Vec<String> {
     let of = |key: &str| account.get(key).cloned();
     let version = of("version").map(|version| format!("version {version}"));
     [of("processor"), version].into_iter().flatten().collect()
-}
-
-/// Hash of everything that a scene says of what is simulated (64-bit FNV-1a over its JSON form), the same on every machine. What a
-/// run watches for is left out: it changes when a run ends, and nothing of what came before.
-pub fn scene_hash(scene: &Scene) -> u64 {
-    let mut unwatched = scene.clone();
-    unwatched.watch = Watch::default();
-    let text = serde_json::to_vec(&unwatched).expect("a checked scene holds only finite numbers and plain text");
-    checksum(&text)
 }
 
 /// Arguments of the program, where something else than the system has started it.

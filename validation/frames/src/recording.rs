@@ -11,7 +11,7 @@ use std::path::Path;
 const MARK: [u8; 8] = *b"mkd-rec\x03";
 
 /// One run of a scene in one code.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Recording {
     /// Name of the scene.
     pub scene: String,
@@ -121,17 +121,11 @@ impl Recording {
             code: code.into(),
             version: version.into(),
             seed,
-            time_step: 0.0,
-            rayleigh_fraction: None,
             stiffness_factor: 1.0,
             threads: 1,
-            wall_seconds: 0.0,
-            core_seconds: None,
             simulated_seconds: frames.last().map_or(0.0, |frame| frame.time),
             frames,
-            lacks: Vec::new(),
-            alarms: Vec::new(),
-            notes: Vec::new(),
+            ..Recording::default()
         }
     }
 
@@ -207,42 +201,27 @@ impl Recording {
 /// What does not go with the scene, in words.
 pub fn frame_belongs_to(frame: &Snapshot, scene: &Scene) -> Result<(), String> {
     let (here, there) = (frame.particles.len(), scene.grain_count());
-    let of = |what: String| Err(of_another_scene(frame, scene, &what));
+    let of =
+        |what: String| Err(format!("the frame at {} s is of another scene than '{}': {what}", frame.time, scene.name));
     if here != there {
         return of(format!("it has {here} grains, and the scene has {there}"));
     }
-    grains_belong_to(frame, scene)?;
-    let wall = frame.contacts.iter().find_map(|contact| match contact.second {
-        Partner::Wall(number) if number as usize >= scene.wall.len() => Some(number),
-        _ => None,
-    });
-    wall.map_or(Ok(()), |number| of(format!("a grain touches wall {number}, and the scene has {}", scene.wall.len())))
-}
-
-/// Checks that the radii of a frame are among those of a scene.
-///
-/// # Errors
-/// What does not go with the scene, in words.
-pub fn grains_belong_to(frame: &Snapshot, scene: &Scene) -> Result<(), String> {
     let listed = scene.grain.iter().map(|grain| (grain.radius, grain.radius));
     let drawn = scene.population.iter().map(|population| population.radius.bounds());
     let (low, high) = listed
         .chain(drawn)
         .fold((f64::INFINITY, 0.0_f64), |(low, high), (least, most)| (low.min(least), high.max(most)));
     let fits = |radius: f64| (low * (1.0 - SAME_SIZE)..=high * (1.0 + SAME_SIZE)).contains(&radius);
-    match frame.particles.iter().find(|grain| !fits(grain.radius)) {
-        None => Ok(()),
-        Some(grain) => {
-            let (id, radius) = (grain.id, grain.radius);
-            let what =
-                format!("grain {id} has a radius of {radius} m, and those of the scene are from {low} m to {high} m");
-            Err(of_another_scene(frame, scene, &what))
-        }
+    if let Some(Particle { id, radius, .. }) = frame.particles.iter().find(|grain| !fits(grain.radius)) {
+        return of(format!(
+            "grain {id} has a radius of {radius} m, and those of the scene are from {low} m to {high} m"
+        ));
     }
-}
-
-fn of_another_scene(frame: &Snapshot, scene: &Scene, what: &str) -> String {
-    format!("the frame at {} s is of another scene than '{}': {what}", frame.time, scene.name)
+    let wall = frame.contacts.iter().find_map(|contact| match contact.second {
+        Partner::Wall(number) if number as usize >= scene.wall.len() => Some(number),
+        _ => None,
+    });
+    wall.map_or(Ok(()), |number| of(format!("a grain touches wall {number}, and the scene has {}", scene.wall.len())))
 }
 
 /// Grains of a frame that lie outside of the domain, which none may leave, in words; `None` where all are inside.

@@ -6,8 +6,9 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use makadam_compare::codes::{CodeName, Job, Purpose};
 use makadam_compare::scenes::Change;
-use makadam_frames::export::{FORMATS, Format, Written};
+use makadam_frames::export::{FORMATS, Written, write};
 use makadam_frames::output::file_stem;
+use makadam_frames::plan::FrameFormat;
 use makadam_frames::run_frames::RunFrames;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -19,8 +20,8 @@ pub(super) struct ExportArguments {
     #[arg(value_name = "RUN or SCENE")]
     pub what: String,
     /// Format of the frames of a run: VTP or VTKHDF for ParaView, GSD for OVITO.
-    #[arg(long, value_parser = one_of(FORMATS, |format: Format| format.name), required_unless_present = "code")]
-    pub format: Option<Format>,
+    #[arg(long, value_parser = one_of(FORMATS, FrameFormat::name), required_unless_present = "code")]
+    pub format: Option<FrameFormat>,
     /// Code for which a scene is written: deck or driver, grains, meshes of walls.
     #[arg(long = "for", id = "code", value_parser = another_code(), value_name = "CODE", conflicts_with = "format")]
     pub code: Option<CodeName>,
@@ -85,7 +86,7 @@ fn export_scene(arguments: &ExportArguments, code: CodeName, console: &Console) 
     Ok(ExitCode::SUCCESS)
 }
 
-fn export_run(arguments: &ExportArguments, format: Format, console: &Console) -> Result<ExitCode, Failure> {
+fn export_run(arguments: &ExportArguments, format: FrameFormat, console: &Console) -> Result<ExitCode, Failure> {
     let run = RunFrames::open(Path::new(&arguments.what))?;
     let folder = arguments.output.clone().unwrap_or_else(|| run.folder().to_path_buf());
     console.result(&export_frames(&run, format, &folder, console)?)?;
@@ -95,12 +96,12 @@ fn export_run(arguments: &ExportArguments, format: Format, console: &Console) ->
 /// Writes the frames of a run into a folder in a format; returns a line per file.
 pub(super) fn export_frames(
     run: &RunFrames,
-    format: Format,
+    format: FrameFormat,
     folder: &Path,
     console: &Console,
 ) -> Result<String, Failure> {
     let bar = console.bar("exporting");
-    let written = format.write(run, folder, &|share| bar.set(share))?;
+    let written = write(format, run, folder, &|share| bar.set(share))?;
     let lines = written.iter().map(|Written { path, frames }| format!("{}: {frames} frames", path.display()));
     Ok(lines.collect::<Vec<_>>().join("\n"))
 }

@@ -5,7 +5,7 @@ use super::{Console, Failure, within_tolerance};
 use clap::Args;
 use makadam::snapshot::Snapshot;
 use makadam_compare::scenes::Change;
-use makadam_frames::import::{FilePattern, Imported, Manifest, StatedColumns, Tables, assemble, unlike};
+use makadam_frames::import::{FilePattern, Manifest, StatedColumns, Tables, assemble, unlike};
 use makadam_frames::output::JSON_VERSION;
 use makadam_frames::plan::Scene;
 use makadam_frames::recording::Recording;
@@ -108,15 +108,14 @@ pub(super) fn measure(arguments: &MeasureArguments, console: &Console) -> Result
     let (_, scene) = load(&arguments.scene, &arguments.changes)?;
     let manifest = manifest(arguments)?;
     manifest.check(&scene).map_err(Failure::Usage)?;
-    let Imported { recording, mut notes } = match run_folder(&manifest)? {
+    let mut recording = match run_folder(&manifest)? {
         Some(folder) => {
             let seed = manifest.seed.unwrap_or(scene.seed);
-            let mut recording =
-                RunFrames::open(&folder)?.recording(manifest.name.as_deref().unwrap_or("frames"), seed, &scene)?;
-            Imported { notes: std::mem::take(&mut recording.notes), recording }
+            RunFrames::open(&folder)?.recording(manifest.name.as_deref().unwrap_or("frames"), seed, &scene)?
         }
         None => assemble(&scene, &manifest, &Tables::read(&manifest)?)?,
     };
+    let mut notes = std::mem::take(&mut recording.notes);
     let measured = measured_frames(&scene, &recording);
     notes.extend(unlike(&scene, measured.iter().copied()));
     notes.extend(other_window(&scene, &measured));

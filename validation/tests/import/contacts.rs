@@ -12,7 +12,7 @@ fn refused(rows: &str, words: &str) {
 }
 
 /// Frames of a packing with those contacts that are kept, and the text of contacts changed.
-fn kept(keep: &dyn Fn(usize, &Contact) -> bool, change: &dyn Fn(String) -> String) -> Result<Imported, ImportError> {
+fn kept(keep: &dyn Fn(usize, &Contact) -> bool, change: &dyn Fn(String) -> String) -> Result<Recording, ImportError> {
     let (scene, frames) = packing();
     let kept = |frame: &Snapshot| Snapshot {
         contacts: (0..).zip(&frame.contacts).filter(|(index, one)| keep(*index, one)).map(|(_, one)| *one).collect(),
@@ -31,7 +31,7 @@ fn kept(keep: &dyn Fn(usize, &Contact) -> bool, change: &dyn Fn(String) -> Strin
 #[test]
 fn complete_lists_are_checked() {
     let whole = kept(&|_, _| true, &|text| text).unwrap();
-    assert_eq!((&whole.recording.lacks[..], whole.notes.len()), (&[Content::DrivenWalls][..], 0), "{:?}", whole.notes);
+    assert_eq!((&whole.lacks[..], whole.notes.len()), (&[Content::DrivenWalls][..], 0), "{:?}", whole.notes);
     // Contacts that bear nothing need not be listed.
     assert!(kept(&|_, contact| contact.force_on_partner().norm() > 0.0, &|text| text).is_ok());
     for keep in [
@@ -132,7 +132,7 @@ fn measured_frames_need_contacts() {
         assembled(&scene, &tables(&grains, &[("contacts.csv", text(CONTACTS, &contact_rows, of))]).unwrap())
     };
     let late = with(&|index| frames[index].time > 0.19).unwrap();
-    assert_eq!((late.recording.lacks, late.notes), (vec![Content::DrivenWalls], vec![]));
+    assert_eq!((late.lacks, late.notes), (vec![Content::DrivenWalls], vec![]));
     for only in [2, last] {
         let error = with(&|index| index == only).unwrap_err().to_string();
         assert!(
@@ -173,7 +173,7 @@ fn repeated_frames_of_contacts() {
         assemble(&scene, &at(0.5), &tables(&grains, &contacts).unwrap())
     };
     // A code that is started twice writes the frame in between twice.
-    assert_eq!(given(-1.0).unwrap().recording.frames[0].contacts.len(), 1);
+    assert_eq!(given(-1.0).unwrap().frames[0].contacts.len(), 1);
     let error = given(-2.0).unwrap_err().to_string();
     assert!(error.contains("pairs.dump: line 24: it has two frames of contacts at 0.5 s"), "{error}");
     // Contacts of another time are none of the frame.

@@ -150,7 +150,7 @@ fn numbered_columns_need_names() {
         let line = format!("contact-columns.{compute} = [\"{}\"]", names.replace(',', "\", \""));
         assert!(error.contains(&format!("{line}   # where it is compute pair/gran/local ")), "{error}");
         let found = contacts(&option.parse().unwrap()).unwrap();
-        let [contact] = &found.recording.frames[0].contacts[..] else { panic!("{file}") };
+        let [contact] = &found.frames[0].contacts[..] else { panic!("{file}") };
         assert_eq!((contact.first, contact.second), (0, Partner::Grain(1)), "{file}");
         forces.push(contact.force_on_partner());
     }

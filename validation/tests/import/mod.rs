@@ -4,7 +4,7 @@ use makadam::Simulation;
 use makadam::snapshot::{Contact, Partner, Snapshot};
 use makadam_compare::scenes;
 use makadam_frames::import::{
-    Column, FrameTable, ImportError, Imported, Manifest, StatedColumns, Tables, assemble, column_of, parse,
+    Column, FrameTable, ImportError, Manifest, StatedColumns, Tables, assemble, column_of, parse,
 };
 use makadam_frames::plan::Scene;
 use makadam_frames::recording::{Content, Recording};
@@ -99,7 +99,7 @@ fn at(time: f64) -> Manifest {
     Manifest { time: Some(time), contacts_complete: true, ..Manifest::default() }
 }
 
-fn assembled(scene: &Scene, tables: &Tables) -> Result<Imported, ImportError> {
+fn assembled(scene: &Scene, tables: &Tables) -> Result<Recording, ImportError> {
     assemble(scene, &stated(), tables)
 }
 
@@ -161,8 +161,8 @@ fn tables_measure_as_their_frames() {
     let (grains, contacts) = (csv(GRAINS, &grain_rows), csv(CONTACTS, &contact_rows));
     let imported =
         assembled(&scene, &tables(&[("grains.csv", grains)], &[("contacts.csv", contacts)]).unwrap()).unwrap();
-    assert_eq!(imported.recording.lacks, [Content::DrivenWalls]);
-    same(&measure(&scene, &imported.recording), &wanted, 1e-9);
+    assert_eq!(imported.lacks, [Content::DrivenWalls]);
+    same(&measure(&scene, &imported), &wanted, 1e-9);
     // Dumps: pairs and walls apart, in the columns that LIGGGHTS gives them.
     let dump = |what: &str, rows: &dyn Fn(&Snapshot, &mut String)| {
         let mut text = String::new();
@@ -208,14 +208,14 @@ fn tables_measure_as_their_frames() {
         ..tables(&[("grains.dump", grains.clone())], &[]).unwrap()
     };
     let imported = assembled(&scene, &both).unwrap();
-    same(&measure(&scene, &imported.recording), &wanted, MOVED_ON);
+    same(&measure(&scene, &imported), &wanted, MOVED_ON);
     // Without contacts, what needs none is the same, and the rest is left out.
     let imported = assembled(&scene, &tables(&[("grains.dump", grains)], &[]).unwrap()).unwrap();
     let lacks = [Content::DrivenWalls, Content::Contacts, Content::WallContacts];
-    assert_eq!(imported.recording.lacks, lacks);
+    assert_eq!(imported.lacks, lacks);
     let rest = measure(&scene, &recording(frames.clone(), lacks.to_vec()));
     assert!(rest.len() > 5 && rest.len() < wanted.len());
-    same(&measure(&scene, &imported.recording), &rest, 1e-9);
+    same(&measure(&scene, &imported), &rest, 1e-9);
 }
 
 /// An observable keeps its value without contents that it does not need.

@@ -32,7 +32,7 @@ fn scene_of(populations: &[&str], radius: &str) -> Scene {
     Scene::parse(&text).unwrap()
 }
 
-fn read(scene: &Scene, files: &[(&str, String)], manifest: &Manifest) -> Result<Imported, String> {
+fn read(scene: &Scene, files: &[(&str, String)], manifest: &Manifest) -> Result<Recording, String> {
     let found = tables(files, &[]).and_then(|tables| assemble(scene, manifest, &tables));
     found.map_err(|error| error.to_string())
 }
@@ -47,12 +47,12 @@ fn first_id(first: i64) -> Manifest {
 }
 
 /// Numbers of the grains of a frame.
-fn ids(imported: &Imported, frame: usize) -> Vec<u32> {
-    imported.recording.frames[frame].particles.iter().map(|grain| grain.id).collect()
+fn ids(imported: &Recording, frame: usize) -> Vec<u32> {
+    imported.frames[frame].particles.iter().map(|grain| grain.id).collect()
 }
 
-fn heights(imported: &Imported) -> Vec<f64> {
-    imported.recording.frames.iter().map(|frame| frame.particles[0].position[2]).collect()
+fn heights(imported: &Recording) -> Vec<f64> {
+    imported.frames.iter().map(|frame| frame.particles[0].position[2]).collect()
 }
 
 #[test]
@@ -69,8 +69,8 @@ fn kinds_are_types() {
             && error.contains("heavy, m"),
         "{error}"
     );
-    let energy = |imported: &Imported| {
-        measure(&scene, &imported.recording).into_iter().find(|one| one.observable == "kinetic_energy").unwrap().value
+    let energy = |imported: &Recording| {
+        measure(&scene, imported).into_iter().find(|one| one.observable == "kinetic_energy").unwrap().value
     };
     let right = 0.5 * 2500.0 * 4.0 / 3.0 * std::f64::consts::PI * 0.005_f64.powi(3);
     for given in [kinds(&[("1", "m"), ("2", "heavy")]), kinds(&[("1", "population.0"), ("2", "population.1")])] {
@@ -96,9 +96,8 @@ fn numbers_state_grains_without_type() {
     let file = [("g.dump", dump("id x y z radius", &rows))];
     let error = read(&scene, &file, &stated()).unwrap_err();
     assert!(error.contains("\n  first-id = NUMBER   # number of the scene's first grain"), "{error}");
-    let heights = |imported: Imported| {
-        imported.recording.frames[0].particles.iter().map(|grain| grain.position[2]).collect::<Vec<_>>()
-    };
+    let heights =
+        |imported: Recording| imported.frames[0].particles.iter().map(|grain| grain.position[2]).collect::<Vec<_>>();
     assert_eq!(heights(read(&scene, &file, &first_id(1)).unwrap()), [0.07, 0.02]);
     let error = read(&scene, &file, &first_id(0)).unwrap_err();
     assert!(error.contains("there is no grain 2: first-id states numbers from 0 to 1"), "{error}");
@@ -129,13 +128,13 @@ fn radii_by_file_or_seed() {
     );
     let placed = read(&drawn, &file, &Manifest { seed: Some(3), ..first }).unwrap();
     let own = makadam::scene::populate(&drawn, 3).unwrap();
-    let found: Vec<f64> = placed.recording.frames[0].particles.iter().map(|grain| grain.radius).collect();
+    let found: Vec<f64> = placed.frames[0].particles.iter().map(|grain| grain.radius).collect();
     assert_eq!(found, own.iter().map(|grain| grain.radius).collect::<Vec<_>>());
-    assert_eq!(placed.recording.seed, 3);
+    assert_eq!(placed.seed, 3);
     // One radius is what the scene states.
     let fixed = two_materials();
     let imported = read(&fixed, &file, &first_id(1)).unwrap();
-    assert!(imported.recording.frames[0].particles.iter().all(|grain| grain.radius == 0.005));
+    assert!(imported.frames[0].particles.iter().all(|grain| grain.radius == 0.005));
     assert!(imported.notes.contains(&"radii are those of the scene, 0.005 m".to_string()), "{:?}", imported.notes);
 }
 
@@ -190,7 +189,7 @@ fn grains_that_leave_need_numbers() {
 }
 
 /// Fifty grains of one size and fifty of another, two frames: numbers by `number`, in the order of `rows`.
-fn two_kinds(number: &dyn Fn(usize) -> i64, rows: &dyn Fn(usize, usize) -> usize) -> Result<Imported, ImportError> {
+fn two_kinds(number: &dyn Fn(usize) -> i64, rows: &dyn Fn(usize, usize) -> usize) -> Result<Recording, ImportError> {
     let (mut scene, _) = packing();
     let [population] = &mut scene.population[..] else { unreachable!("it has one population") };
     population.count = 50;
@@ -210,8 +209,8 @@ fn two_kinds(number: &dyn Fn(usize) -> i64, rows: &dyn Fn(usize, usize) -> usize
 }
 
 /// Height of the grain with a number, which differs from row to row.
-fn height(imported: &Imported, id: u32) -> f64 {
-    let frame = imported.recording.frames.last().unwrap();
+fn height(imported: &Recording, id: u32) -> f64 {
+    let frame = imported.frames.last().unwrap();
     frame.particles.iter().find(|grain| grain.id == id).unwrap().position[2]
 }
 
@@ -244,8 +243,7 @@ fn sizes_state_listed_grains() {
         let text = format!("id,x,y,z,r\n{}", rows.iter().map(row).collect::<String>());
         assemble(&scene, &Manifest { first_id, ..at(0.6) }, &tables(&[("a.csv", text)], &[]).unwrap())
     };
-    let ids =
-        |imported: Imported| imported.recording.frames[0].particles.iter().map(|grain| grain.id).collect::<Vec<_>>();
+    let ids = |imported: Recording| imported.frames[0].particles.iter().map(|grain| grain.id).collect::<Vec<_>>();
     assert_eq!(ids(read(&[(1, small), (2, small), (3, small)], None).unwrap()), [1, 2, 3], "the listed one has left");
     assert_eq!(ids(read(&[(1, 0.02), (2, small), (3, small)], None).unwrap()), [0, 1, 2]);
     assert_eq!(ids(read(&[(0, small), (1, small), (2, small), (1000, 0.02)], None).unwrap()), [0, 1, 2, 3]);
@@ -284,12 +282,12 @@ fn periodic_images() {
     // What lies inside keeps its bits.
     let text = "id,x,y,z,r\n0,0.35,0.05,0.5,0.005\n1,-0.72,0.05,0.5,0.005\n2,0.05,0.35,0.5,0.005\n";
     let imported = assemble(&scene, &at(0.6), &tables(&[("a.csv", text.into())], &[]).unwrap()).unwrap();
-    let frame = &imported.recording.frames[0];
+    let frame = &imported.frames[0];
     for (grain, x) in frame.particles.iter().zip([-0.05, 0.08, 0.05]) {
         assert!((grain.position[0] - x).abs() < 1e-12, "{grain:?}");
     }
     assert_eq!(frame.particles[2].position, [0.05, 0.35, 0.5]);
-    let notes = unlike(&scene, imported.recording.frames.iter());
+    let notes = unlike(&scene, imported.frames.iter());
     let left = notes.iter().find(|note| note.contains("outside the domain")).unwrap();
     assert!(left.contains("1 of 3 grains lie") && left.contains("grain 2 at [0.05, 0.35, 0.5] m"), "{left}");
 }
@@ -351,7 +349,7 @@ fn frames_have_times_of_their_own() {
         let text = format!("{head},id,x,y,z,r\n{}{}", rows(1000, count), rows(1500, count));
         read(&scene, &[("a.csv", text)], &stated())
     };
-    let times: Vec<f64> = frames("step", 100).unwrap().recording.frames.iter().map(|frame| frame.time).collect();
+    let times: Vec<f64> = frames("step", 100).unwrap().frames.iter().map(|frame| frame.time).collect();
     assert_eq!(times, [1000.0, 1500.0].map(|step| step * (INTERVAL / STEPS as f64)));
     let error = frames("step", 101).unwrap_err();
     assert!(error.contains("a frame has 101 grains, and the scene has 100"), "{error}");
@@ -453,7 +451,7 @@ fn links_to_files_count_once() {
     std::os::unix::fs::symlink(&file, &link).unwrap();
     let (pattern, manifest) = ("*".into(), Manifest::default());
     let mut tables = Tables::default();
-    tables.add_contacts(&file, &pattern, &manifest).unwrap();
-    let error = tables.add_contacts(&link, &pattern, &manifest).unwrap_err().to_string();
+    tables.add(true, &file, &pattern, &manifest).unwrap();
+    let error = tables.add(true, &link, &pattern, &manifest).unwrap_err().to_string();
     assert!(error.contains("the file is given twice"), "{error}");
 }

@@ -208,7 +208,7 @@ fn frames(scene: &Scene, manifest: &Manifest) -> Result<Vec<Snapshot>, ImportErr
     let mut tables = Tables::read(manifest)?;
     // These lists are complete, as those of Makadam are, and name a grain on the edge of two triangles once for each.
     tables.grains.iter_mut().chain(&mut tables.contacts).for_each(|table| table.first_id = manifest.first_id);
-    Ok(assemble(scene, manifest, &tables)?.recording.frames)
+    Ok(assemble(scene, manifest, &tables)?.frames)
 }
 
 /// Reads the last step in a log.

@@ -9,7 +9,7 @@ use super::process::{Run, RunFolder, check_pattern, locate};
 use super::{Code, CodeError, CodeName, Job, starting_grains};
 use makadam::scene::{Grain, Reaction};
 use makadam::snapshot::{Particle, Snapshot};
-use makadam_frames::import::{FilePattern, ImportError, Imported, Manifest, Tables, assemble, unlike};
+use makadam_frames::import::{FilePattern, ImportError, Manifest, Tables, assemble, unlike};
 use makadam_frames::output::mesh::{FINE, wall_mesh};
 use makadam_frames::output::{RunFiles, cells::csv_below, shown};
 use makadam_frames::plan::{Measure, Scene};
@@ -146,13 +146,13 @@ impl External {
             Ok(found)
         };
         let (mut tables, own) = (Tables::default(), &self.description);
-        for pattern in &own.grains {
-            let mut found = named(pattern)?.into_iter();
-            found.try_for_each(|file| tables.add_grains(&file, pattern, own)).map_err(|error| self.refused(error))?;
-        }
-        for pattern in &own.contacts {
-            let mut found = named(pattern)?.into_iter();
-            found.try_for_each(|file| tables.add_contacts(&file, pattern, own)).map_err(|error| self.refused(error))?;
+        for (is_contacts, patterns) in [&own.grains, &own.contacts].into_iter().enumerate() {
+            for pattern in patterns {
+                let mut found = named(pattern)?.into_iter();
+                found
+                    .try_for_each(|file| tables.add(is_contacts == 1, &file, pattern, own))
+                    .map_err(|error| self.refused(error))?;
+            }
         }
         Ok(tables)
     }
@@ -174,13 +174,12 @@ impl External {
             ..self.description.clone()
         };
         manifest.check(job.scene).map_err(|problem| self.output(self.place(job), 1, problem))?;
-        let Imported { recording, mut notes } =
-            assemble(job.scene, &manifest, tables).map_err(|error| self.refused(error))?;
+        let mut recording = assemble(job.scene, &manifest, tables).map_err(|error| self.refused(error))?;
         self.check_times(job, &recording)?;
         self.check_grains(job, grains, &recording)?;
-        notes.extend(unlike(job.scene, measured_frames(job.scene, &recording).into_iter()));
+        let unlike = unlike(job.scene, measured_frames(job.scene, &recording).into_iter());
+        recording.notes.extend(unlike);
         Ok(Recording {
-            notes,
             rayleigh_fraction: None,
             stiffness_factor: job.stiffness_factor,
             wall_seconds,

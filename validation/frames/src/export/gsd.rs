@@ -8,11 +8,11 @@
 //! <https://gsd.readthedocs.io/en/stable/schema-hoomd.html>. The crate that knows it (`hoomd-gsd`) brings forty others with it, a column
 //! store among them; what is written here is little.
 
-use super::{ExportError, Written};
-use crate::output::{DRIVEN_WALLS, Draft, WriteError, create_folder};
+use super::{ExportError, Written, for_each};
+use crate::output::{Draft, WriteError};
 use crate::provenance::VERSION;
+use crate::run_frames::columns::{DOUBLE, Number, REAL, Shape, VECTOR, pose_columns};
 use crate::run_frames::{RunFrame, RunFrames};
-use makadam::snapshot::DrivenWall;
 use std::fs::File;
 use std::io::{BufWriter, Error, Seek, SeekFrom, Write};
 use std::path::Path;
@@ -27,18 +27,29 @@ const SCHEMA: u32 = 1 << 16 | 4;
 const HEADER: u64 = 256;
 const NAME: usize = 64;
 
-/// Kinds of numbers.
-const BYTES: u8 = 5;
-const WHOLE: u8 = 3;
-const LONG: u8 = 4;
-const SINGLE: u8 = 9;
-const DOUBLE: u8 = 10;
+/// Kinds of numbers, by their codes less one.
+const KINDS: [Number; 10] = [
+    Number::UInt8,
+    Number::UInt16,
+    Number::UInt32,
+    Number::UInt64,
+    Number::Int8,
+    Number::Int16,
+    Number::Int32,
+    Number::Int64,
+    Number::Float32,
+    Number::Float64,
+];
 
-/// Fields that travel as they are; HOOMD-blue has no place for them of its own.
-const LOGGED: [&str; 4] = ["pressure", "coordination_number", "force", "angular_velocity"];
-
-/// Fields that HOOMD-blue has a place for: their names in frames and there.
-const OWN: [(&str, &str); 2] = [("velocity", "particles/velocity"), ("mass", "particles/mass")];
+/// Columns of grains, and their names in the file: places of HOOMD-blue's own, and those that it passes on.
+const COLUMNS: [(&str, &str); 6] = [
+    ("velocity", "particles/velocity"),
+    ("mass", "particles/mass"),
+    ("pressure", "log/particles/pressure"),
+    ("coordination_number", "log/particles/coordination_number"),
+    ("force", "log/particles/force"),
+    ("angular_velocity", "log/particles/angular_velocity"),
+];
 
 /// A file that is being written.
 struct Gsd {
@@ -59,28 +70,23 @@ impl Gsd {
     }
 
     /// Adds numbers in rows.
-    fn chunk(&mut self, name: &str, kind: u8, columns: u32, rows: u64, bytes: &[u8]) -> Result<(), Error> {
+    fn chunk(&mut self, name: &str, (kind, width): Shape, values: &[f64]) -> Result<(), Error> {
         let number = self.names.iter().position(|known| known == name).unwrap_or_else(|| {
             self.names.push(name.to_string());
             self.names.len() - 1
         }) as u16;
+        let bytes = kind.encode(values);
         let mut entry = [0; 32];
         entry[..8].copy_from_slice(&self.frame.to_le_bytes());
-        entry[8..16].copy_from_slice(&rows.to_le_bytes());
+        entry[8..16].copy_from_slice(&((values.len() / width) as u64).to_le_bytes());
         entry[16..24].copy_from_slice(&self.place.to_le_bytes());
-        entry[24..28].copy_from_slice(&columns.to_le_bytes());
+        entry[24..28].copy_from_slice(&(width as u32).to_le_bytes());
         entry[28..30].copy_from_slice(&number.to_le_bytes());
-        entry[30] = kind;
-        self.file.write_all(bytes)?;
+        entry[30] = KINDS.iter().position(|known| *known == kind).map_or(0, |place| place as u8 + 1);
+        self.file.write_all(&bytes)?;
         self.place += bytes.len() as u64;
         self.entries.push((number, entry));
         Ok(())
-    }
-
-    fn singles(&mut self, name: &str, columns: u32, values: impl Iterator<Item = f64>) -> Result<(), Error> {
-        let bytes: Vec<u8> = values.flat_map(|value| (value as f32).to_le_bytes()).collect();
-        let rows = bytes.len() as u64 / (4 * u64::from(columns));
-        self.chunk(name, SINGLE, columns, rows, &bytes)
     }
 
     fn end_frame(&mut self) {
@@ -118,11 +124,7 @@ impl Gsd {
 /// Writes the grains of all frames into `grains.gsd`. The origin of a GSD file is the middle of its box, which is as long as the period
 /// along periodic axes, and holds all grains of all frames along the others; `log/middle` states its place (m), and `log/driven_wall...`
 /// the poses of driven walls, a row per wall.
-///
-/// # Errors
-/// [`ExportError`] if a frame cannot be read, or the system refuses.
 pub(super) fn write(run: &RunFrames, folder: &Path, progress: &dyn Fn(f64)) -> Result<Vec<Written>, ExportError> {
-    create_folder(folder)?;
     let path = folder.join("grains.gsd");
     let draft = Draft::of(&path);
     let refused = |error| ExportError::Write(WriteError::new(draft.name(), error));
@@ -136,16 +138,13 @@ pub(super) fn write(run: &RunFrames, folder: &Path, progress: &dyn Fn(f64)) -> R
         }
     }
     let mut gsd = Gsd::create(draft.name()).map_err(refused)?;
-    for number in 0..run.count() {
+    for_each(0..run.count(), progress, |number| {
         let frame = run.read(number)?;
         let (middle, sides) = cell(&frame, [low, high]);
         put(&mut gsd, &frame, run.step(number), middle, sides).map_err(refused)?;
         gsd.end_frame();
-        progress((number + 1) as f64 / run.count() as f64);
-        if crate::interrupt::requested() {
-            return Err(ExportError::Interrupted);
-        }
-    }
+        Ok(())
+    })?;
     gsd.finish().map_err(refused)?;
     draft.finish()?;
     Ok(vec![Written { path, frames: run.count() }])
@@ -167,43 +166,31 @@ fn cell(frame: &RunFrame, [low, high]: [[f64; 3]; 2]) -> ([f64; 3], [f64; 3]) {
 }
 
 fn put(gsd: &mut Gsd, frame: &RunFrame, step: u64, middle: [f64; 3], sides: [f64; 3]) -> Result<(), Error> {
+    const COUNT: Shape = (Number::UInt32, 1);
     let grains = &frame.grains;
-    let count = grains.radii.len();
-    gsd.chunk("configuration/step", LONG, 1, 1, &step.to_le_bytes())?;
-    gsd.singles("configuration/box", 1, sides.into_iter().chain([0.0; 3]))?;
-    gsd.chunk("particles/N", WHOLE, 1, 1, &(count as u32).to_le_bytes())?;
     let places = grains.positions.iter().flat_map(|position| (0..3).map(move |axis| position[axis] - middle[axis]));
-    gsd.singles("particles/position", 3, places)?;
-    gsd.singles("particles/diameter", 1, grains.radii.iter().map(|radius| 2.0 * radius))?;
-    let field = |name: &str| frame.table.field(&frame.snapshot, name);
-    for (name, called) in OWN {
-        if let Some(array) = field(name) {
-            gsd.singles(called, array.components as u32, array.values().into_iter())?;
-        }
+    gsd.chunk("configuration/step", (Number::UInt64, 1), &[step as f64])?;
+    gsd.chunk("configuration/box", REAL, &[sides, [0.0; 3]].concat())?;
+    gsd.chunk("particles/N", COUNT, &[grains.radii.len() as f64])?;
+    gsd.chunk("particles/position", VECTOR, &places.collect::<Vec<_>>())?;
+    gsd.chunk("particles/diameter", REAL, &grains.radii.iter().map(|radius| 2.0 * radius).collect::<Vec<_>>())?;
+    for (name, own) in COLUMNS {
+        let column = frame.column(name).expect("a column of every frame");
+        gsd.chunk(own, (Number::Float32, column.width), &column.values)?;
     }
-    let materials = &frame.table.materials;
-    if let Some(material) = field("material").filter(|_| !materials.is_empty()) {
-        let bytes: Vec<u8> = material.values().iter().flat_map(|kind| (*kind as u32).to_le_bytes()).collect();
-        gsd.chunk("particles/typeid", WHOLE, 1, count as u64, &bytes)?;
+    let materials = frame.tables.materials();
+    if let Some(material) = frame.column("material").filter(|_| !materials.is_empty()) {
+        gsd.chunk("particles/typeid", COUNT, &material.values)?;
         let width = materials.iter().map(String::len).max().unwrap_or(0) + 1;
         let names = materials.iter().flat_map(|name| name.bytes().chain(std::iter::repeat(0)).take(width));
-        gsd.chunk("particles/types", BYTES, width as u32, materials.len() as u64, &names.collect::<Vec<u8>>())?;
-    }
-    for name in LOGGED {
-        if let Some(array) = field(name) {
-            gsd.singles(&format!("log/particles/{name}"), array.components as u32, array.values().into_iter())?;
-        }
+        let names: Vec<f64> = names.map(|byte| f64::from(byte.cast_signed())).collect();
+        gsd.chunk("particles/types", (Number::Int8, width), &names)?;
     }
     let walls = &frame.snapshot.driven_walls;
-    if !walls.is_empty() {
-        let rows = walls.len() as u64;
-        let [wall, displacement, rate] = DRIVEN_WALLS.map(|name| format!("log/{name}"));
-        let doubles =
-            |of: fn(&DrivenWall) -> f64| walls.iter().flat_map(|one| of(one).to_le_bytes()).collect::<Vec<u8>>();
-        gsd.chunk(&wall, WHOLE, 1, rows, &walls.iter().flat_map(|one| one.wall.to_le_bytes()).collect::<Vec<u8>>())?;
-        gsd.chunk(&displacement, DOUBLE, 1, rows, &doubles(|one| one.displacement))?;
-        gsd.chunk(&rate, DOUBLE, 1, rows, &doubles(|one| one.rate))?;
+    for column in pose_columns(walls).into_iter().filter(|_| !walls.is_empty()) {
+        let number = if column.number == Number::Int32 { Number::UInt32 } else { column.number };
+        gsd.chunk(&format!("log/{}", column.name), (number, 1), &column.values)?;
     }
-    gsd.chunk("log/time", DOUBLE, 1, 1, &frame.time.to_le_bytes())?;
-    gsd.chunk("log/middle", DOUBLE, 1, 3, &middle.map(f64::to_le_bytes).concat())
+    gsd.chunk("log/time", DOUBLE, &[frame.time])?;
+    gsd.chunk("log/middle", DOUBLE, &middle)
 }

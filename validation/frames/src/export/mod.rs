@@ -1,34 +1,19 @@
-//! Frames of a run in the formats of other programs. A format is one file of this module and one entry of [`FORMATS`].
+//! Frames of a run in the formats of other programs. A format is one file of this module and one entry of [`FrameFormat`].
 
 mod gsd;
 mod vtkhdf;
-mod vtp;
+pub(crate) mod vtp;
 
 pub(crate) use vtkhdf::FIRST_ID;
 
-use crate::output::WriteError;
+use crate::output::{WriteError, create_folder};
 use crate::plan::FrameFormat;
 use crate::run_frames::{RunFolderError, RunFrames};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// The formats.
-pub const FORMATS: [Format; 3] = [
-    Format { format: FrameFormat::Vtp, name: "vtp", write: vtp::write },
-    Format { format: FrameFormat::Vtkhdf, name: "vtkhdf", write: vtkhdf::write },
-    Format { format: FrameFormat::Gsd, name: "gsd", write: gsd::write },
-];
-
-/// A format of frames.
-#[derive(Clone, Copy, Debug)]
-pub struct Format {
-    format: FrameFormat,
-    /// Name in commands and scenes.
-    pub name: &'static str,
-    write: Write,
-}
-
-/// Writes all frames of a run into a folder; reports the fraction that is done.
-type Write = fn(&RunFrames, &Path, &dyn Fn(f64)) -> Result<Vec<Written>, ExportError>;
+pub const FORMATS: [FrameFormat; 3] = [FrameFormat::Vtp, FrameFormat::Vtkhdf, FrameFormat::Gsd];
 
 /// A file that was written.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -39,22 +24,42 @@ pub struct Written {
     pub frames: usize,
 }
 
-impl Format {
-    /// Returns a format that a scene requests.
-    ///
-    /// # Panics
-    /// The table lacks a format.
-    pub fn of(format: FrameFormat) -> Format {
-        *FORMATS.iter().find(|known| known.format == format).expect("the table holds every format")
+/// Writes all frames of a run into a folder; reports the fraction that is done.
+///
+/// # Errors
+/// [`ExportError`] if a frame cannot be read, or the system refuses.
+pub fn write(
+    format: FrameFormat,
+    run: &RunFrames,
+    folder: &Path,
+    progress: &dyn Fn(f64),
+) -> Result<Vec<Written>, ExportError> {
+    create_folder(folder)?;
+    match format {
+        FrameFormat::Vtp => vtp::write(run, folder, progress),
+        FrameFormat::Vtkhdf => vtkhdf::write(run, folder, progress),
+        FrameFormat::Gsd => gsd::write(run, folder, progress),
     }
+}
 
-    /// Writes all frames of a run into a folder; reports the fraction that is done.
-    ///
-    /// # Errors
-    /// [`ExportError`] if a frame cannot be read, or the system refuses.
-    pub fn write(&self, run: &RunFrames, folder: &Path, progress: &dyn Fn(f64)) -> Result<Vec<Written>, ExportError> {
-        (self.write)(run, folder, progress)
+/// Passes over frames by their numbers; reports the fraction that is done.
+///
+/// # Errors
+/// Those of `work`, and [`ExportError::Interrupted`].
+fn for_each(
+    numbers: Range<usize>,
+    progress: &dyn Fn(f64),
+    mut work: impl FnMut(usize) -> Result<(), ExportError>,
+) -> Result<(), ExportError> {
+    let count = numbers.len() as f64;
+    for (done, number) in numbers.enumerate() {
+        work(number)?;
+        progress((done + 1) as f64 / count);
+        if crate::interrupt::requested() {
+            return Err(ExportError::Interrupted);
+        }
     }
+    Ok(())
 }
 
 /// Error of an export.

@@ -5,12 +5,12 @@
 //! arrays of one dimension only, so an array is gathered over all frames before it is added: each pass over the frames gathers as many
 //! arrays as fit into [`PASS`] bytes, and one at least.
 
-use super::{ExportError, Written};
-use crate::output::vtk::{Array, Cells, Kind as Number, PolyData};
-use crate::output::{DRIVEN_WALLS, Draft, FIELD_DATA, create_folder};
+use super::{ExportError, Written, for_each};
+use crate::output::{Draft, FIELD_DATA};
+use crate::run_frames::columns::{Column, DOUBLE, DRIVEN_WALLS, Number, Part, Shape};
 use crate::run_frames::{Kind, RunFrames};
-use hdf5_pure::{AttrValue, DatasetBuilder, File, FileBuilder};
-use std::ops::Range;
+use hdf5_pure::{AttrValue, File};
+use std::mem::take;
 use std::path::Path;
 
 /// Rows of a chunk.
@@ -28,24 +28,18 @@ const TOPOLOGIES: [&str; 4] = ["Vertices", "Lines", "Polygons", "Strips"];
 /// Most bytes that one pass over the frames gathers, unless a single array takes more.
 const PASS: usize = 1 << 28;
 
-/// Sizes of the frames, known before their arrays are read.
-#[derive(Default)]
-struct Survey {
-    times: Vec<f64>,
-    points: Vec<i64>,
-    cells: Vec<i64>,
-    /// Place of the topology that has cells.
-    topology: usize,
-    /// Points of a cell.
-    corners: i64,
-}
+/// Rows from which on an array is compressed.
+const PACKED: u64 = 1024;
+
+/// Groups of arrays.
+const POINT_DATA: &str = "PointData/";
+const CELL_DATA: &str = "CellData/";
+
+/// Counts and offsets.
+const COUNT: Shape = (Number::Int64, 1);
 
 /// Writes `grains.vtkhdf`, and `contacts.vtkhdf` and `walls.vtkhdf` where the run has them.
-///
-/// # Errors
-/// [`ExportError`] if a frame cannot be read, or the system refuses.
 pub(super) fn write(run: &RunFrames, folder: &Path, progress: &dyn Fn(f64)) -> Result<Vec<Written>, ExportError> {
-    create_folder(folder)?;
     let kinds: Vec<Kind> = Kind::ALL.into_iter().filter(|kind| !run.numbers(*kind).is_empty()).collect();
     let mut written = Vec::new();
     for (number, kind) in kinds.iter().enumerate() {
@@ -56,277 +50,191 @@ pub(super) fn write(run: &RunFrames, folder: &Path, progress: &dyn Fn(f64)) -> R
     Ok(written)
 }
 
-fn write_kind(path: &Path, run: &RunFrames, kind: Kind, progress: &dyn Fn(f64)) -> Result<(), ExportError> {
-    let (survey, arrays) = survey(run, kind)?;
-    let poses = if kind == Kind::Grains { poses(run)? } else { Vec::new() };
-    let failed =
-        |error: hdf5_pure::Error| ExportError::Format { file: path.display().to_string(), problem: error.to_string() };
-    let draft = Draft::of(path);
-    skeleton(&survey, &arrays, &poses).write(draft.name()).map_err(failed)?;
-    let file = File::open_rw(draft.name()).map_err(failed)?;
-    let passes = survey.passes(&arrays);
-    for (pass, range) in passes.iter().enumerate() {
-        let own = &arrays[range.clone()];
-        let mut gathered = vec![(Vec::new(), 0); own.len()];
-        for number in run.numbers(kind) {
-            let data = run.poly_data(number, kind)?;
-            for ((group, array), (bytes, rows)) in own.iter().zip(&mut gathered) {
-                let found = arrays_of(&data).find(|(of, found)| of == group && found.name == array.name);
-                let (_, found) = found.expect("all frames of a run have the same arrays");
-                bytes.extend(as_kind(found, array.kind));
-                *rows += found.tuples() as u64;
-            }
-            if crate::interrupt::requested() {
-                return Err(ExportError::Interrupted);
-            }
-        }
-        for ((group, array), (bytes, rows)) in own.iter().zip(gathered) {
-            add(&file, &format!("VTKHDF/{group}{}", array.name), &bytes, array, rows).map_err(failed)?;
-        }
-        progress((pass + 1) as f64 / (passes.len() + 1) as f64);
-    }
-    connectivity(run, kind, &survey, &file, &failed)?;
-    file.close().map_err(failed)?;
-    progress(1.0);
-    Ok(draft.finish()?)
+/// An array of a file, over all frames.
+struct Array {
+    /// Path below the group of the format.
+    path: String,
+    column: Column,
 }
 
-/// Arrays with their groups below `VTKHDF`.
-type Grouped = Vec<(&'static str, Array)>;
+impl Array {
+    fn new(path: impl Into<String>, shape: Shape, values: impl IntoIterator<Item = f64>) -> Array {
+        Array { path: path.into(), column: Column::new("", shape, values) }
+    }
+
+    /// Returns the arrays of a part of a frame.
+    fn all_of(part: Part) -> Vec<Array> {
+        let of = |group: &'static str| move |column: Column| Array { path: format!("{group}{}", column.name), column };
+        let (points, cells) =
+            (part.of_points.into_iter().map(of(POINT_DATA)), part.of_cells.into_iter().map(of(CELL_DATA)));
+        std::iter::once(of("")(part.points)).chain(points).chain(cells).collect()
+    }
+
+    fn put(&self, file: &File) -> Result<(), hdf5_pure::Error> {
+        let Column { number, width, values, .. } = &self.column;
+        let rows = self.column.tuples() as u64;
+        file.root().create_dataset(&format!("VTKHDF/{}", self.path), |dataset| {
+            match number {
+                Number::UInt8 => dataset.with_u8_data(&number.encode(values)),
+                Number::Int32 => dataset.with_i32_data(&values.iter().map(|value| *value as i32).collect::<Vec<_>>()),
+                Number::Int64 => dataset.with_i64_data(&values.iter().map(|value| *value as i64).collect::<Vec<_>>()),
+                Number::Float32 => dataset.with_f32_data(&values.iter().map(|value| *value as f32).collect::<Vec<_>>()),
+                // Runs write no other kinds.
+                _ => dataset.with_f64_data(values),
+            };
+            let of = |rows: u64| if *width == 1 { vec![rows] } else { vec![rows, *width as u64] };
+            dataset.with_shape(&of(rows));
+            if rows >= PACKED {
+                dataset.with_chunks(&of(CHUNK.min(rows))).with_shuffle().with_deflate(LEVEL);
+            }
+        })?;
+        Ok(())
+    }
+}
+
+/// Sizes of the frames of a kind, known before their arrays are read.
+#[derive(Default)]
+struct Survey {
+    times: Vec<f64>,
+    points: Vec<usize>,
+    cells: Vec<usize>,
+    /// Numbers of the points of all cells, and the first one of each cell among those of its frame, with their end.
+    corners: Vec<f64>,
+    offsets: Vec<f64>,
+    corners_per_cell: usize,
+    /// Arrays over points and cells, still empty.
+    arrays: Vec<Array>,
+    /// Poses of driven walls, and the number of tuples in each frame.
+    poses: Vec<(Column, Vec<usize>)>,
+}
 
 impl Survey {
-    /// Returns the arrays of each pass over the frames.
-    fn passes(&self, arrays: &[(&'static str, Array)]) -> Vec<Range<usize>> {
-        let (points, cells) = (self.points.iter().sum::<i64>() as usize, self.cells.iter().sum::<i64>() as usize);
-        let mut passes: Vec<Range<usize>> = Vec::new();
-        let mut room = 0;
-        for (number, (group, array)) in arrays.iter().enumerate() {
-            let tuples = if *group == "CellData/" { cells } else { points };
-            let bytes = tuples * array.components * array.kind.size();
-            match passes.last_mut().filter(|_| bytes <= room) {
-                Some(pass) => {
-                    pass.end = number + 1;
-                    room -= bytes;
-                }
-                None => {
-                    passes.push(number..number + 1);
-                    room = PASS.saturating_sub(bytes);
-                }
-            }
-        }
-        passes
-    }
-}
-
-/// Returns the times and sizes of the frames, and their arrays without content.
-fn survey(run: &RunFrames, kind: Kind) -> Result<(Survey, Grouped), ExportError> {
-    let mut survey = Survey {
-        topology: Kind::ALL.iter().position(|known| *known == kind).expect("a kind is one of all"),
-        corners: match kind {
-            Kind::Grains => 1,
-            Kind::Contacts => 2,
-            Kind::Walls => 3,
-        },
-        ..Survey::default()
-    };
-    let mut arrays = Vec::new();
-    for number in run.numbers(kind) {
-        let data = run.poly_data(number, kind)?;
-        survey.times.push(data.time);
-        survey.points.push(data.count() as i64);
-        survey.cells.push(data.cells.count(data.count()) as i64);
-        if arrays.is_empty() {
-            arrays =
-                arrays_of(&data).map(|(group, array)| (group, Array { bytes: Vec::new(), ..array.clone() })).collect();
-        }
-    }
-    Ok((survey, arrays))
-}
-
-/// Returns the poses of driven walls, in arrays over all frames, each with the number of its tuples in each frame.
-fn poses(run: &RunFrames) -> Result<Vec<(Array, Vec<i64>)>, ExportError> {
-    let mut all: Vec<(Array, Vec<i64>)> = Vec::new();
-    for number in run.numbers(Kind::Grains) {
-        let data = run.poly_data(number, Kind::Grains)?;
-        for array in data.field_data.into_iter().filter(|array| DRIVEN_WALLS.contains(&array.name.as_str())) {
-            let tuples = array.tuples() as i64;
-            match all.iter_mut().find(|(known, _)| known.name == array.name) {
+    fn add(&mut self, mut part: Part) {
+        let cells = part.cells();
+        self.times.push(part.time);
+        self.points.push(part.points.tuples());
+        self.cells.push(cells);
+        self.corners.extend(part.corners().into_iter().map(f64::from));
+        self.offsets.extend((0..=cells).map(|cell| (cell * part.corners_per_cell) as f64));
+        self.corners_per_cell = part.corners_per_cell;
+        for column in part.whole.drain(..).filter(|column| DRIVEN_WALLS.contains(&column.name.as_str())) {
+            let tuples = column.tuples();
+            match self.poses.iter_mut().find(|(known, _)| known.name == column.name) {
                 Some((known, counts)) => {
-                    known.bytes.extend(array.bytes);
+                    known.values.extend(column.values);
                     counts.push(tuples);
                 }
-                None => all.push((array, vec![tuples])),
+                None => self.poses.push((column, vec![tuples])),
             }
         }
+        if self.arrays.is_empty() {
+            self.arrays = Array::all_of(part);
+            self.arrays.iter_mut().for_each(|array| array.column.values.clear());
+        }
     }
-    Ok(all)
-}
 
-/// Arrays that go into the file, each with its group below `VTKHDF`.
-fn arrays_of(data: &PolyData) -> impl Iterator<Item = (&'static str, &Array)> {
-    let points = std::iter::once(("", &data.points));
-    let of_points = data.point_data.iter().map(|array| ("PointData/", array));
-    points.chain(of_points).chain(data.cell_data.iter().map(|array| ("CellData/", array)))
-}
-
-/// The bytes of an array as another kind of numbers: coordinates are single or double as a frame needs.
-fn as_kind(array: &Array, kind: Number) -> Vec<u8> {
-    match array.kind == kind {
-        true => array.bytes.clone(),
-        false => array.values().iter().flat_map(|value| kind.bytes(*value)).collect(),
-    }
-}
-
-/// The file without its arrays: how many points and cells there are, and where each frame begins.
-fn skeleton(survey: &Survey, arrays: &[(&'static str, Array)], poses: &[(Array, Vec<i64>)]) -> FileBuilder {
-    let frames = survey.times.len();
-    let starts = |counts: &[i64]| -> Vec<i64> {
-        let mut sum = 0;
-        let start = |count: &i64| {
-            sum += count;
-            sum - count
-        };
-        counts.iter().map(start).collect()
-    };
-    let (points, cells) = (starts(&survey.points), starts(&survey.cells));
-    let mut builder = FileBuilder::new();
-    let mut root = builder.create_group("VTKHDF");
-    root.set_attr("Version", AttrValue::I64Array(vec![2, 0]));
-    root.set_attr("Type", AttrValue::AsciiString("PolyData".into()));
-    // Grains are numbered as in the scene, from this number on.
-    root.set_attr(FIRST_ID, AttrValue::I64(0));
-    root.create_dataset("NumberOfPoints").with_i64_data(&survey.points);
-    let groups = ["PointData", "CellData"].map(|name| (name, root.create_group(name)));
-    groups.into_iter().for_each(|(_, group)| {
-        root.add_group(group.finish());
-    });
-    for (place, name) in TOPOLOGIES.iter().enumerate() {
-        let of = |count: &i64| if place == survey.topology { *count } else { 0 };
-        let counts: Vec<i64> = survey.cells.iter().map(of).collect();
-        let corners: Vec<i64> = counts.iter().map(|count| count * survey.corners).collect();
-        let mut group = root.create_group(name);
-        group.create_dataset("NumberOfCells").with_i64_data(&counts);
-        group.create_dataset("NumberOfConnectivityIds").with_i64_data(&corners);
-        if place != survey.topology {
+    /// Writes counts, offsets and cells: all but the arrays.
+    fn write(&mut self, file: &File, kind: Kind) -> Result<(), hdf5_pure::Error> {
+        let frames = self.times.len();
+        let numbers = |counts: &[usize]| counts.iter().map(|count| *count as f64).collect::<Vec<_>>();
+        let ids: Vec<usize> = self.cells.iter().map(|count| count * self.corners_per_cell).collect();
+        let mut groups = vec!["PointData", "CellData", "Steps", "Steps/PointDataOffsets", "Steps/CellDataOffsets"];
+        groups.extend(TOPOLOGIES);
+        let mut arrays = vec![
+            Array::new("NumberOfPoints", COUNT, numbers(&self.points)),
+            Array::new("Steps/Values", DOUBLE, self.times.clone()),
+            Array::new("Steps/PartOffsets", COUNT, (0..frames).map(|frame| frame as f64)),
+            Array::new("Steps/NumberOfParts", COUNT, vec![1.0; frames]),
+            Array::new("Steps/PointOffsets", COUNT, starts(&self.points)),
+        ];
+        for (name, counts) in [("CellOffsets", &self.cells), ("ConnectivityIdOffsets", &ids)] {
+            let of_topology =
+                |start| (0..TOPOLOGIES.len()).map(move |of| if of == kind as usize { start } else { 0.0 });
+            let rows = starts(counts).into_iter().flat_map(of_topology);
+            arrays.push(Array::new(format!("Steps/{name}"), (Number::Int64, TOPOLOGIES.len()), rows));
+        }
+        for (of, name) in TOPOLOGIES.into_iter().enumerate() {
             // A frame without cells has one offset.
-            group.create_dataset("Offsets").with_i64_data(&vec![0; frames]);
-            group.create_dataset("Connectivity").with_i64_data(&[]).with_shape(&[0]);
+            let [cells, ids, offsets, corners] = match of == kind as usize {
+                true => [numbers(&self.cells), numbers(&ids), take(&mut self.offsets), take(&mut self.corners)],
+                false => [vec![0.0; frames], vec![0.0; frames], vec![0.0; frames], Vec::new()],
+            };
+            let all = [("NumberOfCells", cells), ("NumberOfConnectivityIds", ids), ("Offsets", offsets)];
+            let all = all.into_iter().chain([("Connectivity", corners)]);
+            arrays.extend(all.map(|(array, values)| Array::new(format!("{name}/{array}"), COUNT, values)));
         }
-        root.add_group(group.finish());
-    }
-    if !poses.is_empty() {
-        let mut group = root.create_group(FIELD_DATA);
-        for (array, _) in poses {
-            numbers(group.create_dataset(&array.name), &array.bytes, array.kind);
+        for Array { path, .. } in &self.arrays {
+            if let Some((section, name)) = path.split_once('/') {
+                let counts = if section == "CellData" { &self.cells } else { &self.points };
+                arrays.push(Array::new(format!("Steps/{section}Offsets/{name}"), COUNT, starts(counts)));
+            }
         }
-        root.add_group(group.finish());
-    }
-    let mut steps = root.create_group("Steps");
-    steps.set_attr("NSteps", AttrValue::I64(frames as i64));
-    steps.create_dataset("Values").with_f64_data(&survey.times);
-    steps.create_dataset("PartOffsets").with_i64_data(&(0..frames as i64).collect::<Vec<_>>());
-    steps.create_dataset("NumberOfParts").with_i64_data(&vec![1; frames]);
-    steps.create_dataset("PointOffsets").with_i64_data(&points);
-    let by_topology = |starts: &[i64]| -> Vec<i64> {
-        let row = |start: &i64| {
-            (0..TOPOLOGIES.len()).map(|place| if place == survey.topology { *start } else { 0 }).collect()
-        };
-        starts.iter().flat_map(|start| -> Vec<i64> { row(start) }).collect()
-    };
-    let shape = [frames as u64, TOPOLOGIES.len() as u64];
-    let corners: Vec<i64> = cells.iter().map(|start| start * survey.corners).collect();
-    steps.create_dataset("CellOffsets").with_i64_data(&by_topology(&cells)).with_shape(&shape);
-    steps.create_dataset("ConnectivityIdOffsets").with_i64_data(&by_topology(&corners)).with_shape(&shape);
-    for (section, starts) in [("PointData", &points), ("CellData", &cells)] {
-        let mut group = steps.create_group(&format!("{section}Offsets"));
-        for (_, array) in arrays.iter().filter(|(of, _)| *of == format!("{section}/")) {
-            group.create_dataset(&array.name).with_i64_data(starts);
+        if !self.poses.is_empty() {
+            groups.extend([FIELD_DATA, "Steps/FieldDataOffsets", "Steps/FieldDataSizes"]);
         }
-        steps.add_group(group.finish());
-    }
-    if !poses.is_empty() {
-        let [mut firsts, mut sizes] =
-            ["Offsets", "Sizes"].map(|name| steps.create_group(&format!("{FIELD_DATA}{name}")));
-        for (array, counts) in poses {
-            firsts.create_dataset(&array.name).with_i64_data(&starts(counts));
-            let size = counts.iter().flat_map(|count| [array.components as i64, *count]);
-            let size: Vec<i64> = size.collect();
-            sizes.create_dataset(&array.name).with_i64_data(&size).with_shape(&[frames as u64, 2]);
+        for (column, counts) in &self.poses {
+            let (name, shape) = (&column.name, (column.number, column.width));
+            let sizes = counts.iter().flat_map(|count| [column.width as f64, *count as f64]);
+            arrays.push(Array::new(format!("{FIELD_DATA}/{name}"), shape, column.values.clone()));
+            arrays.push(Array::new(format!("Steps/FieldDataOffsets/{name}"), COUNT, starts(counts)));
+            arrays.push(Array::new(format!("Steps/FieldDataSizes/{name}"), (Number::Int64, 2), sizes));
         }
-        steps.add_group(firsts.finish());
-        steps.add_group(sizes.finish());
+        file.root().create_group_with("VTKHDF", |root| {
+            root.set_attr("Version", AttrValue::I64Array(vec![2, 0]));
+            root.set_attr("Type", AttrValue::AsciiString("PolyData".into()));
+            // Grains are numbered as in the scene, from this number on.
+            root.set_attr(FIRST_ID, AttrValue::I64(0));
+            groups.iter().for_each(|group| _ = root.create_group(group));
+        })?;
+        file.root().group("VTKHDF/Steps")?.set_attr("NSteps", AttrValue::I64(frames as i64))?;
+        arrays.iter().try_for_each(|array| array.put(file))?;
+        file.commit()
     }
-    root.add_group(steps.finish());
-    builder.add_group(root.finish());
-    builder
 }
 
-/// Adds an array with all its rows.
-fn add(file: &File, path: &str, bytes: &[u8], array: &Array, rows: u64) -> Result<(), hdf5_pure::Error> {
-    file.root().create_dataset(path, |dataset| {
-        numbers(dataset, bytes, array.kind);
-        let columns = array.components as u64;
-        let (shape, chunk) = match columns {
-            1 => (vec![rows], vec![CHUNK.min(rows)]),
-            _ => (vec![rows, columns], vec![CHUNK.min(rows), columns]),
-        };
-        dataset.with_shape(&shape);
-        if rows > 0 {
-            dataset.with_chunks(&chunk).with_shuffle().with_deflate(LEVEL);
-        }
+/// Sums of the counts before each one.
+fn starts(counts: &[usize]) -> Vec<f64> {
+    let sums = counts.iter().scan(0, |sum, count| {
+        *sum += count;
+        Some((*sum - count) as f64)
+    });
+    sums.collect()
+}
+
+fn write_kind(path: &Path, run: &RunFrames, kind: Kind, progress: &dyn Fn(f64)) -> Result<(), ExportError> {
+    let failed =
+        |error: hdf5_pure::Error| ExportError::Format { file: path.display().to_string(), problem: error.to_string() };
+    let mut survey = Survey::default();
+    for_each(run.numbers(kind), &|_| {}, |number| {
+        survey.add(run.part(number, kind)?);
+        Ok(())
     })?;
-    file.commit()
-}
-
-fn numbers(dataset: &mut DatasetBuilder, bytes: &[u8], kind: Number) {
-    match kind {
-        Number::UInt8 => dataset.with_u8_data(bytes),
-        Number::Int32 => dataset
-            .with_i32_data(&bytes.as_chunks().0.iter().map(|bytes| i32::from_le_bytes(*bytes)).collect::<Vec<_>>()),
-        Number::Int64 => dataset
-            .with_i64_data(&bytes.as_chunks().0.iter().map(|bytes| i64::from_le_bytes(*bytes)).collect::<Vec<_>>()),
-        Number::Float32 => dataset
-            .with_f32_data(&bytes.as_chunks().0.iter().map(|bytes| f32::from_le_bytes(*bytes)).collect::<Vec<_>>()),
-        Number::Float64 => dataset
-            .with_f64_data(&bytes.as_chunks().0.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect::<Vec<_>>()),
-        // Runs write no other kinds.
-        _ => {
-            let array = Array { name: String::new(), components: 1, kind, bytes: bytes.to_vec() };
-            dataset.with_f64_data(&array.values())
-        }
-    };
-}
-
-/// Adds the corners of the cells and where each cell begins among them, frame after frame.
-fn connectivity(
-    run: &RunFrames,
-    kind: Kind,
-    survey: &Survey,
-    file: &File,
-    failed: &dyn Fn(hdf5_pure::Error) -> ExportError,
-) -> Result<(), ExportError> {
-    let (mut corners, mut offsets): (Vec<i64>, Vec<i64>) = (Vec::new(), Vec::new());
-    for (number, (points, cells)) in run.numbers(kind).zip(survey.points.iter().zip(&survey.cells)) {
-        match kind {
-            Kind::Grains | Kind::Contacts => corners.extend(0..*points),
-            Kind::Walls => {
-                if let Cells::Triangles(triangles) = run.poly_data(number, kind)?.cells {
-                    corners.extend(triangles.iter().flatten().map(|corner| i64::from(*corner)));
+    let draft = Draft::of(path);
+    let file = File::create(draft.name()).map_err(failed)?;
+    survey.write(&file, kind).map_err(failed)?;
+    let (points, cells) = (survey.points.iter().sum::<usize>(), survey.cells.iter().sum::<usize>());
+    let mut left = survey.arrays;
+    let count = left.len();
+    while !left.is_empty() {
+        let mut bytes = 0;
+        let fits = |array: &&Array| {
+            let tuples = if array.path.starts_with(CELL_DATA) { cells } else { points };
+            bytes += tuples * array.column.width * size_of::<f64>();
+            bytes <= PASS
+        };
+        let pass = left.iter().take_while(fits).count().max(1);
+        let mut own: Vec<Array> = left.drain(..pass).collect();
+        for_each(run.numbers(kind), &|_| {}, |number| {
+            for found in Array::all_of(run.part(number, kind)?) {
+                if let Some(array) = own.iter_mut().find(|array| array.path == found.path) {
+                    array.column.values.extend(found.column.values);
                 }
             }
-        }
-        offsets.extend((0..=*cells).map(|cell| cell * survey.corners));
+            Ok(())
+        })?;
+        own.iter().try_for_each(|array| array.put(&file)).and_then(|()| file.commit()).map_err(failed)?;
+        progress((count - left.len()) as f64 / count as f64);
     }
-    let group = format!("VTKHDF/{}", TOPOLOGIES[survey.topology]);
-    for (name, numbers) in [("Connectivity", corners), ("Offsets", offsets)] {
-        let rows = numbers.len() as u64;
-        let added = file.root().create_dataset(&format!("{group}/{name}"), |dataset| {
-            dataset.with_i64_data(&numbers).with_shape(&[rows]);
-            if rows > 0 {
-                dataset.with_chunks(&[CHUNK.min(rows)]).with_shuffle().with_deflate(LEVEL);
-            }
-        });
-        added.and_then(|_| file.commit()).map_err(failed)?;
-    }
-    Ok(())
+    file.close().map_err(failed)?;
+    Ok(draft.finish()?)
 }

@@ -1,8 +1,17 @@
 //! VTP files for ParaView: one file per frame of grains, contacts and walls, and a collection over time of each.
+//!
+//! A file is a document in XML with arrays behind it (`appended`, `raw`) in blocks that zlib has compressed. In front of the blocks of an
+//! array stand, as integers of 64 bits, the number of blocks, the size of a whole block, the size of the last one if it is not whole
+//! (otherwise zero), and the compressed size of each: <https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html>.
 
-use super::{ExportError, Written};
+use super::{ExportError, Written, for_each};
 use crate::output::{WriteError, create_folder, write_whole};
+use crate::run_frames::columns::{Column, DOUBLE, Part, WHOLE};
 use crate::run_frames::{Kind, RunFrames};
+use flate2::Compression;
+use flate2::write::ZlibEncoder;
+use std::fmt::Write as _;
+use std::io::Write as _;
 use std::path::Path;
 
 /// Folder of the files inside the output folder.
@@ -11,10 +20,13 @@ const FOLDER: &str = "frames";
 /// Script that opens the collections in ParaView.
 const SCRIPT: &str = include_str!("open-in-paraview.py");
 
+/// Bytes of a whole block before compression.
+const BLOCK: usize = 1 << 16;
+
+/// Groups of cells, by the points of a cell.
+const CELLS: [&str; 3] = ["Verts", "Lines", "Polys"];
+
 /// Writes `frames/KIND-NUMBER.vtp`, `KIND.pvd` and `open-in-paraview.py` into a folder. Walls at rest are in the first frame alone.
-///
-/// # Errors
-/// [`ExportError`] if a frame cannot be read, or the system refuses.
 pub(super) fn write(run: &RunFrames, folder: &Path, progress: &dyn Fn(f64)) -> Result<Vec<Written>, ExportError> {
     create_folder(&folder.join(FOLDER))?;
     remove_earlier(&folder.join(FOLDER))?;
@@ -24,16 +36,13 @@ pub(super) fn write(run: &RunFrames, folder: &Path, progress: &dyn Fn(f64)) -> R
         let mut list = String::from(
             "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n<Collection>\n",
         );
-        for number in run.numbers(kind) {
+        let of_all = |fraction| progress((part as f64 + fraction) / Kind::ALL.len() as f64);
+        for_each(run.numbers(kind), &of_all, |number| {
             let file = format!("{FOLDER}/{name}-{number:05}.vtp");
-            write_whole(&folder.join(&file), &run.poly_data(number, kind)?.encode())?;
+            write_whole(&folder.join(&file), &encode(&run.part(number, kind)?))?;
             list += &format!("<DataSet timestep=\"{}\" part=\"0\" file=\"{file}\"/>\n", run.time(number));
-            let share = (number + 1) as f64 / run.count() as f64;
-            progress((part as f64 + share) / Kind::ALL.len() as f64);
-            if crate::interrupt::requested() {
-                return Err(ExportError::Interrupted);
-            }
-        }
+            Ok(())
+        })?;
         if !run.numbers(kind).is_empty() {
             let path = folder.join(format!("{name}.pvd"));
             write_whole(&path, (list + "</Collection>\n</VTKFile>\n").as_bytes())?;
@@ -58,4 +67,80 @@ fn remove_earlier(folder: &Path) -> Result<(), ExportError> {
         }
     }
     Ok(())
+}
+
+/// Returns the bytes of a file.
+pub(crate) fn encode(part: &Part) -> Vec<u8> {
+    let mut file = File { text: String::new(), appended: Vec::new() };
+    let (points, cells) = (part.points.tuples(), part.cells());
+    file.text += "<?xml version=\"1.0\"?>\n\
+        <VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\" \
+        compressor=\"vtkZLibDataCompressor\">\n<PolyData>\n<FieldData>\n";
+    file.column(&Column::new("TimeValue", DOUBLE, [part.time]), true);
+    part.whole.iter().for_each(|column| file.column(column, true));
+    part.texts.iter().for_each(|(name, texts)| file.texts(name, texts));
+    let own = CELLS[part.corners_per_cell - 1];
+    let [vertices, lines, polygons] = CELLS.map(|name| if name == own { cells } else { 0 });
+    let _ = writeln!(
+        file.text,
+        "</FieldData>\n<Piece NumberOfPoints=\"{points}\" NumberOfVerts=\"{vertices}\" NumberOfLines=\"{lines}\" \
+         NumberOfStrips=\"0\" NumberOfPolys=\"{polygons}\">"
+    );
+    let connectivity = Column::new("connectivity", WHOLE, part.corners().into_iter().map(f64::from));
+    let offsets = Column::new("offsets", WHOLE, (1..=cells).map(|cell| (cell * part.corners_per_cell) as f64));
+    let sections: [(&str, &[Column]); 4] = [
+        ("PointData", &part.of_points),
+        ("CellData", &part.of_cells),
+        ("Points", std::slice::from_ref(&part.points)),
+        (own, &[connectivity, offsets]),
+    ];
+    for (name, columns) in sections {
+        let _ = writeln!(file.text, "<{name}>");
+        columns.iter().for_each(|column| file.column(column, false));
+        let _ = writeln!(file.text, "</{name}>");
+    }
+    file.text += "</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_";
+    [file.text.as_bytes(), &file.appended, b"\n</AppendedData>\n</VTKFile>\n"].concat()
+}
+
+/// A file that is being written.
+struct File {
+    text: String,
+    /// Bytes behind the document.
+    appended: Vec<u8>,
+}
+
+impl File {
+    fn column(&mut self, column: &Column, of_file: bool) {
+        let Column { name, number, width, values } = column;
+        let tuples = if of_file { format!(" NumberOfTuples=\"{}\"", column.tuples()) } else { String::new() };
+        let _ = writeln!(
+            self.text,
+            "<DataArray type=\"{number:?}\" Name=\"{name}\" NumberOfComponents=\"{width}\"{tuples} format=\"appended\" offset=\"{}\"/>",
+            self.appended.len()
+        );
+        self.blocks(&number.encode(values));
+    }
+
+    /// Texts, as the numbers of their bytes, each with a zero behind it.
+    fn texts(&mut self, name: &str, texts: &[String]) {
+        let count = texts.len();
+        let _ =
+            write!(self.text, "<Array type=\"String\" Name=\"{name}\" NumberOfTuples=\"{count}\" format=\"ascii\">");
+        for byte in texts.iter().flat_map(|text| text.bytes().filter(|byte| *byte != 0).chain([0])) {
+            let _ = write!(self.text, "{byte} ");
+        }
+        self.text += "</Array>\n";
+    }
+
+    fn blocks(&mut self, bytes: &[u8]) {
+        let packed = bytes.chunks(BLOCK).map(|block| {
+            let mut encoder = ZlibEncoder::new(Vec::new(), Compression::fast());
+            encoder.write_all(block).and_then(|()| encoder.finish()).expect("memory takes all bytes")
+        });
+        let packed: Vec<Vec<u8>> = packed.collect();
+        let head = [packed.len(), BLOCK, bytes.len() % BLOCK].into_iter().chain(packed.iter().map(Vec::len));
+        self.appended.extend(head.flat_map(|number| (number as u64).to_le_bytes()));
+        packed.iter().for_each(|block| self.appended.extend(block));
+    }
 }

@@ -68,7 +68,7 @@ const PLAIN: [(&[&str], Column); 13] = [
 ];
 
 /// Makes a column of a component.
-type OfComponent = fn(usize) -> Column;
+pub(super) type OfComponent = fn(usize) -> Column;
 
 /// Names of vectors, in small letters: the axis follows, as `x`, `_x`, `_0` or `[0]`.
 const VECTORS: [(&[&str], OfComponent); 9] = [
@@ -112,48 +112,10 @@ fn split_axis(name: &str) -> Option<(&str, usize)> {
     }
 }
 
-/// Columns of a table by their meaning.
-pub(super) struct Places<'t> {
-    table: &'t FrameTable,
-    columns: Vec<Option<Column>>,
-}
-
-impl<'t> Places<'t> {
-    /// Reads the names of a table.
-    pub fn of(table: &'t FrameTable) -> Places<'t> {
-        Places { table, columns: table.columns.iter().map(|name| column_of(name)).collect() }
-    }
-
-    /// Index of a column, if the table has it.
-    pub fn find(&self, column: Column) -> Option<usize> {
-        self.columns.iter().position(|known| *known == Some(column))
-    }
-
-    /// Indices of three components, if the table has them all.
-    pub fn vector(&self, of: OfComponent) -> Option<[usize; 3]> {
-        let [x, y, z] = [0, 1, 2].map(|axis| self.find(of(axis)));
-        Some([x?, y?, z?])
-    }
-
-    /// Index of the radius or the diameter, and the factor that makes it a radius.
-    pub fn radius(&self) -> Option<(usize, f64)> {
-        let of_diameter = || Some((self.find(Column::Diameter)?, 0.5));
-        self.find(Column::Radius).map(|place| (place, 1.0)).or_else(of_diameter)
-    }
-
-    /// Names of all columns, for an error.
-    pub fn names(&self) -> String {
-        self.table.columns.iter().chain(&self.table.unread).map(String::as_str).collect::<Vec<_>>().join(", ")
-    }
-}
-
-/// Names of columns: of each file, or of the columns that a file numbers under one name, such as `c_pairs[1]`.
+/// Names of columns: of each file under an empty name, or of the columns that a file numbers under one name, such as `c_pairs[1]`.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(from = "Written")]
-pub struct StatedColumns {
-    all: Vec<String>,
-    numbered: BTreeMap<String, Vec<String>>,
-}
+pub struct StatedColumns(BTreeMap<String, Vec<String>>);
 
 /// `StatedColumns` in a file: a list, or a table of lists.
 #[derive(Deserialize)]
@@ -165,10 +127,10 @@ enum Written {
 
 impl From<Written> for StatedColumns {
     fn from(written: Written) -> StatedColumns {
-        match written {
-            Written::All(all) => StatedColumns { all, numbered: BTreeMap::new() },
-            Written::Numbered(numbered) => StatedColumns { all: Vec::new(), numbered },
-        }
+        StatedColumns(match written {
+            Written::All(all) => BTreeMap::from([(String::new(), all)]),
+            Written::Numbered(numbered) => numbered,
+        })
     }
 }
 
@@ -187,75 +149,62 @@ impl FromStr for StatedColumns {
         if names.iter().any(String::is_empty) {
             return Err("a name is empty; write _ for a column that is not wanted".into());
         }
-        Ok(StatedColumns::from(match head {
-            None => Written::All(names),
-            Some((head, _)) => Written::Numbered(BTreeMap::from([(head.trim().to_string(), names)])),
-        }))
+        let head = head.map_or("", |(head, _)| head.trim());
+        Ok(StatedColumns(BTreeMap::from([(head.to_string(), names)])))
     }
-}
-
-/// Names of a table's columns, and the columns that have a meaning.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Heads {
-    names: Vec<String>,
-    /// Columns that have a meaning.
-    used: Vec<usize>,
-    /// Kinds among the used ones, which may be names.
-    kinds: Vec<bool>,
 }
 
 impl StatedColumns {
     /// Joins lists that are stated one after the other; a later one replaces an earlier one of its kind.
     pub fn joined(all: impl IntoIterator<Item = StatedColumns>) -> StatedColumns {
-        all.into_iter().fold(StatedColumns::default(), |mut joined, one| {
-            joined.numbered.extend(one.numbered);
-            StatedColumns { all: if one.all.is_empty() { joined.all } else { one.all }, numbered: joined.numbered }
-        })
+        StatedColumns(all.into_iter().flat_map(|one| one.0).collect())
     }
 
     /// Reports whether nothing is stated.
     pub fn is_empty(&self) -> bool {
-        self.all.is_empty() && self.numbered.is_empty()
+        self.0.values().all(Vec::is_empty)
     }
 
-    /// Names the columns of a table, given those of its file and their line.
+    /// Makes the empty table of a file, given the names of its columns and their line.
     ///
     /// # Errors
     /// [`ImportError`] where a list has more or fewer names than the file has columns, or two columns have one meaning.
-    pub(super) fn heads(&self, file: &Path, line: usize, own: Vec<String>) -> Result<Heads, ImportError> {
+    pub(super) fn table(&self, file: &Path, line: usize, own: Vec<String>) -> Result<FrameTable, ImportError> {
         let fault = |problem: String| ImportError::new(file, line.max(1), problem);
+        let remedy = "name each, those that are not wanted with _";
         let mut names = own;
-        if !self.all.is_empty() {
-            if self.all.len() != names.len() {
-                return Err(fault(format!(
-                    "its rows have {} numbers, and {} columns are named; name each, those that are not wanted with _",
-                    names.len(),
-                    self.all.len()
-                )));
+        // The names of all columns come first.
+        for (compute, stated) in self.0.iter().filter(|(_, stated)| !stated.is_empty()) {
+            let is_named = |name: &str| compute.is_empty() || numbered(name) == Some(compute);
+            let places: Vec<usize> = (0..names.len()).filter(|place| is_named(&names[*place])).collect();
+            let (count, named) = (places.len(), stated.len());
+            if compute.is_empty() && count != named {
+                return Err(fault(format!("its rows have {count} numbers, and {named} columns are named; {remedy}")));
             }
-            names.clone_from(&self.all);
-        }
-        for (compute, stated) in &self.numbered {
-            let places: Vec<usize> =
-                (0..names.len()).filter(|place| numbered(&names[*place]) == Some(compute)).collect();
-            if !places.is_empty() && places.len() != stated.len() {
-                return Err(fault(format!(
-                    "it has {} columns {compute}[...], and {} are named; name each, those that are not wanted with _",
-                    places.len(),
-                    stated.len()
-                )));
+            if count > 0 && count != named {
+                let problem = format!("it has {count} columns {compute}[...], and {named} are named; {remedy}");
+                return Err(fault(problem));
             }
             places.into_iter().zip(stated).for_each(|(place, name)| names[place].clone_from(name));
         }
-        if let Some([one, other]) = repeated(&names) {
-            let problem = format!(
-                "two columns have one meaning, {one} and {other}; name each once, those that are not wanted with _"
-            );
-            return Err(fault(problem));
+        let mut table = FrameTable { file: file.into(), line, ..FrameTable::default() };
+        for (place, name) in names.into_iter().enumerate() {
+            let Some(meaning) = column_of(&name) else {
+                table.unread.push(name);
+                continue;
+            };
+            let size = |column: Column| if column == Column::Diameter { Column::Radius } else { column };
+            if let Some(first) = table.meanings.iter().position(|known| size(*known) == size(meaning)) {
+                return Err(fault(format!(
+                    "two columns have one meaning, {} and {name}; name each once, those that are not wanted with _",
+                    table.columns[first]
+                )));
+            }
+            table.columns.push(name);
+            table.meanings.push(meaning);
+            table.places.push(place);
         }
-        let used: Vec<usize> = (0..names.len()).filter(|place| column_of(&names[*place]).is_some()).collect();
-        let kinds = used.iter().map(|place| column_of(&names[*place]) == Some(Column::Kind)).collect();
-        Ok(Heads { names, used, kinds })
+        Ok(table)
     }
 }
 
@@ -263,64 +212,6 @@ impl StatedColumns {
 pub(super) fn numbered(name: &str) -> Option<&str> {
     let (compute, number) = name.strip_suffix(']')?.split_once('[')?;
     number.parse::<usize>().ok().map(|_| compute)
-}
-
-/// Finds two columns of one meaning.
-fn repeated(columns: &[String]) -> Option<[&str; 2]> {
-    let meaning = |name: &String| match column_of(name)? {
-        Column::Diameter => Some(Column::Radius),
-        other => Some(other),
-    };
-    let meanings: Vec<Option<Column>> = columns.iter().map(meaning).collect();
-    (0..columns.len()).find_map(|place| {
-        let first = meanings[..place].iter().position(|known| known.is_some() && *known == meanings[place])?;
-        Some([&*columns[first], &*columns[place]])
-    })
-}
-
-impl Heads {
-    /// Number of columns in the file.
-    pub fn count(&self) -> usize {
-        self.names.len()
-    }
-
-    /// Columns that have a meaning.
-    pub fn used(&self) -> &[usize] {
-        &self.used
-    }
-
-    /// Makes an empty table of the columns that have a meaning.
-    pub fn table(&self, file: &Path) -> FrameTable {
-        let is_used = |place: &usize| self.used.binary_search(place).is_ok();
-        let (columns, unread): (Vec<usize>, Vec<usize>) = (0..self.names.len()).partition(is_used);
-        let named = |places: Vec<usize>| places.into_iter().map(|place| self.names[place].clone()).collect();
-        FrameTable {
-            file: file.into(),
-            line: 1,
-            columns: named(columns),
-            unread: named(unread),
-            ..FrameTable::default()
-        }
-    }
-
-    /// Adds the cells of a row that have a meaning.
-    ///
-    /// # Errors
-    /// Column and problem of a cell.
-    pub fn add_row(&self, table: &mut FrameTable, cells: &[&str]) -> Result<(), String> {
-        for (place, is_kind) in self.used.iter().zip(&self.kinds) {
-            let cell = cells[*place];
-            match (number(cell), is_kind) {
-                (Ok(value), _) => table.values.push(value),
-                (Err(_), true) => {
-                    table.words.insert(table.values.len(), cell.to_string());
-                    table.values.push(f64::NAN);
-                }
-                (Err(problem), false) => return Err(format!("column {}: {problem}", self.names[*place])),
-            }
-        }
-        Ok(())
-    }
 }
 
 /// Reads a finite number.

@@ -1,6 +1,6 @@
 //! Contacts of a frame: from the rows of files to the list that is measured.
 
-use super::columns::{Column, Places, numbered};
+use super::columns::{Column, numbered};
 use super::identity::Numbers;
 use super::manifest::{Manifest, Missing};
 use super::table::{FrameTable, ImportError};
@@ -32,25 +32,24 @@ pub(super) struct Columns {
 impl Columns {
     /// Finds the columns of a table; none where statements are missing, which are added.
     pub fn of(table: &FrameTable, missing: &mut Missing) -> Option<Columns> {
-        let places = Places::of(table);
-        let (second, wall) = (places.find(Column::Second), places.find(Column::Wall));
-        let first = places.find(Column::First).or(places.find(Column::Id));
-        let forces = Forces::of(&places);
+        let (second, wall) = (table.find(Column::Second), table.find(Column::Wall));
+        let first = table.find(Column::First).or(table.find(Column::Id));
+        let forces = Forces::of(table);
         let (Some(first), Some(forces), true) = (first, forces, second.or(wall).is_some()) else {
-            add_missing(table, &places, missing);
+            add_missing(table, missing);
             return None;
         };
-        let point = places.vector(Column::Point).or(places.vector(Column::Position));
-        Some(Columns { first, second, wall, point, normal: places.vector(Column::Normal), forces })
+        let point = table.vector(Column::Point).or(table.vector(Column::Position));
+        Some(Columns { first, second, wall, point, normal: table.vector(Column::Normal), forces })
     }
 }
 
 /// Adds the line that would name the columns of a table of contacts: in their order, or those that LIGGGHTS numbers, such as `c_pairs[1]`.
-fn add_missing(table: &FrameTable, places: &Places<'_>, missing: &mut Missing) {
+fn add_missing(table: &FrameTable, missing: &mut Missing) {
     let needed = "needed are first; second or wall; fx, fy, fz (force on the first grain), or its parts fnx, fny, fnz and ftx, fty, ftz, or \
                   normal_force and tangential_force_x, _y, _z; px, py, pz with walls";
     let Some(compute) = table.unread.iter().find_map(|name| numbered(name)) else {
-        let meaning = format!("names of the columns {} in their order; {needed}", places.names());
+        let meaning = format!("names of the columns {} in their order; {needed}", table.names());
         return missing.add(table, 0, "contact-columns = [\"first\", \"second\", ...]", meaning);
     };
     let count = table.unread.iter().filter(|name| numbered(name) == Some(compute)).count();
@@ -89,12 +88,12 @@ enum Forces {
 }
 
 impl Forces {
-    fn of(places: &Places<'_>) -> Option<Forces> {
-        let whole = || Some(Forces::OnFirst(places.vector(Column::Force)?));
-        let split = || Some(Forces::Split(places.find(Column::NormalForce)?, places.vector(Column::Tangential)?));
+    fn of(table: &FrameTable) -> Option<Forces> {
+        let whole = || Some(Forces::OnFirst(table.vector(Column::Force)?));
+        let split = || Some(Forces::Split(table.find(Column::NormalForce)?, table.vector(Column::Tangential)?));
         let parts = || {
-            let normal = places.vector(Column::NormalOnFirst)?;
-            Some(Forces::Parts([normal, places.vector(Column::TangentialOnFirst)?]))
+            let normal = table.vector(Column::NormalOnFirst)?;
+            Some(Forces::Parts([normal, table.vector(Column::TangentialOnFirst)?]))
         };
         whole().or_else(split).or_else(parts)
     }
@@ -239,8 +238,7 @@ impl<'a> ContactList<'a> {
     /// # Errors
     /// [`ImportError`] that names such a pair of which no list has the contact.
     pub fn check_complete(&self, tables: &[&FrameTable], step: f64) -> Result<(), ImportError> {
-        let is_stated =
-            |table: &&&FrameTable| table.first_id.is_none() && Places::of(table).find(Column::Second).is_some();
+        let is_stated = |table: &&&FrameTable| table.first_id.is_none() && table.find(Column::Second).is_some();
         let Some(table) = tables.iter().find(is_stated) else { return Ok(()) };
         for pair in close_pairs_in(&self.scene.domain, self.particles, 0.0) {
             let (one, other) = (&self.particles[pair.first], &self.particles[pair.second]);

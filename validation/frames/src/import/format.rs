@@ -5,34 +5,26 @@ use super::table::{FrameTable, ImportError};
 use super::{dump, legacy_vtk, text, vtkhdf, xml};
 use crate::output::HDF5;
 use flate2::read::MultiGzDecoder;
+use std::borrow::Cow;
 use std::io::Read;
 use std::path::Path;
 
-/// Formats that are read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Format {
-    /// Dump of LIGGGHTS or LAMMPS.
-    Dump,
-    /// VTKHDF.
-    Hdf,
-    /// VTK's XML.
-    Xml,
-    /// Legacy VTK.
-    LegacyVtk,
-    /// Text of YADE.
-    Yade,
-    /// Table with names in its first row.
-    Csv,
-}
+/// Reads the frames of a file, with the names of its columns where these are stated.
+type Reader = fn(&Path, Vec<u8>, &StatedColumns) -> Result<Vec<FrameTable>, ImportError>;
 
 /// First bytes of formats that are read.
-const READ: [(&[u8], Format); 6] = [
-    (b"ITEM:", Format::Dump),
-    (&HDF5, Format::Hdf),
-    (b"<?xml", Format::Xml),
-    (b"<VTKFile", Format::Xml),
-    (b"# vtk DataFile", Format::LegacyVtk),
-    (b"#format ", Format::Yade),
+const READ: [(&[u8], Reader); 6] = [
+    (b"ITEM:", |file, bytes, columns| dump::dump(file, &whole_text(file, &bytes)?, columns)),
+    (&HDF5, vtkhdf::hdf),
+    (b"<?xml", |file, bytes, columns| xml::xml(file, &bytes, columns)),
+    (b"<VTKFile", |file, bytes, columns| xml::xml(file, &bytes, columns)),
+    (b"# vtk DataFile", |file, bytes, columns| {
+        if !legacy_vtk::is_binary(&bytes) {
+            whole_text(file, &bytes)?;
+        }
+        legacy_vtk::legacy_vtk(file, &bytes, columns)
+    }),
+    (b"#format ", |file, bytes, columns| text::yade(file, &whole_text(file, &bytes)?, columns)),
 ];
 
 /// First bytes of files that are not read, their format, and the remedy.
@@ -61,29 +53,13 @@ const BEST_COMPRESSION: u64 = 1032;
 /// [`ImportError`] with file and line.
 pub fn parse(file: &Path, bytes: Vec<u8>, columns: &StatedColumns) -> Result<Vec<FrameTable>, ImportError> {
     let bytes = unpacked(file, bytes)?;
-    let format = format_of(file, &bytes)?;
-    let is_binary = match format {
-        Format::Hdf | Format::Xml => true,
-        Format::LegacyVtk => legacy_vtk::is_binary(&bytes),
-        _ => false,
-    };
-    if !is_binary {
-        is_whole(file, &bytes)?;
-    }
-    match format {
-        Format::Dump => dump::dump(file, &bytes, columns),
-        Format::Hdf => vtkhdf::hdf(file, bytes, columns),
-        Format::Xml => xml::xml(file, &bytes, columns),
-        Format::LegacyVtk => legacy_vtk::legacy_vtk(file, &bytes, columns),
-        Format::Yade => text::yade(file, &bytes, columns),
-        Format::Csv => text::csv(file, &bytes, columns),
-    }
+    reader_of(file, &bytes)?(file, bytes, columns)
 }
 
 /// Refuses rows that may be cut off in the middle of a number. Bytes that are no text are refused where they are read.
-fn is_whole(file: &Path, bytes: &[u8]) -> Result<(), ImportError> {
+fn whole_text<'b>(file: &Path, bytes: &'b [u8]) -> Result<Cow<'b, str>, ImportError> {
     if bytes.ends_with(b"\n") || bytes.ends_with(b"\r") || bytes.contains(&0) {
-        return Ok(());
+        return Ok(String::from_utf8_lossy(bytes));
     }
     let line = bytes.split(|byte| *byte == b'\n').count();
     let problem = "the last row has no line end: the file may be cut off in the middle of a number; write it again, or end it with a \
@@ -107,17 +83,17 @@ pub(super) fn unpacked(file: &Path, bytes: Vec<u8>) -> Result<Vec<u8>, ImportErr
     }
 }
 
-/// Recognises the format of a file by its first bytes.
+/// Finds the reader of a file by its first bytes.
 ///
 /// # Errors
 /// [`ImportError`] that names a format that is not read.
-pub(super) fn format_of(file: &Path, bytes: &[u8]) -> Result<Format, ImportError> {
+fn reader_of(file: &Path, bytes: &[u8]) -> Result<Reader, ImportError> {
     let refused = |problem: &str| Err(ImportError::new(file, 1, problem));
     if bytes.is_empty() {
         return refused("the file is empty");
     }
-    if let Some((_, format)) = READ.iter().find(|(mark, _)| bytes.starts_with(mark)) {
-        return Ok(*format);
+    if let Some((_, reader)) = READ.iter().find(|(mark, _)| bytes.starts_with(mark)) {
+        return Ok(*reader);
     }
     if let Some((_, problem)) = REFUSED.iter().find(|(mark, _)| bytes.starts_with(mark)) {
         return refused(problem);
@@ -143,5 +119,8 @@ pub(super) fn format_of(file: &Path, bytes: &[u8]) -> Result<Format, ImportError
              vx vy vz omegax omegay omegaz)",
         );
     }
-    Ok(Format::Csv)
+    Ok(|file, bytes, columns| {
+        whole_text(file, &bytes)?;
+        text::csv(file, &bytes, columns)
+    })
 }

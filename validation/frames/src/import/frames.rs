@@ -1,7 +1,7 @@
 //! Times of frames: grains in the order of time, each frame with the contacts of its time.
 
 use super::Tables;
-use super::columns::{Column, Places};
+use super::columns::Column;
 use super::manifest::{Manifest, Missing};
 use super::table::{FrameTable, ImportError};
 use crate::plan::Scene;
@@ -21,71 +21,29 @@ pub(super) struct Frame<'t> {
     pub is_measured: bool,
 }
 
-/// Puts the frames of all files in the order of time.
-///
-/// # Errors
-/// [`ImportError`] for two frames of one time, for more grains than the scene has, and for measured frames without contacts where others
-/// have some.
-pub(super) fn frames<'t>(
-    scene: &Scene,
-    manifest: &Manifest,
-    tables: &'t Tables,
-    missing: &mut Missing,
-    notes: &mut Vec<String>,
-) -> Result<Vec<Frame<'t>>, ImportError> {
-    let timeline = Timeline { scene, manifest, is_single: tables.grains.len() == 1 };
-    let (mut frames, has_times) = timeline.grains(&tables.grains, missing)?;
-    if has_times {
-        timeline.sort(&mut frames, notes)?;
-        timeline.count(&frames, notes)?;
-    }
-    timeline.add_contacts(&tables.contacts, &mut frames, missing, notes)?;
-    Ok(frames)
+/// Files of a run, put together step by step; statements that are missing are reported at once.
+pub(super) struct Assembly<'a> {
+    pub scene: &'a Scene,
+    pub manifest: &'a Manifest,
+    pub tables: &'a Tables,
+    pub missing: Missing,
+    /// Notes for the reader.
+    pub notes: Vec<String>,
 }
 
-struct Timeline<'a> {
-    scene: &'a Scene,
-    manifest: &'a Manifest,
-    /// True if there is one frame of grains.
-    is_single: bool,
-}
-
-impl Timeline<'_> {
-    /// Time of a frame, s, as its file or the manifest states it.
-    fn time_of(&self, table: &FrameTable) -> Option<f64> {
-        let by_step = || Some(table.step? as f64 * self.manifest.time_step?);
-        table.time.or_else(by_step).or(self.manifest.time)
-    }
-
-    /// Adds the lines of a manifest that would state the time of a frame.
-    fn add_missing(&self, table: &FrameTable, key: &str, missing: &mut Missing) {
-        let step = ["time-step = SECONDS", "time between frames whose numbers differ by one: the time step of the run"];
-        let mut add = |line: &str, meaning: &str| missing.add(table, 0, line, meaning);
-        match (table.step, self.is_single) {
-            (Some(_), _) => add(step[0], step[1]),
-            (None, true) => add("time = SECONDS", "time of the only frame"),
-            (None, false) => {
-                let pattern = numbered_pattern(&table.file);
-                let meaning =
-                    "the number of a step, or {time} for a time in seconds; a column time or step states it, too";
-                add(&format!("{key} = [\"{pattern}\"]"), meaning);
-                add(step[0], step[1]);
-            }
-        }
-    }
-
-    /// Frames of grains with their times, and whether all are stated; times that are missing count as zero.
-    fn grains<'t>(
-        &self,
-        tables: &'t [FrameTable],
-        missing: &mut Missing,
-    ) -> Result<(Vec<Frame<'t>>, bool), ImportError> {
-        let mut has_times = true;
-        let mut frames = Vec::with_capacity(tables.len());
+impl<'a> Assembly<'a> {
+    /// Puts the frames of all files in the order of time.
+    ///
+    /// # Errors
+    /// [`ImportError`] for two frames of one time, for more grains than the scene has, and for measured frames without contacts where others
+    /// have some.
+    pub fn frames(&mut self) -> Result<Vec<Frame<'a>>, ImportError> {
+        let tables = &self.tables.grains;
+        let (mut frames, mut has_times) = (Vec::with_capacity(tables.len()), true);
         for grains in tables {
-            let time = self.time_of(grains);
+            let time = self.time_of(grains, "grains");
             match (self.manifest.time, time) {
-                (Some(_), _) if !self.is_single => {
+                (Some(_), _) if tables.len() > 1 => {
                     let problem = format!("time states the time of one frame, and the files have {}", tables.len());
                     return Err(grains.fault(0, problem));
                 }
@@ -94,29 +52,54 @@ impl Timeline<'_> {
                 }
                 _ => {}
             }
-            if time.is_none() {
-                self.add_missing(grains, "grains", missing);
-                has_times = false;
-            }
-            frames.push(Frame { time: time.unwrap_or(0.0), grains, contacts: Vec::new(), is_measured: false });
+            has_times &= time.is_some();
+            let time = time.unwrap_or(0.0);
+            frames.push(Frame { time, grains, contacts: Vec::new(), is_measured: false });
         }
-        Ok((frames, has_times))
+        if has_times {
+            self.sort(&mut frames)?;
+            self.count(&frames)?;
+        }
+        self.add_contacts(&mut frames)?;
+        Ok(frames)
+    }
+
+    /// Time of a frame, s, as its file or the manifest states it; adds the lines of a manifest that would state it, where it is missing.
+    fn time_of(&mut self, table: &FrameTable, key: &str) -> Option<f64> {
+        let by_step = || Some(table.step? as f64 * self.manifest.time_step?);
+        let time = table.time.or_else(by_step).or(self.manifest.time);
+        if time.is_some() {
+            return time;
+        }
+        let is_single = self.tables.grains.len() == 1;
+        if table.step.is_none() && is_single {
+            self.missing.add(table, 0, "time = SECONDS", "time of the only frame");
+            return None;
+        }
+        if table.step.is_none() {
+            let line = format!("{key} = [\"{}\"]", numbered_pattern(&table.file));
+            let meaning = "the number of a step, or {time} for a time in seconds; a column time or step states it, too";
+            self.missing.add(table, 0, line, meaning);
+        }
+        let meaning = "time between frames whose numbers differ by one: the time step of the run";
+        self.missing.add(table, 0, "time-step = SECONDS", meaning);
+        None
     }
 
     /// Puts frames in the order of time, each time once, and finds those that are measured.
     ///
     /// # Errors
     /// [`ImportError`] for two frames of one time.
-    fn sort<'t>(&self, frames: &mut Vec<Frame<'t>>, notes: &mut Vec<String>) -> Result<(), ImportError> {
+    fn sort(&mut self, frames: &mut Vec<Frame<'a>>) -> Result<(), ImportError> {
         let all = frames.len();
         frames.sort_by(|a, b| a.time.total_cmp(&b.time));
         // A code that is started twice writes the frame in between twice.
         frames.dedup_by(|later, earlier| {
-            let same = |frame: &Frame<'t>| (&frame.grains.columns, &frame.grains.values);
+            let same = |frame: &Frame<'a>| (&frame.grains.columns, &frame.grains.values);
             is_same_time(earlier.time, later.time) && same(later) == same(earlier)
         });
         if frames.len() < all {
-            notes.push(format!("{} frames are the same as another one at their time", all - frames.len()));
+            self.notes.push(format!("{} frames are the same as another one at their time", all - frames.len()));
         }
         if let Some([one, other]) = frames.array_windows().find(|[one, other]| is_same_time(one.time, other.time)) {
             let problem = format!(
@@ -141,7 +124,7 @@ impl Timeline<'_> {
     ///
     /// # Errors
     /// [`ImportError`] where a frame has more grains than the scene.
-    fn count(&self, frames: &[Frame<'_>], notes: &mut Vec<String>) -> Result<(), ImportError> {
+    fn count(&mut self, frames: &[Frame<'_>]) -> Result<(), ImportError> {
         let wanted = self.scene.grain_count();
         if let Some(frame) = frames.iter().find(|frame| frame.grains.rows().len() > wanted) {
             let problem = format!(
@@ -155,25 +138,17 @@ impl Timeline<'_> {
         let (fewest, most) = (counts().min().unwrap_or(0), counts().max().unwrap_or(0));
         if (fewest, most) != (wanted, wanted) {
             let found = if fewest == most { format!("{most}") } else { format!("{fewest} to {most}") };
-            notes.push(format!("the frames have {found} grains, and the scene has {wanted}: these are measured"));
+            self.notes.push(format!("the frames have {found} grains, and the scene has {wanted}: these are measured"));
         }
         Ok(())
     }
 
     /// Adds tables of contacts to the frames of their times.
-    fn add_contacts<'t>(
-        &self,
-        tables: &'t [FrameTable],
-        frames: &mut [Frame<'t>],
-        missing: &mut Missing,
-        notes: &mut Vec<String>,
-    ) -> Result<(), ImportError> {
+    fn add_contacts(&mut self, frames: &mut [Frame<'a>]) -> Result<(), ImportError> {
+        let tables = &self.tables.contacts;
         let mut strangers = 0;
         for table in tables {
-            let Some(time) = self.time_of(table) else {
-                self.add_missing(table, "contacts", missing);
-                continue;
-            };
+            let Some(time) = self.time_of(table, "contacts") else { continue };
             let after = frames.partition_point(|frame| frame.time < time);
             let near = [after.checked_sub(1), Some(after)].into_iter().flatten();
             let mut near = near.filter(|index| frames.get(*index).is_some_and(|frame| is_same_time(frame.time, time)));
@@ -195,13 +170,13 @@ impl Timeline<'_> {
             }
         }
         if strangers > 0 {
-            notes.push(format!(
+            self.notes.push(format!(
                 "{strangers} frames of contacts have no frame of grains at their time: they are not measured"
             ));
         }
         // A frame of which no file lists contacts would count as one without contacts.
         for (column, content) in [(Column::Second, Content::Contacts), (Column::Wall, Content::WallContacts)] {
-            let has = |table: &&FrameTable| Places::of(table).find(column).is_some();
+            let has = |table: &&FrameTable| table.find(column).is_some();
             let lists = |frame: &Frame<'_>| frame.contacts.iter().any(&has);
             let Some(first) = tables.iter().find(has) else { continue };
             if let Some(frame) = frames.iter().find(|frame| frame.is_measured && !lists(frame)) {

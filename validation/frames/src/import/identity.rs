@@ -4,64 +4,17 @@
 //! Grains of one kind (a population, or listed grains that are alike) are interchangeable but for their numbers; those stand in the order of
 //! the file's. A grain that fits several kinds is refused.
 
-use super::columns::{Column, Places};
-use super::frames::Frame;
+use super::columns::Column;
+use super::frames::{Assembly, Frame};
 use super::manifest::{Manifest, Missing, known_kinds};
 use super::table::{FrameTable, ImportError};
-use crate::plan::Scene;
+use crate::plan::{Alike, Roster, Scene};
 use crate::recording::SAME_SIZE;
 use makadam::scene::populate;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Numbers that a code gives its grains, and those of the scene.
 pub(super) type Numbers = BTreeMap<i64, u32>;
-
-/// Grains of the scene that are alike but for their places.
-struct Group<'s> {
-    /// Number of the first of them.
-    first: u32,
-    count: usize,
-    /// Smallest and largest radius, m.
-    radii: (f64, f64),
-    material: &'s str,
-    /// Number of the population; none for listed grains.
-    population: Option<usize>,
-}
-
-impl Group<'_> {
-    fn has_radius(&self, radius: f64) -> bool {
-        (self.radii.0 * (1.0 - SAME_SIZE)..=self.radii.1 * (1.0 + SAME_SIZE)).contains(&radius)
-    }
-
-    /// Reports whether the value of a table of kinds names this group: by material, or as `population.1`.
-    fn is_named(&self, name: &str) -> bool {
-        self.material == name || self.population.is_some_and(|number| name == format!("population.{number}"))
-    }
-}
-
-/// Grains of the scene that are alike, in the order of their numbers.
-fn groups(scene: &Scene) -> Vec<Group<'_>> {
-    let mut groups: Vec<Group<'_>> = Vec::new();
-    for (next, grain) in (0..).zip(&scene.grain) {
-        let radii = (grain.radius, grain.radius);
-        match groups.last_mut().filter(|last| last.radii == radii && last.material == grain.material) {
-            Some(last) => last.count += 1,
-            None => groups.push(Group { first: next, count: 1, radii, material: &grain.material, population: None }),
-        }
-    }
-    let mut next = scene.grain.len() as u32;
-    for (number, population) in scene.population.iter().enumerate().filter(|(_, population)| population.count > 0) {
-        groups.push(Group {
-            first: next,
-            count: population.count,
-            radii: population.radius.bounds(),
-            material: &population.material,
-            population: Some(number),
-        });
-        next += population.count as u32;
-    }
-    groups
-}
 
 /// Statement of the files about one grain, over all frames.
 struct Row<'t> {
@@ -75,7 +28,7 @@ struct Row<'t> {
 pub(super) struct Identity<'a> {
     scene: &'a Scene,
     manifest: &'a Manifest,
-    groups: Vec<Group<'a>>,
+    groups: Vec<Alike>,
     /// Number in the files of the scene's first grain, where they number grains as the scene does.
     first_id: Option<i64>,
 }
@@ -84,7 +37,7 @@ impl<'a> Identity<'a> {
     pub fn new(scene: &'a Scene, manifest: &'a Manifest, frames: &[Frame<'_>]) -> Identity<'a> {
         let own = frames.first().and_then(|frame| frame.grains.first_id);
         let own = own.filter(|first| frames.iter().all(|frame| frame.grains.first_id == Some(*first)));
-        Identity { scene, manifest, groups: groups(scene), first_id: manifest.first_id.or(own) }
+        Identity { scene, manifest, groups: Roster::new(scene).groups, first_id: manifest.first_id.or(own) }
     }
 
     /// Number of the grain in a row of a file; rows without numbers count from the first.
@@ -109,8 +62,9 @@ impl<'a> Identity<'a> {
         for (own, row) in &rows {
             let fault = |problem: String| Err(row.table.fault(row.row, problem));
             let name = row.kind.as_deref().and_then(|kind| self.name_of(kind));
-            let fits = |group: &Group<'_>| {
-                row.radius.is_none_or(|radius| group.has_radius(radius)) && name.is_none_or(|name| group.is_named(name))
+            let fits = |group: &Alike| {
+                row.radius.is_none_or(|radius| has_radius(group, radius))
+                    && name.is_none_or(|name| self.is_named(group, name))
             };
             let fitting: Vec<usize> = (0..self.groups.len()).filter(|index| fits(&self.groups[*index])).collect();
             let [index] = fitting[..] else {
@@ -128,14 +82,15 @@ impl<'a> Identity<'a> {
             if self.groups.len() == 1 && row.kind.as_deref().is_some_and(is_open) {
                 self.add_missing(row, &kinds, missing);
             }
-            let Group { first, count, material, radii, .. } = self.groups[index];
-            if taken[index] == count {
+            let (Alike { first, count, radii, .. }, material) =
+                (&self.groups[index], self.material(&self.groups[index]));
+            if taken[index] == *count {
                 return fault(format!(
                     "grain {own} is one more of its kind (material {material}, radius {}) than the scene has, {count}",
-                    range(radii)
+                    range(*radii)
                 ));
             }
-            numbers.insert(*own, first + taken[index] as u32);
+            numbers.insert(*own, (first + taken[index]) as u32);
             taken[index] += 1;
         }
         Ok(numbers)
@@ -143,15 +98,12 @@ impl<'a> Identity<'a> {
 
     /// Radii of the scene's grains by number, m, for files without radii: where each kind has one, or where grains are stated to be numbered
     /// and placed as the scene does.
-    pub fn radii(
-        &self,
-        table: &FrameTable,
-        missing: &mut Missing,
-        notes: &mut Vec<String>,
-    ) -> Result<Vec<f64>, ImportError> {
+    pub fn radii(&self, table: &FrameTable, assembly: &mut Assembly<'_>) -> Result<Vec<f64>, ImportError> {
+        let Assembly { missing, notes, .. } = assembly;
         if self.groups.iter().all(|group| group.radii.0 == group.radii.1) {
             notes.push(format!("radii are those of the scene, {}", self.radii_text()));
-            return Ok(self.groups.iter().flat_map(|group| std::iter::repeat_n(group.radii.0, group.count)).collect());
+            let of = |group: &Alike| std::iter::repeat_n(group.radii.0, group.count as usize);
+            return Ok(self.groups.iter().flat_map(of).collect());
         }
         if let (Some(_), Some(seed)) = (self.manifest.first_id, self.manifest.seed) {
             notes.push(format!("radii are those of the scene's grains with seed {seed}, by their numbers"));
@@ -161,7 +113,7 @@ impl<'a> Identity<'a> {
         let meaning = format!(
             "the files have no column radius or diameter among {}, and the scene has radii of {}: name it by columns, or state numbers and \
              seed of grains that the scene has placed",
-            Places::of(table).names(),
+            table.names(),
             self.radii_text()
         );
         missing.add(table, 0, "first-id = NUMBER", meaning);
@@ -173,7 +125,7 @@ impl<'a> Identity<'a> {
     fn check_unnumbered(&self, frames: &[Frame<'_>], missing: &mut Missing) -> Result<(), ImportError> {
         let wanted = self.scene.grain_count();
         let filled = || frames.iter().map(|frame| frame.grains).filter(|table| !table.values.is_empty());
-        for table in filled().filter(|table| Places::of(table).find(Column::Id).is_none()) {
+        for table in filled().filter(|table| table.find(Column::Id).is_none()) {
             let count = table.rows().len();
             if self.first_id.is_some() && count != wanted {
                 let problem = format!(
@@ -199,8 +151,8 @@ impl<'a> Identity<'a> {
             return fault(format!("there is no grain {own}: first-id states numbers from {first} to {last}"));
         }
         let id = (own - first) as u32;
-        let group = &self.groups[self.groups.partition_point(|group| group.first <= id) - 1];
-        if let Some(radius) = row.radius.filter(|radius| !group.has_radius(*radius)) {
+        let group = &self.groups[self.groups.partition_point(|group| group.first <= u64::from(id)) - 1];
+        if let Some(radius) = row.radius.filter(|radius| !has_radius(group, *radius)) {
             return fault(format!(
                 "grain {own} has a radius of {radius} m, where the scene has {}; number grains as the scene does, listed ones first and then \
                  those of each population",
@@ -208,13 +160,23 @@ impl<'a> Identity<'a> {
             ));
         }
         let name = row.kind.as_deref().and_then(|kind| self.name_of(kind));
-        match name.filter(|name| !group.is_named(name)) {
+        match name.filter(|name| !self.is_named(group, name)) {
             Some(name) => fault(format!(
                 "grain {own} is of {name}, where the scene has {}; number grains as the scene does",
-                group.material
+                self.material(group)
             )),
             None => Ok(id),
         }
+    }
+
+    /// Name of the material of a group.
+    fn material(&self, group: &Alike) -> &str {
+        self.scene.material.keys().nth(usize::from(group.kind.material)).map_or("", String::as_str)
+    }
+
+    /// Reports whether the value of a table of kinds names a group: by material, or as `population.1`.
+    fn is_named(&self, group: &Alike, name: &str) -> bool {
+        self.material(group) == name || group.kind.population.is_some_and(|index| name == format!("population.{index}"))
     }
 
     /// Material or population that a value stands for, as far as it is stated.
@@ -246,8 +208,7 @@ impl<'a> Identity<'a> {
     fn rows_by_number<'t>(&self, frames: &[Frame<'t>]) -> Result<BTreeMap<i64, Row<'t>>, ImportError> {
         let mut all: BTreeMap<i64, Row<'t>> = BTreeMap::new();
         for Frame { grains: table, .. } in frames {
-            let places = Places::of(table);
-            let (id, kind, size) = (places.find(Column::Id), places.find(Column::Kind), places.radius());
+            let (id, kind, size) = (table.find(Column::Id), table.find(Column::Kind), table.radius());
             for (row, cells) in table.rows().enumerate() {
                 let own = self.own_number(id, row, cells);
                 if own.fract() != 0.0 || own.abs() > 1e15 {
@@ -278,6 +239,10 @@ impl<'a> Identity<'a> {
         }
         Ok(all)
     }
+}
+
+fn has_radius(group: &Alike, radius: f64) -> bool {
+    (group.radii.0 * (1.0 - SAME_SIZE)..=group.radii.1 * (1.0 + SAME_SIZE)).contains(&radius)
 }
 
 /// A range of radii, for messages.

@@ -1,75 +1,51 @@
 //! Legacy VTK files, in ASCII or binary, of polygonal data or an unstructured grid, as YADE's `VTKExporter`, LIGGGHTS's `dump custom/vtk`
 //! and ParaView write them: points and arrays over them, or lines and arrays over them.
 
-use super::columns::StatedColumns;
+use super::columns::{StatedColumns, number};
 use super::table::{FrameTable, ImportError, Named, is_wanted, table_of};
+use crate::run_frames::columns::Number;
 use std::path::Path;
 
 /// Cells of polygonal data, in the order of the format, and those of an unstructured grid.
 const CELLS: [&str; 5] = ["VERTICES", "LINES", "POLYGONS", "TRIANGLE_STRIPS", "CELLS"];
 
-/// Type of the numbers of an array, with the bytes of one.
-#[derive(Clone, Copy)]
-enum Type {
-    Bit,
-    Int(usize),
-    UInt(usize),
-    Float,
-    Double,
+/// Kind of the numbers of an array; none for bits.
+type Type = Option<Number>;
+
+fn type_of(name: &str) -> Option<Type> {
+    Some(Some(match name.to_ascii_lowercase().as_str() {
+        "bit" => return Some(None),
+        "char" | "signed_char" => Number::Int8,
+        "unsigned_char" => Number::UInt8,
+        "short" => Number::Int16,
+        "unsigned_short" => Number::UInt16,
+        // VTK writes its own integers as int.
+        "int" | "vtkidtype" => Number::Int32,
+        "unsigned_int" => Number::UInt32,
+        "long" | "vtktypeint64" => Number::Int64,
+        "unsigned_long" | "vtktypeuint64" => Number::UInt64,
+        "float" => Number::Float32,
+        "double" => Number::Float64,
+        _ => return None,
+    }))
 }
 
-impl Type {
-    fn of(name: &str) -> Option<Type> {
-        Some(match name.to_ascii_lowercase().as_str() {
-            "bit" => Type::Bit,
-            "char" | "signed_char" => Type::Int(1),
-            "unsigned_char" => Type::UInt(1),
-            "short" => Type::Int(2),
-            "unsigned_short" => Type::UInt(2),
-            // VTK writes its own integers as int.
-            "int" | "vtkidtype" => Type::Int(4),
-            "unsigned_int" => Type::UInt(4),
-            "long" | "vtktypeint64" => Type::Int(8),
-            "unsigned_long" | "vtktypeuint64" => Type::UInt(8),
-            "float" => Type::Float,
-            "double" => Type::Double,
-            _ => return None,
-        })
-    }
-
-    /// Bytes of `count` numbers.
-    fn bytes(self, count: usize) -> Option<usize> {
-        match self {
-            Type::Bit => Some(count.div_ceil(8)),
-            Type::Int(size) | Type::UInt(size) => count.checked_mul(size),
-            Type::Float => count.checked_mul(4),
-            Type::Double => count.checked_mul(8),
-        }
-    }
-
-    /// Numbers from bytes in big endian.
-    fn numbers(self, bytes: &[u8], count: usize) -> Vec<f64> {
-        let unsigned = |bytes: &[u8]| bytes.iter().fold(0_u64, |sum, byte| sum << 8 | u64::from(*byte));
-        let signed = |bytes: &[u8]| {
-            let unused = 64 - 8 * bytes.len() as u32;
-            (unsigned(bytes) << unused).cast_signed() >> unused
-        };
-        match self {
-            Type::Bit => (0..count).map(|bit| f64::from(bytes[bit / 8] >> (7 - bit % 8) & 1)).collect(),
-            Type::UInt(size) => bytes.chunks_exact(size).map(|bytes| unsigned(bytes) as f64).collect(),
-            Type::Int(size) => bytes.chunks_exact(size).map(|bytes| signed(bytes) as f64).collect(),
-            Type::Float => bytes.as_chunks().0.iter().map(|bytes| f64::from(f32::from_be_bytes(*bytes))).collect(),
-            Type::Double => bytes.as_chunks().0.iter().map(|bytes| f64::from_be_bytes(*bytes)).collect(),
-        }
-    }
-}
-
-/// Position in a file.
+/// Position in a file, and what was read before.
 struct Reader<'a> {
+    stated: &'a StatedColumns,
     bytes: &'a [u8],
     at: usize,
     line: usize,
     is_binary: bool,
+    coordinates: Option<Vec<f64>>,
+    points: usize,
+    lines: usize,
+    /// Arrays over points, and over cells.
+    arrays: [Vec<Named>; 2],
+    /// Arrays that the next ones belong to; none for those of the whole file.
+    section: Option<usize>,
+    /// Tuples of each array of the section.
+    tuples: usize,
 }
 
 /// Line and problem.
@@ -117,7 +93,7 @@ impl<'a> Reader<'a> {
 
     fn number_type(&mut self) -> Result<Type, Fault> {
         let word = self.text("a type of numbers")?;
-        Type::of(word).map_or_else(|| self.fault(format!("'{word}' is no type of numbers")), Ok)
+        type_of(word).map_or_else(|| self.fault(format!("'{word}' is no type of numbers")), Ok)
     }
 
     /// Passes over the description of an array, which ends with an empty line.
@@ -128,17 +104,17 @@ impl<'a> Reader<'a> {
 
     /// The numbers of an array; none where they are not wanted.
     fn numbers(&mut self, name: &str, kind: Type, count: usize, wanted: bool) -> Result<Option<Vec<f64>>, Fault> {
-        let left = self.bytes.len() - self.at.min(self.bytes.len());
         if self.is_binary {
             self.rest_of_line();
-            let size = kind.bytes(count).filter(|size| *size <= left);
-            let Some(own) = size.and_then(|size| self.bytes.get(self.at..self.at.checked_add(size)?)) else {
+            let size = kind.map_or(count.div_ceil(8), |number| count.saturating_mul(number.size()));
+            let Some(own) = self.bytes.get(self.at..self.at.saturating_add(size)) else {
                 return self.fault(format!("{name} ends before its last number"));
             };
-            self.at += own.len();
-            return Ok(wanted.then(|| kind.numbers(own, count)));
+            self.at += size;
+            let bits = || (0..count).map(|bit| f64::from(own[bit / 8] >> (7 - bit % 8) & 1)).collect();
+            return Ok(wanted.then(|| kind.map_or_else(bits, |number| number.decode(own.to_vec(), true))));
         }
-        if count > left {
+        if count > self.bytes.len() - self.at {
             return self.fault(format!("{name} has more numbers than the file can hold"));
         }
         let mut numbers = Vec::with_capacity(if wanted { count } else { 0 });
@@ -146,15 +122,10 @@ impl<'a> Reader<'a> {
             let Some(word) = self.word() else {
                 return self.fault(format!("{name} ends before its last number"));
             };
-            if wanted {
-                match std::str::from_utf8(word).ok().and_then(|word| word.parse::<f64>().ok()) {
-                    Some(number) if number.is_finite() => numbers.push(number),
-                    Some(_) => return self.fault(format!("{name}: a number is not finite: the run has blown up")),
-                    None => {
-                        let word = String::from_utf8_lossy(word);
-                        return self.fault(format!("{name}: '{word}' is not a number"));
-                    }
-                }
+            match number(&String::from_utf8_lossy(word)) {
+                Ok(number) if wanted => numbers.push(number),
+                Err(problem) if wanted => return self.fault(format!("{name}: {problem}")),
+                _ => {}
             }
         }
         Ok(wanted.then_some(numbers))
@@ -180,199 +151,178 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// Arrays over points or over lines, as far as they are read.
-#[derive(Default)]
-struct Found {
-    points: usize,
-    lines: usize,
-    coordinates: Option<Vec<f64>>,
-    of_points: Vec<Named>,
-    of_cells: Vec<Named>,
-}
-
-/// Data that arrays belong to.
-#[derive(Clone, Copy, PartialEq)]
-enum Of {
-    Whole,
-    Points,
-    Cells,
-}
-
 /// Reads a file.
-///
-/// # Errors
-/// [`ImportError`] with the line.
 pub(super) fn legacy_vtk(file: &Path, bytes: &[u8], stated: &StatedColumns) -> Result<Vec<FrameTable>, ImportError> {
-    let found = read(bytes, stated).map_err(|(line, problem)| ImportError::new(file, line, problem))?;
-    let Some(points) = found.coordinates else { return Err(ImportError::new(file, 1, "it holds no points")) };
-    if found.lines > 0 {
-        return Ok(vec![table_of(file, found.lines, &found.of_cells, stated)?]);
-    }
-    let mut arrays = vec![Named::new("points", 3, Some(points))];
-    arrays.extend(found.of_points);
-    Ok(vec![table_of(file, found.points, &arrays, stated)?])
-}
-
-fn read(bytes: &[u8], stated: &StatedColumns) -> Result<Found, Fault> {
-    let mut reader = Reader { bytes, at: 0, line: 1, is_binary: false };
-    // Before the third line there are a version, and words of the writer.
-    reader.rest_of_line();
-    reader.rest_of_line();
-    match reader.text("ASCII or BINARY")? {
-        "ASCII" => {}
-        "BINARY" => reader.is_binary = true,
-        other => return reader.fault(format!("'{other}' is neither ASCII nor BINARY")),
-    }
-    let mut found = Found::default();
-    let (mut of, mut tuples) = (Of::Whole, 0);
-    while let Some(word) = reader.word() {
-        let word = String::from_utf8_lossy(word).into_owned();
-        match &*word {
-            "DATASET" => {
-                let kind = reader.text("a kind of data")?;
-                if !["POLYDATA", "UNSTRUCTURED_GRID"].contains(&kind) {
-                    return reader.fault(format!("it holds {kind}, not POLYDATA or UNSTRUCTURED_GRID"));
-                }
-            }
-            "POINTS" => {
-                found.points = reader.count("number of points")?;
-                let kind = reader.number_type()?;
-                found.coordinates = reader.numbers("POINTS", kind, 3 * found.points, true)?;
-            }
-            "METADATA" => reader.pass_metadata(),
-            "CELL_TYPES" => {
-                let count = reader.count("number of cells")?;
-                reader.numbers(&word, Type::Int(4), count, false)?;
-            }
-            cells if CELLS.contains(&cells) => pass_cells(&mut reader, cells, &mut found)?,
-            "POINT_DATA" | "CELL_DATA" => {
-                of = if word == "POINT_DATA" { Of::Points } else { Of::Cells };
-                tuples = reader.count("number of tuples")?;
-                if of == Of::Points && tuples != found.points {
-                    return reader.fault(format!("data of {tuples} points, and there are {}", found.points));
-                }
-                if of == Of::Cells && found.lines > 0 && tuples != found.lines {
-                    return reader.fault(format!("data of {tuples} cells, and there are {} lines", found.lines));
-                }
-            }
-            "FIELD" => {
-                reader.text("a name")?;
-                for _ in 0..reader.count("number of arrays")? {
-                    field_array(&mut reader, of, tuples, &mut found, stated)?;
-                }
-            }
-            "LOOKUP_TABLE" | "COLOR_SCALARS" | "TEXTURE_COORDINATES" => {
-                reader.text("a name")?;
-                let size = reader.count("number of components")?;
-                let (kind, count) = match &*word {
-                    "LOOKUP_TABLE" => (Type::UInt(1), 4 * size),
-                    "COLOR_SCALARS" => (Type::UInt(1), size.saturating_mul(tuples)),
-                    _ => (reader.number_type()?, size.saturating_mul(tuples)),
-                };
-                reader.numbers(&word, kind, count, false)?;
-            }
-            attribute => {
-                let components = match attribute {
-                    "VECTORS" | "NORMALS" => 3,
-                    "TENSORS" => 9,
-                    "TENSORS6" => 6,
-                    "SCALARS" | "GLOBAL_IDS" | "PEDIGREE_IDS" | "EDGE_FLAGS" => 1,
-                    _ => return reader.fault(format!("'{attribute}' is no word of the format")),
-                };
-                let name = reader.text("a name")?.to_string();
-                let kind = reader.number_type()?;
-                let components = if attribute == "SCALARS" { scalars(&mut reader)? } else { components };
-                let is_wanted = of != Of::Whole && is_wanted(&name, components, stated);
-                let numbers = reader.numbers(&name, kind, components.saturating_mul(tuples), is_wanted)?;
-                keep(&mut found, of, Named::new(name, components, numbers));
-            }
-        }
-    }
-    Ok(found)
-}
-
-/// Components behind `SCALARS name type`, and the line of the table of colours.
-fn scalars(reader: &mut Reader<'_>) -> Result<usize, Fault> {
-    let mut word = reader.text("LOOKUP_TABLE")?;
-    let mut components = 1;
-    if word != "LOOKUP_TABLE" {
-        match word.parse() {
-            Ok(count) if (1..=9).contains(&count) => components = count,
-            _ => return reader.fault(format!("'{word}' is no number of components")),
-        }
-        word = reader.text("LOOKUP_TABLE")?;
-    }
-    if word != "LOOKUP_TABLE" {
-        return reader.fault("LOOKUP_TABLE belongs behind SCALARS");
-    }
-    reader.text("name of a table of colours")?;
-    Ok(components)
-}
-
-/// Passes over the points of cells, in either of the two ways in which versions write them.
-fn pass_cells(reader: &mut Reader<'_>, cells: &str, found: &mut Found) -> Result<(), Fault> {
-    let [first, second] = [reader.count("number of cells")?, reader.count("number of numbers")?];
-    let (at, line) = (reader.at, reader.line);
-    // Since version 5 there are offsets, one more than cells, and points.
-    let has_offsets = matches!(reader.word(), Some(b"OFFSETS"));
-    let count = if has_offsets {
-        let kind = reader.number_type()?;
-        reader.numbers(cells, kind, first, false)?;
-        if reader.text("CONNECTIVITY")? != "CONNECTIVITY" {
-            return reader.fault("CONNECTIVITY belongs behind OFFSETS");
-        }
-        let kind = reader.number_type()?;
-        reader.numbers(cells, kind, second, false)?;
-        first.saturating_sub(1)
-    } else {
-        (reader.at, reader.line) = (at, line);
-        reader.numbers(cells, Type::Int(4), second, false)?;
-        first
+    let mut reader = Reader {
+        stated,
+        bytes,
+        at: 0,
+        line: 1,
+        is_binary: is_binary(bytes),
+        coordinates: None,
+        points: 0,
+        lines: 0,
+        arrays: [Vec::new(), Vec::new()],
+        section: None,
+        tuples: 0,
     };
-    if cells == "LINES" {
-        found.lines = count;
+    reader.read().map_err(|(line, problem)| ImportError::new(file, line, problem))?;
+    let Reader { points, lines, coordinates, arrays: [of_points, of_cells], .. } = reader;
+    let Some(coordinates) = coordinates else { return Err(ImportError::new(file, 1, "it holds no points")) };
+    if lines > 0 {
+        return Ok(vec![table_of(file, lines, &of_cells, stated)?]);
     }
-    Ok(())
+    let arrays: Vec<Named> = [Named::new("points", 3, Some(coordinates))].into_iter().chain(of_points).collect();
+    Ok(vec![table_of(file, points, &arrays, stated)?])
 }
 
-fn field_array(
-    reader: &mut Reader<'_>,
-    of: Of,
-    tuples: usize,
-    found: &mut Found,
-    stated: &StatedColumns,
-) -> Result<(), Fault> {
-    let mut name = reader.text("a name")?.to_string();
-    // A description of the array before stands between.
-    if name == "METADATA" {
-        reader.pass_metadata();
-        name = reader.text("a name")?.to_string();
+impl Reader<'_> {
+    fn read(&mut self) -> Result<(), Fault> {
+        // Before the third line there are a version, and words of the writer.
+        self.rest_of_line();
+        self.rest_of_line();
+        let encoding = self.text("ASCII or BINARY")?;
+        if !["ASCII", "BINARY"].contains(&encoding) {
+            return self.fault(format!("'{encoding}' is neither ASCII nor BINARY"));
+        }
+        while let Some(word) = self.word() {
+            let word = String::from_utf8_lossy(word).into_owned();
+            match &*word {
+                "DATASET" => {
+                    let kind = self.text("a kind of data")?;
+                    if !["POLYDATA", "UNSTRUCTURED_GRID"].contains(&kind) {
+                        return self.fault(format!("it holds {kind}, not POLYDATA or UNSTRUCTURED_GRID"));
+                    }
+                }
+                "POINTS" => {
+                    self.points = self.count("number of points")?;
+                    let kind = self.number_type()?;
+                    self.coordinates = self.numbers("POINTS", kind, 3 * self.points, true)?;
+                }
+                "METADATA" => self.pass_metadata(),
+                "CELL_TYPES" => {
+                    let count = self.count("number of cells")?;
+                    self.numbers(&word, Some(Number::Int32), count, false)?;
+                }
+                cells if CELLS.contains(&cells) => self.pass_cells(cells)?,
+                "POINT_DATA" | "CELL_DATA" => {
+                    let tuples = self.count("number of tuples")?;
+                    (self.section, self.tuples) = (Some(usize::from(word == "CELL_DATA")), tuples);
+                    if word == "POINT_DATA" && tuples != self.points {
+                        return self.fault(format!("data of {tuples} points, and there are {}", self.points));
+                    }
+                    if word == "CELL_DATA" && self.lines > 0 && tuples != self.lines {
+                        return self.fault(format!("data of {tuples} cells, and there are {} lines", self.lines));
+                    }
+                }
+                "FIELD" => {
+                    self.text("a name")?;
+                    for _ in 0..self.count("number of arrays")? {
+                        self.field_array()?;
+                    }
+                }
+                "LOOKUP_TABLE" | "COLOR_SCALARS" | "TEXTURE_COORDINATES" => {
+                    self.text("a name")?;
+                    let size = self.count("number of components")?;
+                    let (kind, count) = match &*word {
+                        "LOOKUP_TABLE" => (Some(Number::UInt8), 4 * size),
+                        "COLOR_SCALARS" => (Some(Number::UInt8), size.saturating_mul(self.tuples)),
+                        _ => (self.number_type()?, size.saturating_mul(self.tuples)),
+                    };
+                    self.numbers(&word, kind, count, false)?;
+                }
+                attribute => {
+                    let components = match attribute {
+                        "VECTORS" | "NORMALS" => 3,
+                        "TENSORS" => 9,
+                        "TENSORS6" => 6,
+                        "SCALARS" | "GLOBAL_IDS" | "PEDIGREE_IDS" | "EDGE_FLAGS" => 1,
+                        _ => return self.fault(format!("'{attribute}' is no word of the format")),
+                    };
+                    let name = self.text("a name")?.to_string();
+                    let kind = self.number_type()?;
+                    let components = if attribute == "SCALARS" { self.scalars()? } else { components };
+                    self.array(&name, components, kind, self.tuples)?;
+                }
+            }
+        }
+        Ok(())
     }
-    let (components, rows) = (reader.count("number of components")?, reader.count("number of rows")?);
-    let kind = reader.text("a type of numbers")?.to_string();
-    let is_wanted = of != Of::Whole && is_wanted(&name, components, stated);
-    if is_wanted && (kind == "string" || rows != tuples || components == 0) {
-        let what = if of == Of::Points { "points" } else { "cells" };
-        let problem =
-            format!("{name} has {rows} rows of {kind}, and there are {tuples} {what}; leave numbers, one row for each");
-        return reader.fault(problem);
-    }
-    let count = components.saturating_mul(rows);
-    if kind == "string" {
-        reader.pass_texts(&name, count)?;
-        return Ok(());
-    }
-    let Some(of_numbers) = Type::of(&kind) else { return reader.fault(format!("'{kind}' is no type of numbers")) };
-    let numbers = reader.numbers(&name, of_numbers, count, is_wanted)?;
-    keep(found, of, Named::new(name, components, numbers));
-    Ok(())
-}
 
-fn keep(found: &mut Found, of: Of, array: Named) {
-    match of {
-        Of::Whole => {}
-        Of::Points => found.of_points.push(array),
-        Of::Cells => found.of_cells.push(array),
+    /// Components behind `SCALARS name type`, and the line of the table of colours.
+    fn scalars(&mut self) -> Result<usize, Fault> {
+        let mut word = self.text("LOOKUP_TABLE")?;
+        let mut components = 1;
+        if word != "LOOKUP_TABLE" {
+            match word.parse() {
+                Ok(count) if (1..=9).contains(&count) => components = count,
+                _ => return self.fault(format!("'{word}' is no number of components")),
+            }
+            word = self.text("LOOKUP_TABLE")?;
+        }
+        if word != "LOOKUP_TABLE" {
+            return self.fault("LOOKUP_TABLE belongs behind SCALARS");
+        }
+        self.text("name of a table of colours")?;
+        Ok(components)
+    }
+
+    /// Passes over the points of cells, in either of the two ways in which versions write them.
+    fn pass_cells(&mut self, cells: &str) -> Result<(), Fault> {
+        let [first, second] = [self.count("number of cells")?, self.count("number of numbers")?];
+        let (at, line) = (self.at, self.line);
+        // Since version 5 there are offsets, one more than cells, and points.
+        let has_offsets = matches!(self.word(), Some(b"OFFSETS"));
+        if has_offsets {
+            let kind = self.number_type()?;
+            self.numbers(cells, kind, first, false)?;
+            if self.text("CONNECTIVITY")? != "CONNECTIVITY" {
+                return self.fault("CONNECTIVITY belongs behind OFFSETS");
+            }
+        } else {
+            (self.at, self.line) = (at, line);
+        }
+        let kind = if has_offsets { self.number_type()? } else { Some(Number::Int32) };
+        self.numbers(cells, kind, second, false)?;
+        if cells == "LINES" {
+            self.lines = if has_offsets { first.saturating_sub(1) } else { first };
+        }
+        Ok(())
+    }
+
+    fn field_array(&mut self) -> Result<(), Fault> {
+        let mut name = self.text("a name")?.to_string();
+        // A description of the array before stands between.
+        if name == "METADATA" {
+            self.pass_metadata();
+            name = self.text("a name")?.to_string();
+        }
+        let (components, rows) = (self.count("number of components")?, self.count("number of rows")?);
+        let kind = self.text("a type of numbers")?;
+        if self.is_wanted(&name, components) && (kind == "string" || rows != self.tuples || components == 0) {
+            let (tuples, what) = (self.tuples, ["points", "cells"][self.section.unwrap_or_default()]);
+            return self.fault(format!(
+                "{name} has {rows} rows of {kind}, and there are {tuples} {what}; leave numbers, one row for each"
+            ));
+        }
+        match (kind, type_of(kind)) {
+            ("string", _) => self.pass_texts(&name, components.saturating_mul(rows)),
+            (_, Some(of_numbers)) => self.array(&name, components, of_numbers, rows),
+            (kind, None) => self.fault(format!("'{kind}' is no type of numbers")),
+        }
+    }
+
+    fn is_wanted(&self, name: &str, components: usize) -> bool {
+        self.section.is_some() && is_wanted(name, components, self.stated)
+    }
+
+    /// Reads an array, or passes over it.
+    fn array(&mut self, name: &str, components: usize, kind: Type, rows: usize) -> Result<(), Fault> {
+        let numbers = self.numbers(name, kind, components.saturating_mul(rows), self.is_wanted(name, components))?;
+        if let Some(section) = self.section {
+            self.arrays[section].push(Named::new(name, components, numbers));
+        }
+        Ok(())
     }
 }
 

@@ -29,9 +29,8 @@ pub use table::{FrameTable, ImportError, Periods};
 
 use crate::plan::Scene;
 use crate::recording::{Content, Recording, outside_domain};
-use columns::Places;
 use contacts::{Columns, ContactList, vector};
-use frames::{Frame, frames};
+use frames::{Assembly, Frame};
 use identity::{Identity, Numbers};
 use makadam::scene::{Domain, Reaction};
 use makadam::snapshot::{Particle, Snapshot};
@@ -58,96 +57,75 @@ impl Tables {
     /// [`ImportError`] with file and line.
     pub fn read(manifest: &Manifest) -> Result<Tables, ImportError> {
         let mut tables = Tables::default();
-        for pattern in &manifest.grains {
-            manifest.files(pattern)?.iter().try_for_each(|file| tables.add_grains(file, pattern, manifest))?;
-        }
-        for pattern in &manifest.contacts {
-            manifest.files(pattern)?.iter().try_for_each(|file| tables.add_contacts(file, pattern, manifest))?;
+        for (is_contacts, patterns) in [&manifest.grains, &manifest.contacts].into_iter().enumerate() {
+            for pattern in patterns {
+                for file in manifest.files(pattern)? {
+                    tables.add(is_contacts == 1, &file, pattern, manifest)?;
+                }
+            }
         }
         Ok(tables)
     }
 
-    /// Adds the frames of a file of grains.
+    /// Adds the frames of a file of grains or of contacts; a single one without time and step has those that its name states.
     ///
     /// # Errors
-    /// [`ImportError`] with file and line.
-    pub fn add_grains(&mut self, file: &Path, pattern: &FilePattern, manifest: &Manifest) -> Result<(), ImportError> {
-        once(&mut self.files[0], file)?;
-        self.grains.extend(read(file, pattern, &manifest.columns)?);
-        Ok(())
-    }
-
-    /// Adds the frames of a file of contacts.
-    ///
-    /// # Errors
-    /// [`ImportError`] with file and line.
-    pub fn add_contacts(&mut self, file: &Path, pattern: &FilePattern, manifest: &Manifest) -> Result<(), ImportError> {
-        once(&mut self.files[1], file)?;
-        self.contacts.extend(read(file, pattern, &manifest.contact_columns)?);
-        Ok(())
-    }
-}
-
-/// Refuses a file that has been read, by this name or another one: its frames would count twice.
-fn once(known: &mut BTreeSet<PathBuf>, file: &Path) -> Result<(), ImportError> {
-    match known.insert(file.canonicalize().unwrap_or_else(|_| file.to_path_buf())) {
-        true => Ok(()),
-        false => {
-            Err(ImportError::new(file, 1, "the file is given twice, by this name or another one; name each file once"))
+    /// [`ImportError`] with file and line, also for a file that has been read, by this name or another one: its frames would count twice.
+    pub fn add(
+        &mut self,
+        is_contacts: bool,
+        file: &Path,
+        pattern: &FilePattern,
+        manifest: &Manifest,
+    ) -> Result<(), ImportError> {
+        let own_name = file.canonicalize().unwrap_or_else(|_| file.to_path_buf());
+        if !self.files[usize::from(is_contacts)].insert(own_name) {
+            let problem = "the file is given twice, by this name or another one; name each file once";
+            return Err(ImportError::new(file, 1, problem));
         }
+        let (tables, columns) = match is_contacts {
+            true => (&mut self.contacts, &manifest.contact_columns),
+            false => (&mut self.grains, &manifest.columns),
+        };
+        let bytes = std::fs::read(file).map_err(|error| ImportError::new(file, 1, error.to_string()))?;
+        let mut frames = parse(file, bytes, columns)?;
+        if let ([frame], Some(stamp)) = (&mut frames[..], pattern.stamp(file))
+            && frame.time.is_none()
+            && frame.step.is_none()
+        {
+            (frame.time, frame.step) = (stamp.time, stamp.step);
+        }
+        tables.extend(frames);
+        Ok(())
     }
 }
 
-/// Reads the frames of a file; a single one without time and step has those that its name states.
-fn read(file: &Path, pattern: &FilePattern, columns: &StatedColumns) -> Result<Vec<FrameTable>, ImportError> {
-    let bytes = std::fs::read(file).map_err(|error| ImportError::new(file, 1, error.to_string()))?;
-    let mut frames = parse(file, bytes, columns)?;
-    if let ([frame], Some(stamp)) = (&mut frames[..], pattern.stamp(file))
-        && frame.time.is_none()
-        && frame.step.is_none()
-    {
-        (frame.time, frame.step) = (stamp.time, stamp.step);
-    }
-    Ok(frames)
-}
-
-/// Frames as a recording, and notes for the reader.
-#[derive(Debug)]
-pub struct Imported {
-    /// The frames.
-    pub recording: Recording,
-    /// Notes, in sentences.
-    pub notes: Vec<String>,
-}
-
-/// Puts the frames of files together.
+/// Puts the frames of files together; notes for the reader are among those of the recording.
 ///
 /// # Errors
 /// [`ImportError`] with file and line: statements that are missing, or contradict the scene or one another.
-pub fn assemble(scene: &Scene, manifest: &Manifest, tables: &Tables) -> Result<Imported, ImportError> {
+pub fn assemble(scene: &Scene, manifest: &Manifest, tables: &Tables) -> Result<Recording, ImportError> {
     if tables.grains.is_empty() {
         return Err(ImportError::new(Path::new("-"), 1, "no file has a frame; give files of grains"));
     }
-    let mut notes = Vec::new();
     tables.grains.iter().try_for_each(|table| position(table).map(|_| ()))?;
     tables.grains.iter().chain(&tables.contacts).try_for_each(|table| same_box(table, &scene.domain))?;
 
-    // All statements that are missing are reported at once.
-    let mut missing = Missing::default();
-    tables.contacts.iter().for_each(|table| _ = Columns::of(table, &mut missing));
+    let mut assembly = Assembly { scene, manifest, tables, missing: Missing::default(), notes: Vec::new() };
+    tables.contacts.iter().for_each(|table| _ = Columns::of(table, &mut assembly.missing));
     let foreign = tables.contacts.iter().find(|table| table.first_id.is_none());
     if let Some(table) = foreign.filter(|_| !manifest.contacts_complete) {
         let meaning = "the files list all contacts of each of their frames; else leave the files of contacts out";
-        missing.add(table, 0, "contacts-complete = true", meaning);
+        assembly.missing.add(table, 0, "contacts-complete = true", meaning);
     }
-    let frames = frames(scene, manifest, tables, &mut missing, &mut notes)?;
+    let frames = assembly.frames()?;
     let identity = Identity::new(scene, manifest, &frames);
-    let numbers = identity.numbers(&frames, &mut missing)?;
-    let radii = match tables.grains.iter().find(|table| Places::of(table).radius().is_none()) {
-        Some(table) => identity.radii(table, &mut missing, &mut notes)?,
+    let numbers = identity.numbers(&frames, &mut assembly.missing)?;
+    let radii = match tables.grains.iter().find(|table| table.radius().is_none()) {
+        Some(table) => identity.radii(table, &mut assembly)?,
         None => Vec::new(),
     };
-    missing.refuse()?;
+    assembly.missing.refuse()?;
 
     let mut snapshots = Vec::with_capacity(frames.len());
     let step = longest_step(manifest, &frames);
@@ -155,7 +133,7 @@ pub fn assemble(scene: &Scene, manifest: &Manifest, tables: &Tables) -> Result<I
         let particles = particles(frame.grains, &identity, &numbers, &radii, &scene.domain)?;
         let mut list = ContactList::new(scene, manifest, &numbers, &particles);
         for table in &frame.contacts {
-            let columns = Columns::of(table, &mut missing);
+            let columns = Columns::of(table, &mut assembly.missing);
             columns.map_or(Ok(()), |columns| list.add(table, &columns))?;
         }
         if let Some(step) = step.filter(|_| frame.is_measured) {
@@ -170,8 +148,7 @@ pub fn assemble(scene: &Scene, manifest: &Manifest, tables: &Tables) -> Result<I
     let version = manifest.version.as_deref().unwrap_or("unknown");
     // Frames state no step of the code; the one by which they are numbered need not be it.
     let recording = Recording::new(scene, code, version, manifest.seed.unwrap_or(scene.seed), snapshots);
-    let recording = Recording { lacks: lacks(scene, tables), ..recording };
-    Ok(Imported { recording, notes })
+    Ok(Recording { lacks: lacks(scene, tables), notes: assembly.notes, ..recording })
 }
 
 /// Contents that some frames lack.
@@ -180,8 +157,8 @@ fn lacks(scene: &Scene, tables: &Tables) -> Vec<Content> {
         (0..).zip(&scene.wall).filter(|(_, wall)| wall.motion.is_driven()).map(|(wall, _)| wall).collect();
     let states_poses =
         |table: &FrameTable| driven.iter().all(|wall| table.driven_walls.iter().any(|stated| stated.wall == *wall));
-    let all_have = |of: fn(usize) -> Column| tables.grains.iter().all(|table| Places::of(table).vector(of).is_some());
-    let some_has = |column: Column| tables.contacts.iter().any(|table| Places::of(table).find(column).is_some());
+    let all_have = |of: fn(usize) -> Column| tables.grains.iter().all(|table| table.vector(of).is_some());
+    let some_has = |column: Column| tables.contacts.iter().any(|table| table.find(column).is_some());
     let has = [
         (Content::DrivenWalls, !driven.is_empty() && tables.grains.iter().all(states_poses)),
         (Content::Velocities, all_have(Column::Velocity)),
@@ -194,7 +171,7 @@ fn lacks(scene: &Scene, tables: &Tables) -> Vec<Content> {
 
 /// Longest time step that the code can have had, s: none where velocities or times do not state it.
 fn longest_step(manifest: &Manifest, frames: &[Frame<'_>]) -> Option<f64> {
-    let has_velocities = frames.iter().all(|frame| Places::of(frame.grains).vector(Column::Velocity).is_some());
+    let has_velocities = frames.iter().all(|frame| frame.grains.vector(Column::Velocity).is_some());
     let between = frames.array_windows().map(|[one, other]| other.time - one.time);
     let step = between.chain(manifest.time_step).fold(f64::INFINITY, f64::min);
     (has_velocities && step.is_finite()).then_some(step)
@@ -223,16 +200,15 @@ fn same_box(table: &FrameTable, domain: &Domain) -> Result<(), ImportError> {
 
 /// Columns of the coordinates.
 fn position(table: &FrameTable) -> Result<[usize; 3], ImportError> {
-    let places = Places::of(table);
     let is_scaled = table.unread.iter().any(|name| ["xs", "xsu"].contains(&name.as_str()));
-    places.vector(Column::Position).ok_or_else(|| {
+    table.vector(Column::Position).ok_or_else(|| {
         let remedy = match is_scaled {
             true => "coordinates are scaled to the box: dump x y z instead",
             false => {
                 "name the columns of the file in their order: columns = [\"id\", \"x\", \"y\", \"z\", \"radius\", ...]"
             }
         };
-        table.fault(0, format!("no columns x, y, z among {}; {remedy}", places.names()))
+        table.fault(0, format!("no columns x, y, z among {}; {remedy}", table.names()))
     })
 }
 
@@ -244,10 +220,9 @@ fn particles(
     radii: &[f64],
     domain: &Domain,
 ) -> Result<Vec<Particle>, ImportError> {
-    let places = Places::of(table);
     let position = position(table)?;
-    let (id, size) = (places.find(Column::Id), places.radius());
-    let (velocity, spin) = (places.vector(Column::Velocity), places.vector(Column::Spin));
+    let (id, size) = (table.find(Column::Id), table.radius());
+    let (velocity, spin) = (table.vector(Column::Velocity), table.vector(Column::Spin));
     let particle = |(row, cells): (usize, &[f64])| {
         let id = numbers.get(&(identity.own_number(id, row, cells) as i64)).copied().unwrap_or_default();
         let radius = match size {

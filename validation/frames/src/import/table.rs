@@ -1,6 +1,6 @@
 //! Frame of a file: rows of numbers under named columns.
 
-use super::columns::{StatedColumns, column_of};
+use super::columns::{Column, OfComponent, StatedColumns, column_of, number};
 use makadam::snapshot::DrivenWall;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -10,9 +10,9 @@ use std::path::{Path, PathBuf};
 pub struct FrameTable {
     /// File of the frame.
     pub file: PathBuf,
-    /// Line of the first row, from 1; 1 where the file has no lines.
+    /// Line of the frame, from 1; 1 where the file has no lines.
     pub line: usize,
-    /// Lines of the rows, from 1, where the reader counts them; else each row has a line of its own from `line` on.
+    /// Lines of the rows, from 1, where the file has lines.
     pub lines: Vec<usize>,
     /// Simulated time, s, if the file or its name states it.
     pub time: Option<f64>,
@@ -20,7 +20,11 @@ pub struct FrameTable {
     pub step: Option<u64>,
     /// Names of the columns that have a meaning.
     pub columns: Vec<String>,
-    /// Names of the columns that have none: these are not read.
+    /// Their meanings.
+    pub meanings: Vec<Column>,
+    /// Their places among the columns of the file.
+    pub places: Vec<usize>,
+    /// Names of the columns that have no meaning: these are not read.
     pub unread: Vec<String>,
     /// Numbers, row after row; NaN for a cell that holds no finite number.
     pub values: Vec<f64>,
@@ -54,10 +58,60 @@ impl FrameTable {
         self.words.get(&(row * self.columns.len() + column)).map(String::as_str)
     }
 
+    /// Index of a column, if the table has it.
+    pub fn find(&self, column: Column) -> Option<usize> {
+        self.meanings.iter().position(|known| *known == column)
+    }
+
+    /// Indices of three components, if the table has them all.
+    pub(super) fn vector(&self, of: OfComponent) -> Option<[usize; 3]> {
+        let [x, y, z] = [0, 1, 2].map(|axis| self.find(of(axis)));
+        Some([x?, y?, z?])
+    }
+
+    /// Index of the radius or the diameter, and the factor that makes it a radius.
+    pub(super) fn radius(&self) -> Option<(usize, f64)> {
+        let of_diameter = || Some((self.find(Column::Diameter)?, 0.5));
+        self.find(Column::Radius).map(|place| (place, 1.0)).or_else(of_diameter)
+    }
+
+    /// Names of all columns, for an error.
+    pub(super) fn names(&self) -> String {
+        self.columns.iter().chain(&self.unread).map(String::as_str).collect::<Vec<_>>().join(", ")
+    }
+
+    /// Number of columns of the file.
+    pub(super) fn width(&self) -> usize {
+        self.columns.len() + self.unread.len()
+    }
+
+    /// Adds the cells of a line that have a meaning.
+    ///
+    /// # Errors
+    /// [`ImportError`] where cells are missing, or one has a meaning and is not a finite number.
+    pub(super) fn add_row(&mut self, line: usize, cells: &[&str]) -> Result<(), ImportError> {
+        let fault = |problem: String| ImportError::new(&self.file, line, problem);
+        if cells.len() != self.width() {
+            return Err(fault(format!("{} numbers where {} belong", cells.len(), self.width())));
+        }
+        for (column, place) in self.places.iter().enumerate() {
+            let value = match number(cells[*place]) {
+                Ok(value) => value,
+                Err(_) if self.meanings[column] == Column::Kind => {
+                    self.words.insert(self.values.len(), cells[*place].to_string());
+                    f64::NAN
+                }
+                Err(problem) => return Err(fault(format!("column {}: {problem}", self.columns[column]))),
+            };
+            self.values.push(value);
+        }
+        self.lines.push(line);
+        Ok(())
+    }
+
     /// Reports a fault of a row.
     pub(super) fn fault(&self, row: usize, problem: impl Into<String>) -> ImportError {
-        let line = self.lines.get(row).copied().unwrap_or(self.line + row);
-        ImportError::new(&self.file, line.max(1), problem)
+        ImportError::new(&self.file, *self.lines.get(row).unwrap_or(&self.line), problem)
     }
 }
 
@@ -118,14 +172,12 @@ pub(super) fn table_of(
     stated: &StatedColumns,
 ) -> Result<FrameTable, ImportError> {
     let fault = |problem: String| ImportError::new(file, 1, problem);
-    let names: Vec<String> = arrays.iter().flat_map(|array| component_names(&array.name, array.components)).collect();
-    let heads = stated.heads(file, 1, names)?;
-    let sources: Vec<(usize, usize)> =
-        (0..arrays.len()).flat_map(|array| (0..arrays[array].components).map(move |axis| (array, axis))).collect();
-    let mut table = heads.table(file);
+    let names = arrays.iter().flat_map(|array| component_names(&array.name, array.components));
+    let mut table = stated.table(file, 1, names.collect())?;
+    let sources: Vec<(&Named, usize)> =
+        arrays.iter().flat_map(|array| (0..array.components).map(move |axis| (array, axis))).collect();
     let mut columns: Vec<(&[f64], usize, usize)> = Vec::new();
-    for (array, axis) in heads.used().iter().map(|column| sources[*column]) {
-        let Named { name, components, numbers } = &arrays[array];
+    for (Named { name, components, numbers }, axis) in table.places.iter().map(|place| sources[*place]) {
         let numbers = numbers.as_deref().ok_or_else(|| fault(format!("array {name} holds no numbers")))?;
         if numbers.len() != components * count {
             let problem = format!("array {name} has {} numbers where {} belong", numbers.len(), components * count);

@@ -1,6 +1,6 @@
 //! Tables in text: CSV of any code, and what YADE's `export.text` and `export.textExt` write.
 
-use super::columns::{Column, Places, StatedColumns};
+use super::columns::{Column, StatedColumns, number};
 use super::table::{FrameTable, ImportError};
 use std::collections::HashMap;
 use std::path::Path;
@@ -9,9 +9,6 @@ use std::path::Path;
 const SEPARATORS: [u8; 3] = [b',', b';', b'\t'];
 
 /// Frames of a table with names in its first row. Rows whose times differ are frames of their own, or else those whose steps differ.
-///
-/// # Errors
-/// [`ImportError`] with the line.
 pub(super) fn csv(file: &Path, bytes: &[u8], stated: &StatedColumns) -> Result<Vec<FrameTable>, ImportError> {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let separator = separator(bytes).map_err(|(line, problem)| ImportError::new(file, line, problem))?;
@@ -21,30 +18,45 @@ pub(super) fn csv(file: &Path, bytes: &[u8], stated: &StatedColumns) -> Result<V
     if heads.iter().any(|name| name.parse::<f64>().is_ok()) {
         return Err(ImportError::new(file, 1, "the first row must name the columns, such as id,x,y,z,radius,vx,vy,vz"));
     }
-    let heads = stated.heads(file, 1, heads.iter().map(String::from).collect())?;
+    let table = FrameTable { line: 2, ..stated.table(file, 1, heads.iter().map(String::from).collect())? };
     // The second byte of a line's end (\r\n) is taken with the next line, and not counted before.
     let ends = |position: &csv::Position| bytes.get(position.byte() as usize) == Some(&b'\n');
     let line_of = |position: Option<&csv::Position>| {
         position.map_or(1, |position| position.line() as usize + usize::from(ends(position)))
     };
-    let mut table = FrameTable { line: 2, ..heads.table(file) };
+    let (of_times, of_steps) = (table.find(Column::Time), table.find(Column::Step));
+    let told = of_times.or(of_steps).map(|column| table.places[column]);
+    // Frames by their times or steps, in the order in which these first come.
+    let mut frames: Vec<FrameTable> = Vec::new();
+    let mut known: HashMap<u64, usize> = HashMap::new();
+    if told.is_none() {
+        frames.push(table.clone());
+        known.insert(0, 0);
+    }
     let mut record = csv::StringRecord::new();
-    loop {
-        let is_row = reader.read_record(&mut record);
-        match is_row.map_err(|error| ImportError::new(file, line_of(error.position()), error.to_string()))? {
-            true => {
-                let line = line_of(record.position());
-                let cells: Vec<&str> = record.iter().collect();
-                heads.add_row(&mut table, &cells).map_err(|problem| {
-                    let has_comma = separator == b';' && cells.iter().any(|cell| cell.contains(','));
-                    let remedy = if has_comma { "; write decimals behind a point" } else { "" };
-                    ImportError::new(file, line, problem + remedy)
-                })?;
-                table.lines.push(line);
-            }
-            false => return by_frame(table),
+    while reader
+        .read_record(&mut record)
+        .map_err(|error| ImportError::new(file, line_of(error.position()), error.to_string()))?
+    {
+        let line = line_of(record.position());
+        let cells: Vec<&str> = record.iter().collect();
+        // Zero has two signs. A cell that is not a number is refused with its row.
+        let own = told.and_then(|place| number(cells[place]).ok()).unwrap_or(0.0) + 0.0;
+        let at = *known.entry(own.to_bits()).or_insert_with(|| {
+            let (time, step) = (of_times.map(|_| own), of_steps.map(|_| own as u64).filter(|_| of_times.is_none()));
+            frames.push(FrameTable { line, time, step, ..table.clone() });
+            frames.len() - 1
+        });
+        frames[at].add_row(line, &cells).map_err(|error| {
+            let has_comma = separator == b';' && cells.iter().any(|cell| cell.contains(','));
+            let remedy = if has_comma { "; write decimals behind a point" } else { "" };
+            ImportError { problem: error.problem + remedy, ..error }
+        })?;
+        if of_times.is_none() && told.is_some() && !((0.0..1e15).contains(&own) && own.fract() == 0.0) {
+            return Err(ImportError::new(file, line, format!("{own} is no number of a step")));
         }
     }
+    Ok(frames)
 }
 
 /// The character that separates the names in the first row.
@@ -67,61 +79,11 @@ fn separator(bytes: &[u8]) -> Result<u8, (usize, String)> {
     }
 }
 
-/// One frame per value of the column of times, or else of that of steps, in the order in which they first come; the whole table, if it
-/// has neither column.
-fn by_frame(table: FrameTable) -> Result<Vec<FrameTable>, ImportError> {
-    let (of_times, of_steps) = {
-        let places = Places::of(&table);
-        (places.find(Column::Time), places.find(Column::Step))
-    };
-    let Some(place) = of_times.or(of_steps) else {
-        return Ok(vec![table]);
-    };
-    let width = table.columns.len();
-    let empty = FrameTable {
-        file: table.file.clone(),
-        columns: table.columns.clone(),
-        unread: table.unread.clone(),
-        ..FrameTable::default()
-    };
-    let mut frames: Vec<(f64, FrameTable)> = Vec::new();
-    let mut known: HashMap<u64, usize> = HashMap::new();
-    for (row, (values, line)) in table.rows().zip(&table.lines).enumerate() {
-        // Zero has two signs.
-        let own = values[place] + 0.0;
-        let at = *known.entry(own.to_bits()).or_insert_with(|| {
-            frames.push((own, FrameTable { line: *line, ..empty.clone() }));
-            frames.len() - 1
-        });
-        let frame = &mut frames[at].1;
-        let start = frame.values.len();
-        frame.values.extend(values);
-        frame.lines.push(*line);
-        let words = table.words.range(row * width..(row + 1) * width);
-        frame.words.extend(words.map(|(cell, word)| (start + cell - row * width, word.clone())));
-    }
-    let told = |(own, frame): (f64, FrameTable)| {
-        if of_times.is_some() {
-            return Ok(FrameTable { time: Some(own), ..frame });
-        }
-        match (0.0..1e15).contains(&own) && own.fract() == 0.0 {
-            true => Ok(FrameTable { step: Some(own as u64), ..frame }),
-            false => Err(frame.fault(0, format!("{own} is no number of a step"))),
-        }
-    };
-    frames.into_iter().map(told).collect()
-}
-
 /// Reads YADE's columns; the first line names the format.
-///
-/// # Errors
-/// [`ImportError`] with the line.
-pub(super) fn yade(file: &Path, bytes: &[u8], stated: &StatedColumns) -> Result<Vec<FrameTable>, ImportError> {
-    let text = String::from_utf8_lossy(bytes);
+pub(super) fn yade(file: &Path, text: &str, stated: &StatedColumns) -> Result<Vec<FrameTable>, ImportError> {
     let mut columns: Vec<String> = Vec::new();
-    let mut table: Option<(super::columns::Heads, FrameTable)> = None;
-    for (number_before, line) in text.lines().enumerate() {
-        let at = number_before + 1;
+    let mut table: Option<FrameTable> = None;
+    for (at, line) in (1..).zip(text.lines()) {
         if let Some(comment) = line.trim_start().strip_prefix('#') {
             if let Some(format) = comment.trim().strip_prefix("format ") {
                 if table.is_some() {
@@ -144,32 +106,17 @@ pub(super) fn yade(file: &Path, bytes: &[u8], stated: &StatedColumns) -> Result<
             continue;
         }
         if table.is_none() {
-            if columns.last().is_some_and(|last| last == "attrs") {
-                columns.pop();
-            }
+            columns.pop_if(|last| last == "attrs");
             while columns.len() < cells.len() && columns.len() >= 4 {
                 columns.push(format!("unnamed{}", columns.len() + 1));
             }
-            if cells.len() == columns.len() {
-                let heads = stated.heads(file, at, std::mem::take(&mut columns))?;
-                let empty = FrameTable { line: at, ..heads.table(file) };
-                table = Some((heads, empty));
-            }
-        }
-        let count = table.as_ref().map_or(columns.len(), |(heads, _)| heads.count());
-        match &mut table {
-            Some((heads, table)) if cells.len() == count => {
-                heads.add_row(table, &cells).map_err(|problem| ImportError::new(file, at, problem))?;
-                table.lines.push(at);
-            }
-            _ => {
-                let problem = format!("{} numbers where {count} belong", cells.len());
+            if cells.len() != columns.len() {
+                let problem = format!("{} numbers where {} belong", cells.len(), columns.len());
                 return Err(ImportError::new(file, at, problem));
             }
+            table = Some(stated.table(file, at, std::mem::take(&mut columns))?);
         }
+        table.as_mut().map_or(Ok(()), |table| table.add_row(at, &cells))?;
     }
-    match table {
-        Some((_, table)) => Ok(vec![table]),
-        None => Ok(vec![stated.heads(file, 1, columns)?.table(file)]),
-    }
+    Ok(vec![table.map_or_else(|| stated.table(file, 1, columns), Ok)?])
 }

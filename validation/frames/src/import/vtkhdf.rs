@@ -7,9 +7,8 @@
 use super::columns::StatedColumns;
 use super::table::{FrameTable, ImportError, Named, is_wanted, table_of};
 use crate::export::FIRST_ID;
-use crate::output::{DRIVEN_WALLS, driven_walls};
+use crate::run_frames::columns::{DRIVEN_WALLS, driven_walls};
 use hdf5_pure::{AttrValue, File};
-use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Most numbers of a dataset over the bytes of its file: no compression makes more of frames.
@@ -19,9 +18,6 @@ const MOST_NUMBERS_PER_BYTE: u64 = 1000;
 const CELLS: [&str; 4] = ["Vertices", "Lines", "Polygons", "Strips"];
 
 /// The frames of a file: one per step, or a single one without a time.
-///
-/// # Errors
-/// [`ImportError`].
 pub(super) fn hdf(file: &Path, bytes: Vec<u8>, stated: &StatedColumns) -> Result<Vec<FrameTable>, ImportError> {
     let length = bytes.len() as u64;
     let fault = |problem: String| ImportError::new(file, 1, problem);
@@ -33,16 +29,16 @@ pub(super) fn hdf(file: &Path, bytes: Vec<u8>, stated: &StatedColumns) -> Result
         Some(AttrValue::I64(first)) => Some(first),
         _ => None,
     };
-    let poses = match first_id {
-        Some(_) => reader.fields(&DRIVEN_WALLS).map_err(fault)?,
-        None => BTreeMap::new(),
-    };
+    // Only frames of Makadam state poses.
+    let fields = |name: &str| first_id.map_or(Ok(None), |_| reader.field(name));
+    let poses: Vec<_> = DRIVEN_WALLS.into_iter().map(fields).collect::<Result<_, _>>().map_err(fault)?;
     let frame = |(step, span): (usize, &Span)| {
         let named: Result<Vec<Named>, String> = arrays.iter().map(|array| array.part(step, span)).collect();
-        let named = named.map_err(fault);
-        let driven_walls = driven_walls(|name| poses.get(name).and_then(|frames| frames.get(step).cloned()));
-        let driven_walls = driven_walls.map_err(fault)?;
-        Ok(FrameTable { time: span.time, first_id, driven_walls, ..table_of(file, span.count, &named?, stated)? })
+        let own =
+            |name: &str| poses[DRIVEN_WALLS.iter().position(|known| *known == name)?].as_ref()?.get(step).cloned();
+        let driven_walls = driven_walls(|name| Ok(own(name))).map_err(fault)?;
+        let named = named.map_err(fault)?;
+        Ok(FrameTable { time: span.time, first_id, driven_walls, ..table_of(file, span.count, &named, stated)? })
     };
     spans.iter().enumerate().map(frame).collect()
 }
@@ -169,24 +165,19 @@ impl Reader {
         })
     }
 
-    /// The numbers of arrays over the whole data, by their names and frames; those that a file does not have are left out.
-    fn fields(&self, wanted: &[&'static str]) -> Result<BTreeMap<&'static str, Vec<Vec<f64>>>, String> {
-        let mut found = BTreeMap::new();
-        for &name in wanted {
-            let part = |path: &str| self.optional(&format!("VTKHDF/{path}/{name}"));
-            let Some(numbers) = part("FieldData")? else { continue };
-            let (Some(firsts), Some(sizes)) = (part("Steps/FieldDataOffsets")?, part("Steps/FieldDataSizes")?) else {
-                return Err(format!("Steps has no FieldDataOffsets and FieldDataSizes of {name}"));
-            };
-            let frame = |(&first, size): (&f64, &[f64; 2])| {
-                let (first, count) = (whole(first)?, whole(size[0] * size[1])?);
-                let own = first.checked_add(count).and_then(|end| numbers.get(first..end));
-                own.map(<[f64]>::to_vec).ok_or_else(|| format!("FieldData/{name} ends before its last frame"))
-            };
-            let frames = firsts.iter().zip(sizes.as_chunks::<2>().0).map(frame);
-            found.insert(name, frames.collect::<Result<_, _>>()?);
-        }
-        Ok(found)
+    /// The numbers of an array over the whole data in each frame, if the file has it.
+    fn field(&self, name: &str) -> Result<Option<Vec<Vec<f64>>>, String> {
+        let part = |path: &str| self.optional(&format!("VTKHDF/{path}/{name}"));
+        let Some(numbers) = part("FieldData")? else { return Ok(None) };
+        let (Some(firsts), Some(sizes)) = (part("Steps/FieldDataOffsets")?, part("Steps/FieldDataSizes")?) else {
+            return Err(format!("Steps has no FieldDataOffsets and FieldDataSizes of {name}"));
+        };
+        let frame = |(&first, size): (&f64, &[f64; 2])| {
+            let (first, count) = (whole(first)?, whole(size[0] * size[1])?);
+            let own = first.checked_add(count).and_then(|end| numbers.get(first..end));
+            own.map(<[f64]>::to_vec).ok_or_else(|| format!("FieldData/{name} ends before its last frame"))
+        };
+        firsts.iter().zip(sizes.as_chunks::<2>().0).map(frame).collect::<Result<_, _>>().map(Some)
     }
 
     /// Frames; `counts` are the points or lines of each part.

@@ -4,8 +4,8 @@
 
 use super::columns::StatedColumns;
 use super::table::{FrameTable, ImportError, Named, is_wanted, table_of};
-use crate::output::vtk::{Array, Kind};
-use crate::output::{DRIVEN_WALLS, FIELD_DATA, driven_walls};
+use crate::output::FIELD_DATA;
+use crate::run_frames::columns::{Number, driven_walls};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use flate2::{Decompress, FlushDecompress, Status};
@@ -52,9 +52,6 @@ struct Source<'a> {
 }
 
 /// Reads the frame of a file: its points, or its lines, if it has some.
-///
-/// # Errors
-/// [`ImportError`].
 pub(super) fn xml(file: &Path, bytes: &[u8], stated: &StatedColumns) -> Result<Vec<FrameTable>, ImportError> {
     let fault = |problem: String| ImportError::new(file, 1, problem);
     let head = String::from_utf8_lossy(&bytes[..bytes.len().min(1000)]);
@@ -129,7 +126,7 @@ fn read(bytes: &[u8], is_wanted: impl Fn(&str, usize) -> bool) -> Result<Content
             let name = if *of == "Points" { "points" } else { node.attribute("Name").unwrap_or_default() };
             let components = node.attribute("NumberOfComponents").and_then(|count| count.parse().ok()).unwrap_or(1);
             let numbers = match is_wanted(name, components) {
-                true => Some(array(&source, node, count).map_err(|problem| format!("{of}: {problem}"))?.values()),
+                true => Some(array(&source, node, count).map_err(|problem| format!("{of}: {problem}"))?),
                 false => None,
             };
             arrays.push(Named::new(name, components, numbers));
@@ -140,13 +137,10 @@ fn read(bytes: &[u8], is_wanted: impl Fn(&str, usize) -> bool) -> Result<Content
     let of_run = fields().any(|node| node.has_tag_name("Array") && node.attribute("Name") == Some("scene_name"));
     let named = |name: &str| arrays_of(whole).into_iter().find(|node| node.attribute("Name") == Some(name));
     let time = named("TimeValue").map(|node| array(&source, node, 1)).transpose()?;
-    let time = time.and_then(|time| time.values().first().copied()).filter(|time| time.is_finite());
-    let mut poses = Vec::new();
-    for (name, node) in DRIVEN_WALLS.iter().filter_map(|name| Some((*name, named(name)?))).filter(|_| of_run) {
-        poses.push((name, array(&source, node, tuples_of_field(node)?)?.values()));
-    }
-    let pose = |name: &str| poses.iter().find(|(known, _)| *known == name).map(|(_, values)| values.clone());
-    Ok(Content { time, of_run, driven_walls: driven_walls(pose)?, count, arrays })
+    let time = time.and_then(|time| time.first().copied()).filter(|time| time.is_finite());
+    let pose = |node| tuples_of_field(node).and_then(|tuples| array(&source, node, tuples));
+    let driven_walls = driven_walls(|name| named(name).filter(|_| of_run).map(pose).transpose())?;
+    Ok(Content { time, of_run, driven_walls, count, arrays })
 }
 
 /// A document, with what is appended to it cut off.
@@ -210,39 +204,32 @@ fn tuples_of_field(node: Node<'_, '_>) -> Result<usize, String> {
     tuples.ok().filter(|tuples| *tuples <= i32::MAX as usize).ok_or("a field has no number of tuples".to_string())
 }
 
-/// An array with that many tuples.
-fn array(source: &Source<'_>, node: Node<'_, '_>, tuples: usize) -> Result<Array, String> {
+/// The numbers of an array with that many tuples.
+fn array(source: &Source<'_>, node: Node<'_, '_>, tuples: usize) -> Result<Vec<f64>, String> {
     let attribute = |name: &str| node.attribute(name).unwrap_or_default();
-    let name = attribute("Name").to_string();
-    let wrong = |what: &str| format!("array {name}: {what}");
-    let kind = Kind::of(attribute("type"));
-    let kind = kind.ok_or_else(|| wrong(&format!("numbers of type '{}' are not read", attribute("type"))))?;
+    let wrong = |what: String| format!("array {}: {what}", attribute("Name"));
+    let number = Number::of(attribute("type"));
+    let number = number.ok_or_else(|| wrong(format!("numbers of type '{}' are not read", attribute("type"))))?;
     let components = node.attribute("NumberOfComponents").unwrap_or("1").parse::<usize>();
     let components = components.ok().filter(|count| (1..=9).contains(count));
-    let components = components.ok_or_else(|| wrong("it has no number of components"))?;
-    let size = kind.size() * components * tuples;
+    let components = components.ok_or_else(|| wrong("it has no number of components".into()))?;
+    let size = number.size() * components * tuples;
+    let text = node.text().unwrap_or_default();
     let bytes = match attribute("format") {
         "appended" => {
             let offset = attribute("offset").parse::<usize>().ok();
             let rest = offset.and_then(|offset| source.appended.get(offset..));
-            let rest = rest.ok_or_else(|| wrong("it lies beyond the end of the file"))?;
+            let rest = rest.ok_or_else(|| wrong("it lies beyond the end of the file".into()))?;
             match source.in_base64 {
                 true => from_base64(source, rest, size).and_then(|bytes| blocks(source, &bytes, size)),
                 false => blocks(source, rest, size),
             }
         }
-        "binary" => {
-            let text = node.text().unwrap_or_default().trim();
-            from_base64(source, text.as_bytes(), size).and_then(|bytes| blocks(source, &bytes, size))
-        }
-        "ascii" => in_words(kind, node.text().unwrap_or_default(), components * tuples),
+        "binary" => from_base64(source, text.trim().as_bytes(), size).and_then(|bytes| blocks(source, &bytes, size)),
+        "ascii" => return in_words(text, components * tuples).map_err(wrong),
         other => Err(format!("its format '{other}' is not read")),
     };
-    let mut bytes = bytes.map_err(|what| wrong(&what))?;
-    if source.is_big && attribute("format") != "ascii" {
-        bytes.chunks_exact_mut(kind.size()).for_each(<[u8]>::reverse);
-    }
-    Ok(Array { bytes, name, components, kind })
+    bytes.map(|bytes| number.decode(bytes, source.is_big)).map_err(wrong)
 }
 
 fn cut() -> String {
@@ -260,47 +247,34 @@ fn header_number(source: &Source<'_>, bytes: &[u8], place: usize) -> Result<usiz
 
 /// The bytes of an array that begins a text in base64. Compressed ones have their header encoded by itself.
 fn from_base64(source: &Source<'_>, text: &[u8], size: usize) -> Result<Vec<u8>, String> {
-    let decoded = |start: usize, bytes: usize| {
-        let letters = bytes.checked_add(2).map(|bytes| bytes / 3 * 4).ok_or_else(cut)?;
-        let own = text.get(start..start.saturating_add(letters)).ok_or_else(cut)?;
-        let decoded = STANDARD.decode(own).map_err(|error| format!("it is no base64: {error}"))?;
-        Ok::<_, String>((decoded, start + letters))
-    };
     let header = source.header;
-    // Nine bytes and twelve letters are whole groups: enough for the first number of a header.
-    let begin =
-        STANDARD.decode(text.get(..12).ok_or_else(cut)?).map_err(|error| format!("it is no base64: {error}"))?;
-    let count = header_number(source, &begin, 0)?;
+    let unit = |start: usize, bytes: usize| {
+        let end = start.saturating_add(bytes.div_ceil(3).saturating_mul(4)).min(text.len());
+        let decoded = STANDARD.decode(text.get(start..end).unwrap_or_default());
+        decoded.map(|bytes| (bytes, end)).map_err(|error| format!("it is no base64: {error}"))
+    };
     if source.compression == Compression::None {
-        return match count == size {
-            true => decoded(0, header + size).map(|(bytes, _)| bytes),
-            false => Err(format!("it has {count} bytes in place of {size}")),
-        };
+        return Ok(unit(0, header + size)?.0);
     }
+    // Nine bytes are whole groups of letters: enough for the first number of a header.
+    let count = header_number(source, &unit(0, 9)?.0, 0)?;
     if count > text.len() {
         return Err(cut());
     }
-    let (mut bytes, start) = decoded(0, header * (3 + count))?;
-    let mut packed = 0_usize;
-    for block in 0..count {
-        packed = packed.saturating_add(header_number(source, &bytes, 3 + block)?);
-    }
-    bytes.extend(decoded(start, packed)?.0);
+    let (mut bytes, start) = unit(0, header * (3 + count))?;
+    let add = |sum: usize, block| header_number(source, &bytes, 3 + block).map(|size| sum.saturating_add(size));
+    let packed = (0..count).try_fold(0, add)?;
+    bytes.extend(unit(start, packed)?.0);
     Ok(bytes)
 }
 
-/// The bytes of numbers that stand as words.
-fn in_words(kind: Kind, text: &str, count: usize) -> Result<Vec<u8>, String> {
-    let mut bytes = Vec::new();
-    let mut found = 0;
-    for word in text.split_ascii_whitespace() {
-        let number: f64 = word.parse().map_err(|_| format!("'{word}' is no number"))?;
-        bytes.extend(kind.bytes(number));
-        found += 1;
-    }
-    match found == count {
-        true => Ok(bytes),
-        false => Err(format!("it has {found} numbers in place of {count}")),
+/// Numbers that stand as words.
+fn in_words(text: &str, count: usize) -> Result<Vec<f64>, String> {
+    let number = |word: &str| word.parse::<f64>().map_err(|_| format!("'{word}' is no number"));
+    let numbers = text.split_ascii_whitespace().map(number).collect::<Result<Vec<f64>, _>>()?;
+    match numbers.len() == count {
+        true => Ok(numbers),
+        false => Err(format!("it has {} numbers in place of {count}", numbers.len())),
     }
 }
 

@@ -1,23 +1,26 @@
-//! Tables as CSV, without cells that programs for tables would take for formulas.
+//! Texts that are safe to show: tables without cells that programs for tables would take for formulas, and names on their way to a
+//! terminal.
 
 use serde::Serialize;
+use std::borrow::Cow;
 
-/// Rows of a table as CSV.
+/// Rows of a table as CSV, below the names of their fields.
 pub fn csv(rows: &[impl Serialize]) -> Result<Vec<u8>, csv::Error> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    for row in rows {
-        writer.serialize(row)?;
-    }
-    Ok(without_formulas(writer.into_inner().map_err(|error| error.into_error())?))
+    table(csv::Writer::from_writer(Vec::new()), rows.iter())
 }
 
 /// Rows below their head, which stands there even if there is no row.
 pub fn csv_below(head: &[&str], rows: impl Iterator<Item = impl Serialize>) -> Result<Vec<u8>, csv::Error> {
     let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
     writer.write_record(head)?;
-    for row in rows {
-        writer.serialize(row)?;
-    }
+    table(writer, rows)
+}
+
+fn table(
+    mut writer: csv::Writer<Vec<u8>>,
+    mut rows: impl Iterator<Item = impl Serialize>,
+) -> Result<Vec<u8>, csv::Error> {
+    rows.try_for_each(|row| writer.serialize(row))?;
     Ok(without_formulas(writer.into_inner().map_err(|error| error.into_error())?))
 }
 
@@ -46,6 +49,29 @@ pub fn as_meant(cell: &str) -> &str {
 
 fn is_formula(cell: &str) -> bool {
     cell.starts_with(['=', '+', '-', '@', '\t', '\r']) && cell.parse::<f64>().is_err()
+}
+
+/// Colour codes of the program, behind an escape character.
+const COLOURS: [&str; 6] = ["[0m", "[31m", "[31;1m", "[32m", "[33m", "[34m"];
+
+/// A text as it may go to a terminal: names, and words of other programs, can hold characters that a terminal obeys. They are spelt
+/// out as JSON does, so that documents stay the same; line ends and tabs stay, and `colours` of the program's own.
+pub fn shown(text: &str, colours: bool) -> Cow<'_, str> {
+    let obeyed = |c: char| {
+        (c.is_control() && !matches!(c, '\n' | '\t')) || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+    };
+    if !text.contains(obeyed) {
+        return Cow::Borrowed(text);
+    }
+    let mut plain = String::with_capacity(text.len());
+    for (at, c) in text.char_indices() {
+        let own = colours && c == '\x1b' && COLOURS.iter().any(|colour| text[at + 1..].starts_with(colour));
+        match obeyed(c) && !own {
+            true => plain += &format!("\\u{:04x}", u32::from(c)),
+            false => plain.push(c),
+        }
+    }
+    Cow::Owned(plain)
 }
 
 #[cfg(test)]

@@ -13,8 +13,9 @@ pub struct Fineness {
     sagitta: f64,
     /// Fewest and most facets around a cylinder.
     facets: [usize; 2],
-    /// Smallest angle of a cylinder's triangles; rings that are cut for it are shorter.
-    sharpest: Sharpest,
+    /// Smallest angle of a cylinder's triangles, rad, for which rings are cut shorter; if absent, the bend between neighbours, as LIGGGHTS
+    /// advises.
+    sharpest: Option<f64>,
     /// Corners of a disc's outline.
     disc_corners: usize,
     /// True if a surface ends where the scene's shape and domain end, with all corners on the shape. Else planes, and side faces of open
@@ -22,32 +23,18 @@ pub struct Fineness {
     ends: bool,
 }
 
-/// Smallest angle of a triangle of a cylinder.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Sharpest {
-    /// The bend between neighbours, as LIGGGHTS advises.
-    Bend,
-    /// An angle, rad.
-    Angle(f64),
-}
-
 /// So fine that a cylinder and its mesh give the same compared observables.
 pub const FINE: Fineness =
-    Fineness { sagitta: 0.005, facets: [100, 1000], sharpest: Sharpest::Bend, disc_corners: 32, ends: false };
+    Fineness { sagitta: 0.005, facets: [100, 1000], sharpest: None, disc_corners: 32, ends: false };
 
 /// As coarse as angles of repose, packing fraction and coordination number allow (`validation/docs/timing.md`). LIGGGHTS refuses meshes with
 /// angles of a degree.
-pub const COARSE: Fineness = Fineness {
-    sagitta: 0.025,
-    facets: [32, 1000],
-    sharpest: Sharpest::Angle(1.5 * PI / 180.0),
-    disc_corners: 32,
-    ends: false,
-};
+pub const COARSE: Fineness =
+    Fineness { sagitta: 0.025, facets: [32, 1000], sharpest: Some(1.5 * PI / 180.0), disc_corners: 32, ends: false };
 
 /// For pictures and exports: sides lie within 0.06% of the radius from the circle.
 pub(crate) const DRAWN: Fineness =
-    Fineness { sagitta: 0.0, facets: [96, 96], sharpest: Sharpest::Angle(0.0), disc_corners: 96, ends: true };
+    Fineness { sagitta: 0.0, facets: [96, 96], sharpest: Some(0.0), disc_corners: 96, ends: true };
 
 /// Triangles of all drawn spheres together, beyond which each is drawn more coarsely.
 const MOST_TRIANGLES: usize = 200_000;
@@ -241,11 +228,8 @@ fn cylinder(
     let half_angle = PI / segments as f64;
     let corner_radius = corner_radius(radius, half_angle, fineness);
     let width = 2.0 * corner_radius * half_angle.sin();
-    let rings = match fineness.sharpest {
-        Sharpest::Bend => (length / (width / (3.0 * half_angle).tan())).ceil().max(1.0),
-        Sharpest::Angle(angle) => (length / (width / angle.tan())).ceil().max(1.0),
-    };
-    let rings = rings as usize;
+    let angle = fineness.sharpest.unwrap_or(3.0 * half_angle);
+    let rings = (length / (width / angle.tan())).ceil().max(1.0) as usize;
     let corner = |segment: usize, ring: usize| {
         let (sine, cosine) = (2.0 * half_angle * (segment % segments) as f64).sin_cos();
         base + (u * cosine + v * sine) * corner_radius + axis * (length * ring as f64 / rings as f64)

@@ -1,29 +1,16 @@
 //! Files of a run: tables as CSV, the summary as JSON, and what frames are made of for exports and pictures.
 
-mod cache;
 pub mod cells;
-mod grain_fields;
-mod lock;
+mod folders;
 pub mod mesh;
-mod names;
-mod record;
 mod run_files;
-mod shown;
 mod table;
-pub(crate) mod vtk;
-mod wall_mesh;
 
-pub use cache::{cache_folder, run_folder};
-pub(crate) use grain_fields::{DRIVEN_WALLS, GrainTable, driven_walls};
-pub use lock::{FolderLock, LockError};
-pub use names::file_stem;
-pub use record::record_folder;
-pub use run_files::RunFiles;
-pub use shown::shown;
+pub use cells::shown;
+pub use folders::{cache_folder, file_stem, record_folder, run_folder};
+pub use run_files::{FolderLock, LockError, RunFiles};
 pub(crate) use table::open_to_grow;
 pub use table::{TableWritten, TimeTable};
-pub(crate) use wall_mesh::WallMesh;
-pub use wall_mesh::Walls;
 
 /// Version of the JSON documents, raised when a field changes its meaning or goes away.
 pub const JSON_VERSION: u32 = 1;

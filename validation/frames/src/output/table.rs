@@ -1,11 +1,11 @@
 //! Observables over time as CSV, one row a frame.
 
 use super::{WriteError, write_whole};
-use makadam::checkpoint::{replace_with, sync_file};
+use makadam::checkpoint::sync_file;
 use rustix::fs::OFlags;
 use serde::{Deserialize, Serialize};
 use std::fs::{File, OpenOptions};
-use std::io::{BufReader, BufWriter, Error, ErrorKind, Write};
+use std::io::{Error, ErrorKind};
 use std::os::unix::fs::{FileExt, OpenOptionsExt};
 use std::path::{Path, PathBuf};
 
@@ -53,8 +53,11 @@ impl TimeTable {
         }
         let mut table = TimeTable { path: path.to_path_buf(), file, written };
         if names.len() == table.written.columns.len() {
-            check_length(path, &table.file, table.written.length)?;
-            table.file.set_len(table.written.length).map_err(refused)?;
+            let (length, least) = (table.file.metadata().map_err(refused)?.len(), table.written.length);
+            if length < least {
+                return Err(does_not_fit(path, &format!("it has {length} of {least} bytes")));
+            }
+            table.file.set_len(least).map_err(refused)?;
         } else {
             // It has got columns since.
             let TableWritten { rows, length, .. } = table.written;
@@ -100,27 +103,20 @@ impl TimeTable {
 
     /// Writes the file anew with the present columns, as many rows as there are, and empty cells where a row has none yet.
     fn rewrite(&mut self) -> Result<(), WriteError> {
+        let refused = |source| WriteError::new(&self.path, source);
         let TableWritten { columns, rows, .. } = &self.written;
-        let (mut counted, mut length) = (0, 0);
-        let copied = replace_with(&self.path, |draft| {
-            let mut old = csv::Reader::from_reader(BufReader::new(File::open(&self.path)?));
-            let mut new = BufWriter::new(draft);
-            let names = line(columns);
-            length = names.len() as u64;
-            new.write_all(&names)?;
-            for record in old.byte_records().take(usize::try_from(*rows).unwrap_or(usize::MAX)) {
-                let record = record.map_err(Error::from)?;
-                let cells: Vec<&[u8]> = (0..columns.len()).map(|column| record.get(column).unwrap_or(b"")).collect();
-                let row = line(&cells);
-                length += row.len() as u64;
-                counted += 1;
-                new.write_all(&row)?;
-            }
-            new.flush()
-        });
-        copied.map_err(|source| WriteError::new(&self.path, source))?;
+        let old = std::fs::read(&self.path).map_err(refused)?;
+        let mut new = line(columns);
+        let mut counted = 0;
+        for record in csv::Reader::from_reader(&old[..]).byte_records().take(*rows as usize) {
+            let record = record.map_err(|error| refused(error.into()))?;
+            let cells: Vec<&[u8]> = (0..columns.len()).map(|column| record.get(column).unwrap_or(b"")).collect();
+            new.extend(line(&cells));
+            counted += 1;
+        }
+        write_whole(&self.path, &new)?;
         self.file = open_to_grow(&self.path)?;
-        (self.written.rows, self.written.length) = (counted, length);
+        (self.written.rows, self.written.length) = (counted, new.len() as u64);
         Ok(())
     }
 
@@ -142,15 +138,6 @@ pub(crate) fn open_to_grow(path: &Path) -> Result<File, WriteError> {
     let flags = OFlags::NOFOLLOW.bits() as i32;
     let opened = OpenOptions::new().read(true).write(true).custom_flags(flags).open(path);
     opened.map_err(|source| WriteError::new(path, source))
-}
-
-/// A file that is shorter than a checkpoint says is not the one that it speaks of.
-fn check_length(path: &Path, file: &File, least: u64) -> Result<(), WriteError> {
-    let length = file.metadata().map_err(|source| WriteError::new(path, source))?.len();
-    if length < least {
-        return Err(does_not_fit(path, &format!("it has {length} of {least} bytes")));
-    }
-    Ok(())
 }
 
 /// A file that a run cannot go on with.

@@ -6,10 +6,21 @@ use makadam::snapshot::Snapshot;
 /// Grains of a scene in the order of their numbers: listed grains, then population after population.
 #[derive(Clone, Debug)]
 pub struct Roster {
-    /// First number of each run of grains of one kind.
-    runs: Vec<(u64, Kind)>,
-    /// Number of grains of the scene.
-    count: u64,
+    /// Alike grains, in the order of their numbers.
+    pub groups: Vec<Alike>,
+}
+
+/// Grains of a scene that are alike but for their places.
+#[derive(Clone, Debug)]
+pub struct Alike {
+    /// Number of the first of them.
+    pub first: u64,
+    /// Number of grains.
+    pub count: u64,
+    /// Smallest and largest radius, m.
+    pub radii: (f64, f64),
+    /// Material and population.
+    pub kind: Kind,
 }
 
 /// Material and population of a grain.
@@ -17,7 +28,7 @@ pub struct Roster {
 pub struct Kind {
     /// Number of the material, in the order of the scene's names.
     pub material: u8,
-    /// Place of the population in the scene; absent for grains that the scene lists and for inserted grains.
+    /// Index of the population in the scene; absent for grains that the scene lists and for inserted grains.
     pub population: Option<u32>,
 }
 
@@ -26,43 +37,44 @@ impl Roster {
     pub fn new(scene: &Scene) -> Roster {
         // A checked scene names no material that is not there.
         let number = |name: &str| scene.material.keys().position(|material| material == name).unwrap_or(0) as u8;
-        let mut runs: Vec<(u64, Kind)> = Vec::new();
-        let mut count = 0;
-        for entry in &scene.grain {
-            let kind = Kind { material: number(&entry.material), population: None };
-            if runs.last().is_none_or(|last| last.1 != kind) {
-                runs.push((count, kind));
+        let listed = scene.grain.iter().map(|grain| (1, (grain.radius, grain.radius), &grain.material, None));
+        let placed = (0..).zip(&scene.population).filter(|(_, population)| population.count > 0);
+        let placed = placed.map(|(index, population)| {
+            (population.count as u64, population.radius.bounds(), &population.material, Some(index))
+        });
+        let (mut groups, mut first) = (Vec::<Alike>::new(), 0);
+        for (count, radii, material, population) in listed.chain(placed) {
+            let kind = Kind { material: number(material), population };
+            match groups.last_mut().filter(|last| population.is_none() && (last.radii, last.kind) == (radii, kind)) {
+                Some(last) => last.count += count,
+                None => groups.push(Alike { first, count, radii, kind }),
             }
-            count += 1;
+            first += count;
         }
-        for (place, population) in (0..).zip(&scene.population) {
-            runs.push((count, Kind { material: number(&population.material), population: Some(place) }));
-            count += population.count as u64;
-        }
-        Roster { runs, count }
+        Roster { groups }
     }
 
     /// Material and population of a grain of a frame, by its id there.
     pub fn kind(&self, frame: &Snapshot, id: u32) -> Kind {
+        let of_scene = |number| self.group(number).map(|group| group.kind);
         match frame.origins.get(id as usize) {
-            None => self.of_scene(u64::from(id)),
+            None => of_scene(u64::from(id)).unwrap_or_default(),
             Some(origin) => {
-                let population =
-                    (origin.number < self.count).then(|| self.of_scene(origin.number).population).flatten();
+                let population = of_scene(origin.number).and_then(|kind| kind.population);
                 Kind { material: origin.material, population }
             }
         }
     }
 
-    /// Material and population of a grain of the scene, by its number.
-    fn of_scene(&self, number: u64) -> Kind {
-        let after = self.runs.partition_point(|(first, _)| *first <= number);
-        after.checked_sub(1).map_or_else(Kind::default, |run| self.runs[run].1)
+    /// Grains that are alike to one of the scene, by its number; none where the scene has no grain of this number.
+    pub fn group(&self, number: u64) -> Option<&Alike> {
+        let after = self.groups.partition_point(|group| group.first <= number);
+        self.groups[..after].last().filter(|group| number < group.first + group.count)
     }
 
     /// Materials of the scene's grains; some more than once.
     pub fn materials(&self) -> impl Iterator<Item = usize> + '_ {
-        self.runs.iter().map(|(_, kind)| usize::from(kind.material))
+        self.groups.iter().map(|group| usize::from(group.kind.material))
     }
 }
 

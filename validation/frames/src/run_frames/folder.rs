@@ -1,12 +1,13 @@
 //! The frames of a run, in its folder or in memory.
 
-use super::frame::{FrameTables, Kind, Quantity, RunFrame};
+use super::columns::{Kind, Part};
+use super::frame::{FrameTables, Quantity, RunFrame};
 use super::store::Store;
 use crate::output::RunFiles;
-use crate::output::vtk::PolyData;
 use crate::plan::{Scene, setup_hash};
 use crate::provenance::VERSION;
 use crate::recording::{Content, Recording};
+use makadam::scene::Motion;
 use makadam::snapshot::Snapshot;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -37,7 +38,7 @@ pub fn rounded(value: f64) -> f64 {
 pub struct RunFrames {
     folder: PathBuf,
     source: Source,
-    tables: FrameTables,
+    tables: Arc<FrameTables>,
     alarms: Option<String>,
     seed: Option<u64>,
 }
@@ -87,14 +88,14 @@ impl RunFrames {
                 format!("is damaged: it has {} whole frames, and run.json states {}", store.count(), summary["frames"]);
             return Err(damaged(&file, problem));
         }
-        let (tables, alarms) = (FrameTables::new(store.scene()), alarms(&folder, &summary));
+        let (tables, alarms) = (Arc::new(FrameTables::new(store.scene())), alarms(&folder, &summary));
         let seed = summary["provenance"]["seed"].as_u64();
         Ok(RunFrames { folder, source: Source::Store(Box::new(store)), tables, alarms, seed })
     }
 
     /// Takes frames of a scene in memory, at least one, in the order of time.
     pub fn in_memory(scene: &Scene, frames: Vec<Arc<Snapshot>>) -> RunFrames {
-        let tables = FrameTables::new(scene);
+        let tables = Arc::new(FrameTables::new(scene));
         RunFrames { folder: PathBuf::new(), source: Source::Memory(frames), tables, alarms: None, seed: None }
     }
 
@@ -110,7 +111,7 @@ impl RunFrames {
 
     /// Returns the name of the scene.
     pub fn scene(&self) -> &str {
-        &self.tables.scene().name
+        &self.tables.scene.name
     }
 
     /// Returns the number of frames.
@@ -131,7 +132,7 @@ impl RunFrames {
 
     /// Returns the number of steps before a frame, by its time.
     pub fn step(&self, number: usize) -> u64 {
-        (self.time(number) / self.tables.scene().solver.step).round() as u64
+        (self.time(number) / self.tables.scene.solver.step).round() as u64
     }
 
     /// Returns the number of the frame nearest to a time (s).
@@ -163,23 +164,29 @@ impl RunFrames {
         Ok(self.tables.frame(&self.snapshot(number)?))
     }
 
-    /// Reads a part of a frame as polygonal data, with the fields that the scene requests.
+    /// Reads a part of a frame, with the fields that the scene requests.
     ///
     /// # Errors
     /// [`RunFolderError::Damaged`] if it cannot be read.
-    pub(crate) fn poly_data(&self, number: usize, kind: Kind) -> Result<PolyData, RunFolderError> {
-        Ok(self.tables.poly_data(&*self.snapshot(number)?, kind))
+    pub(crate) fn part(&self, number: usize, kind: Kind) -> Result<Part, RunFolderError> {
+        let frame = self.snapshot(number)?;
+        Ok(match kind {
+            Kind::Grains => self.tables.grains(&frame),
+            Kind::Contacts => self.tables.contacts(&frame),
+            Kind::Walls => self.tables.walls_part(frame.time, &frame.driven_walls),
+        })
     }
 
     /// Returns the numbers of the frames that have a part: walls at rest are in the first frame alone.
     pub(crate) fn numbers(&self, kind: Kind) -> std::ops::Range<usize> {
-        let (scene, count) = (self.tables.scene(), self.count());
+        let (scene, count) = (&self.tables.scene, self.count());
         let output = scene.output.clone().unwrap_or_default();
         match kind {
             Kind::Grains => 0..count,
             Kind::Contacts => 0..if output.contacts { count } else { 0 },
             Kind::Walls if !output.walls || scene.wall.is_empty() => 0..0,
-            Kind::Walls => 0..if self.tables.walls_move() { count } else { 1 },
+            Kind::Walls if scene.wall.iter().all(|wall| wall.motion == Motion::Fixed) => 0..1,
+            Kind::Walls => 0..count,
         }
     }
 
@@ -204,7 +211,7 @@ impl RunFrames {
     pub fn recording(&self, code: &str, seed: u64, scene: &Scene) -> Result<Recording, RunFolderError> {
         let frames = (0..self.count()).map(|number| self.snapshot(number).map(Arc::unwrap_or_clone));
         let frames = frames.collect::<Result<Vec<Snapshot>, _>>()?;
-        let own = self.tables.scene();
+        let own = &self.tables.scene;
         let lacks = match own.output.clone().unwrap_or_default().contacts {
             true => Vec::new(),
             false => vec![Content::Contacts, Content::WallContacts],
@@ -219,7 +226,7 @@ impl RunFrames {
 
     /// Returns a note if the run is of another scene than the given one.
     fn of_other_scene(&self, scene: &Scene) -> Option<String> {
-        let own = self.tables.scene();
+        let own = &self.tables.scene;
         let folder = self.folder.display();
         (setup_hash(own) != setup_hash(scene)).then(|| {
             format!(
@@ -238,10 +245,10 @@ impl RunFrames {
         let name = name.replace('-', "_");
         frame.quantity(&name).ok_or_else(|| {
             let (known, folder) = (frame.quantities().join(", "), self.folder.display().to_string());
-            RunFolderError::Unknown(match frame.table.field(&frame.snapshot, &name) {
-                Some(array) => format!(
+            RunFolderError::Unknown(match frame.column(&name) {
+                Some(column) => format!(
                     "'{name}' is in the frames of {folder}, but {} numbers of a grain are no colour; give one of: {known}",
-                    array.components
+                    column.width
                 ),
                 None => format!("no field '{name}' in the frames of {folder}; there are: {known}"),
             })

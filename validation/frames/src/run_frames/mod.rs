@@ -1,12 +1,13 @@
 //! The frames of a run: written to one store as the run goes, read back by pictures, pages, measurements and exports.
 
+pub(crate) mod columns;
 mod folder;
 mod frame;
 mod store;
+mod walls;
 
-pub use crate::output::Walls;
-pub use folder::rounded;
-pub use folder::{RunFolderError, RunFrames};
-pub use frame::{ContactLine, Grains, Kind, Quantity, RunFrame, unit_of};
-pub use store::Store;
-pub use store::{StoreMark, StoreWriter};
+pub use columns::Kind;
+pub use folder::{RunFolderError, RunFrames, rounded};
+pub use frame::{ContactLine, Grains, Quantity, RunFrame};
+pub use store::{Store, StoreMark, StoreWriter};
+pub use walls::Walls;

@@ -152,14 +152,16 @@ impl Store {
     /// # Errors
     /// The problem, in words that follow the name of the file.
     pub(crate) fn open(path: &Path) -> Result<Store, String> {
-        let unread = |error: Error| format!("cannot be read: {error}");
         let mut file = File::open(path).map_err(unread)?;
         let size = file.metadata().map_err(unread)?.len();
-        let record = read_record(&mut file, size)?.ok_or("holds no whole scene: the run was killed at its start")?;
+        let head = record_length(&mut file, 0, size, SCENE)?;
+        let head = head.ok_or("holds no whole scene: the run was killed at its start")?;
+        let mut record = vec![0; head as usize];
+        file.rewind().and_then(|()| file.read_exact(&mut record)).map_err(unread)?;
         let text = open(SCENE, &record)?;
         let text = std::str::from_utf8(text).map_err(|error| format!("is damaged: {error}"))?;
         let scene = toml::from_str(text).map_err(|error| format!("is of another version of the program: {error}"))?;
-        let mut store = Store { path: path.into(), scene, head: record.len() as u64, entries: Vec::new() };
+        let mut store = Store { path: path.into(), scene, head, entries: Vec::new() };
         while let Some(entry) = read_entry(&mut file, store.bytes(), size)? {
             store.entries.push(entry);
         }
@@ -204,11 +206,10 @@ impl Store {
     }
 
     fn reader(&self) -> Result<BufReader<File>, String> {
-        File::open(&self.path).map(BufReader::new).map_err(|error| format!("cannot be read: {error}"))
+        File::open(&self.path).map(BufReader::new).map_err(unread)
     }
 
     fn read_from(&self, file: &mut BufReader<File>, number: usize) -> Result<Snapshot, String> {
-        let unread = |error: Error| format!("cannot be read: {error}");
         let entry = &self.entries[number];
         let ahead = entry.start as i64 - file.stream_position().map_err(unread)? as i64;
         file.seek_relative(ahead).map_err(unread)?;
@@ -223,14 +224,8 @@ impl Store {
     }
 }
 
-/// Reads the record of the scene at the start of a file; none if the file ends before it does.
-fn read_record(file: &mut File, size: u64) -> Result<Option<Vec<u8>>, String> {
-    let Some(length) = record_length(file, 0, size, SCENE)? else { return Ok(None) };
-    let mut bytes = vec![0; length as usize];
-    file.seek(SeekFrom::Start(0))
-        .and_then(|_| file.read_exact(&mut bytes))
-        .map_err(|error| format!("cannot be read: {error}"))?;
-    Ok(Some(bytes))
+fn unread(error: Error) -> String {
+    format!("cannot be read: {error}")
 }
 
 /// Reads the position, time and number of grains of the frame at a byte; none if the file ends before the frame does.
@@ -238,7 +233,7 @@ fn read_entry(file: &mut File, start: u64, size: u64) -> Result<Option<Entry>, S
     let Some(length) = record_length(file, start, size, FRAME)? else { return Ok(None) };
     // A snapshot begins with its time (8 bytes) and its number of grains (at most 5).
     let mut bytes = vec![0; 13.min((length - HEAD) as usize)];
-    file.read_exact(&mut bytes).map_err(|error| format!("cannot be read: {error}"))?;
+    file.read_exact(&mut bytes).map_err(unread)?;
     let begin: Result<((f64, u32), _), _> = postcard::take_from_bytes(&bytes);
     let ((time, grains), _) = begin.map_err(|error| format!("does not hold what it should ({error})"))?;
     Ok(Some(Entry { start, length, time, grains }))
@@ -250,9 +245,7 @@ fn record_length(file: &mut File, start: u64, size: u64, magic: [u8; 8]) -> Resu
         return Ok(None);
     }
     let mut head = [0; HEAD as usize];
-    file.seek(SeekFrom::Start(start))
-        .and_then(|_| file.read_exact(&mut head))
-        .map_err(|error| format!("cannot be read: {error}"))?;
+    file.seek(SeekFrom::Start(start)).and_then(|_| file.read_exact(&mut head)).map_err(unread)?;
     if head[..8] != magic {
         return Err(match head[..7] == magic[..7] {
             true => format!("has version {} of the format, not {}", head[7], magic[7]),

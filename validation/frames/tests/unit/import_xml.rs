@@ -1,7 +1,8 @@
 //! Unit tests of `src/import/xml.rs`.
 
 use super::*;
-use crate::output::vtk::{Cells, PolyData};
+use crate::export::vtp::encode;
+use crate::run_frames::columns::{Column, DOUBLE, DOUBLES, Part, REAL, VECTOR, WHOLE};
 
 fn decode(bytes: &[u8]) -> Result<Content, String> {
     read(bytes, |_, _| true)
@@ -36,23 +37,24 @@ fn written_arrays_are_read_back() {
     // Several blocks of compression, a whole one, and a part of one.
     for points in [0, 1, 7, 65_536 / 12, 65_536 / 4, 50_000] {
         let noise = |n: usize| f64::from((n as u32).wrapping_mul(2_654_435_769)) / 4e9;
-        let file = PolyData {
+        let file = Part {
+            corners_per_cell: 1,
             time: 1.25,
-            points: Array::floats("Points", 3, (0..3 * points).map(noise)),
-            cells: Cells::Vertices,
-            point_data: vec![
-                Array::integers("id", (0..points as i32).map(|id| id - 3)),
-                Array::doubles("mass", 1, (0..points).map(|n| 0.5 * n as f64)),
-                Array { name: "material".into(), components: 1, kind: Kind::UInt8, bytes: vec![7; points] },
+            points: Column::new("Points", VECTOR, (0..3 * points).map(noise)),
+            corners: None,
+            of_points: vec![
+                Column::new("id", WHOLE, (0..points).map(|id| id as f64 - 3.0)),
+                Column::new("mass", DOUBLE, (0..points).map(|n| 0.5 * n as f64)),
+                Column::new("material", (Number::UInt8, 1), vec![7.0; points]),
             ],
-            cell_data: Vec::new(),
-            field_data: vec![Array::doubles("gravity", 3, [0.0, 0.0, -9.81].into_iter())],
-            texts: vec![("materials".into(), vec!["glass".into(), "a <b> & \"ü\"".into()])],
+            of_cells: Vec::new(),
+            whole: vec![Column::new("gravity", DOUBLES, [0.0, 0.0, -9.81])],
+            texts: vec![("materials", vec!["glass".into(), "a <b> & \"ü\"".into()])],
         };
-        let found = decode(&file.encode()).unwrap();
+        let found = decode(&encode(&file)).unwrap();
         assert_eq!((found.time, found.count), (Some(file.time), points));
-        let named = |array: &Array| Named::new(array.name.to_lowercase(), array.components, Some(array.values()));
-        let wanted: Vec<Named> = std::iter::once(&file.points).chain(&file.point_data).map(named).collect();
+        let named = |column: &Column| Named::new(column.name.to_lowercase(), column.width, Some(column.values.clone()));
+        let wanted: Vec<Named> = std::iter::once(&file.points).chain(&file.of_points).map(named).collect();
         assert_eq!(found.arrays, wanted, "{points} points");
     }
 }
@@ -68,17 +70,16 @@ fn damaged_files_are_refused_with_a_reason() {
     refused(b"<VTKFile type=\"ImageData\"/>", "no polygonal data");
     refused(old.replace("NumberOfPoints=\"2\"", "NumberOfPoints=\"3\"").as_bytes(), "24 bytes in place of 36");
     refused(old.replace("Float32", "Float16").as_bytes(), "Float16");
-    let radii = Array::floats("radius", 1, [0.5, 0.25].into_iter());
-    let new = PolyData {
+    let new = encode(&Part {
+        corners_per_cell: 1,
         time: 2.5,
-        points: Array::floats("Points", 3, (0..6).map(f64::from)),
-        cells: Cells::Vertices,
-        point_data: vec![radii],
-        cell_data: Vec::new(),
-        field_data: Vec::new(),
+        points: Column::new("Points", VECTOR, (0..6).map(f64::from)),
+        corners: None,
+        of_points: vec![Column::new("radius", REAL, [0.5, 0.25])],
+        of_cells: Vec::new(),
+        whole: Vec::new(),
         texts: Vec::new(),
-    };
-    let new = new.encode();
+    });
     assert!(decode(&new).is_ok());
     // Whatever byte is lost or changed, there is an answer and no panic.
     for end in 0..new.len() {

@@ -20,7 +20,6 @@ use makadam::lanes::InstructionSet;
 use makadam::scene::{Accuracy, Precision};
 use makadam::schedule::Scheduler;
 use makadam_frames::execution::{Execution, threads_for};
-use makadam_frames::export::Format;
 use makadam_frames::output::{FolderLock, RunFiles, file_stem};
 use makadam_frames::plan::Scene;
 use makadam_frames::provenance::Provenance;
@@ -151,7 +150,7 @@ pub(super) fn run(arguments: &RunArguments, console: &Console) -> Result<ExitCod
 fn export_formats(scene: &Scene, output: &Path, console: &Console) -> Result<(), Failure> {
     scene.output.iter().flat_map(|output| &output.formats).try_for_each(|format| {
         let run = RunFrames::open(output)?;
-        console.note(&export_frames(&run, Format::of(*format), output, console)?);
+        console.note(&export_frames(&run, *format, output, console)?);
         Ok(())
     })
 }

@@ -229,8 +229,8 @@ fn foreign_frames(bytes: &[u8]) -> bool {
     for tables in [Tables { grains: frames, ..Tables::default() }, both] {
         match assemble(&WALLED, &manifest, &tables) {
             Ok(imported) => {
-                imported.recording.frames.iter().for_each(documents::check_contacts);
-                for measured in measure(&WALLED, &imported.recording) {
+                imported.frames.iter().for_each(documents::check_contacts);
+                for measured in measure(&WALLED, &imported) {
                     assert!(measured.value.is_finite(), "{measured:?}");
                 }
             }

@@ -1,8 +1,8 @@
 //! Walls of a scene as triangles, at their pose at a time.
 
-use super::mesh::{DRAWN, wall_mesh};
-use super::vtk::{Array, Cells, Kind, PolyData};
-use crate::plan::Scene;
+use super::columns::{Column, DOUBLES, Number, Part, VECTOR, WHOLE};
+use super::frame::FrameTables;
+use crate::output::mesh::{DRAWN, wall_mesh};
 use makadam::scene::{Domain, Motion, Shape, Wall};
 use makadam::snapshot::DrivenWall;
 use makadam::wall::PlacedWalls;
@@ -26,29 +26,20 @@ pub struct Walls {
     pub shapes: Vec<&'static str>,
     /// Unit vectors along the axes that walls turn about, by their numbers; zero for those that do not turn.
     pub axes: Vec<[f64; 3]>,
-}
-
-/// The walls of a scene as triangles.
-#[derive(Clone, Debug)]
-pub(crate) struct WallMesh {
-    walls: Vec<Wall>,
-    domain: Domain,
-    /// Number of each wall's material.
-    materials: Vec<u8>,
-    /// Each wall as the scene places it; planes are cut again at their pose.
-    placed: Vec<Triangles>,
+    /// Velocities of the corners, m/s.
+    pub velocities: Vec<[f64; 3]>,
 }
 
 /// Points and triangles on them.
 #[derive(Clone, Debug, Default)]
-struct Triangles {
+pub(super) struct Triangles {
     points: Vec<Vector>,
     triangles: Vec<[u32; 3]>,
 }
 
 impl Triangles {
     /// Joins corners at one place.
-    fn of(shape: &Shape, domain: &Domain) -> Triangles {
+    pub fn of(shape: &Shape, domain: &Domain) -> Triangles {
         let mut all = Triangles::default();
         let mut known = HashMap::new();
         for corners in wall_mesh(shape, domain, 0.0, DRAWN).triangles {
@@ -63,38 +54,18 @@ impl Triangles {
     }
 }
 
-impl WallMesh {
-    pub fn new(scene: &Scene) -> WallMesh {
-        let number = |wall: &Wall| scene.material.keys().position(|name| *name == wall.material).unwrap_or(0) as u8;
-        WallMesh {
-            materials: scene.wall.iter().map(number).collect(),
-            placed: scene.wall.iter().map(|wall| Triangles::of(&wall.shape, &scene.domain)).collect(),
-            walls: scene.wall.clone(),
-            domain: scene.domain.clone(),
-        }
-    }
-
-    /// Returns true if a wall moves, within its own surface included.
-    pub fn moves(&self) -> bool {
-        self.walls.iter().any(|wall| !matches!(wall.motion, Motion::Fixed))
-    }
-
+impl FrameTables {
     /// Returns the walls at a time (s), with the given poses of those that are driven.
-    pub fn at(&self, time: f64, driven: &[DrivenWall]) -> Walls {
-        self.posed(time, driven).0
-    }
-
-    /// Returns the walls with the velocities of their corners, m/s.
-    fn posed(&self, time: f64, driven: &[DrivenWall]) -> (Walls, Vec<[f64; 3]>) {
-        let placed = PlacedWalls::at(&self.walls, &self.domain, time, driven);
-        let mut velocities = Vec::new();
+    pub(super) fn walls_at(&self, time: f64, driven: &[DrivenWall]) -> Walls {
+        let (walls, domain) = (&self.scene.wall, &self.scene.domain);
+        let placed = PlacedWalls::at(walls, domain, time, driven);
         let mut all = Walls {
-            names: self.walls.iter().map(|wall| wall.name.clone()).collect(),
-            shapes: self.walls.iter().map(|wall| kind(&wall.shape)).collect(),
-            axes: self.walls.iter().map(|wall| axis(&wall.motion).into()).collect(),
+            names: walls.iter().map(|wall| wall.name.clone()).collect(),
+            shapes: walls.iter().map(|wall| kind(&wall.shape)).collect(),
+            axes: walls.iter().map(|wall| axis(&wall.motion).into()).collect(),
             ..Walls::default()
         };
-        for (number, wall) in self.walls.iter().enumerate() {
+        for (number, wall) in walls.iter().enumerate() {
             let Some((_, face)) = placed.faces().find(|(of, _)| *of == number) else { continue };
             let first = all.points.len() as u32;
             let stands = |point: &Vector| placed.point_of(number, point);
@@ -104,41 +75,40 @@ impl WallMesh {
                     let (point, normal) = (Vector::from(*point), Vector::from(*normal).normalize());
                     let foot = stands(&point);
                     let normal = (stands(&(point + normal)) - foot).into();
-                    Triangles::of(&Shape::Plane { point: foot.into(), normal }, &self.domain)
+                    Triangles::of(&Shape::Plane { point: foot.into(), normal }, domain)
                 }
                 _ => {
-                    let Triangles { points, triangles } = &self.placed[number];
+                    let Triangles { points, triangles } = &self.walls[number];
                     Triangles { points: points.iter().map(stands).collect(), triangles: triangles.clone() }
                 }
             };
-            velocities.extend(points.iter().map(|point| <[f64; 3]>::from(face.velocity_at(point))));
+            all.velocities.extend(points.iter().map(|point| <[f64; 3]>::from(face.velocity_at(point))));
             all.points.extend(points.iter().map(|point| <[f64; 3]>::from(*point)));
             all.wall.extend(triangles.iter().map(|_| number as u32));
             all.triangles.extend(triangles.iter().map(|corners| corners.map(|corner| first + corner)));
         }
-        (all, velocities)
+        all
     }
 
-    /// Returns the walls at a time (s) as polygonal data.
-    pub fn poly_data(&self, time: f64, driven: &[DrivenWall]) -> PolyData {
-        let (Walls { points, triangles, wall, names, shapes, axes }, velocities) = self.posed(time, driven);
-        let flat = |vectors: Vec<[f64; 3]>| vectors.into_iter().flatten();
-        let diagonal = (Vector::from(self.domain.max) - Vector::from(self.domain.min)).norm();
-        let materials = wall.iter().map(|wall| self.materials[*wall as usize]).collect();
-        PolyData {
+    /// Returns the walls at a time (s) as a part of a frame.
+    pub fn walls_part(&self, time: f64, driven: &[DrivenWall]) -> Part {
+        let Walls { points, triangles, wall, names, shapes, axes, velocities } = self.walls_at(time, driven);
+        let diagonal = (Vector::from(self.scene.domain.max) - Vector::from(self.scene.domain.min)).norm();
+        let material = |wall: &Wall| self.scene.material.keys().position(|name| *name == wall.material).unwrap_or(0);
+        let numbers: Vec<usize> = self.scene.wall.iter().map(material).collect();
+        let materials = wall.iter().map(|wall| numbers[*wall as usize] as f64);
+        Part {
+            corners_per_cell: 3,
             time,
-            points: Array::coordinates("Points", flat(points), 1e-3 * diagonal),
-            cells: Cells::Triangles(triangles),
-            point_data: vec![Array::floats("velocity", 3, flat(velocities))],
-            cell_data: vec![
-                Array::integers("wall", wall.into_iter().map(|wall| wall as i32)),
-                Array { name: "material".into(), components: 1, kind: Kind::UInt8, bytes: materials },
+            points: Column::coordinates("Points", points.into_flattened(), 1e-3 * diagonal),
+            corners: Some(triangles.into_flattened()),
+            of_points: vec![Column::new("velocity", VECTOR, velocities.into_flattened())],
+            of_cells: vec![
+                Column::new("wall", WHOLE, wall.iter().map(|wall| f64::from(*wall))),
+                Column::new("material", (Number::UInt8, 1), materials),
             ],
-            field_data: vec![Array::doubles("wall_axes", 3, flat(axes))],
-            texts: vec![
-                ("wall_names".into(), names),
-                ("wall_shapes".into(), shapes.into_iter().map(String::from).collect()),
-            ],
+            whole: vec![Column::new("wall_axes", DOUBLES, axes.into_flattened())],
+            texts: vec![("wall_names", names), ("wall_shapes", shapes.into_iter().map(String::from).collect())],
         }
     }
 }
@@ -164,5 +134,5 @@ fn axis(motion: &Motion) -> Vector {
 }
 
 #[cfg(test)]
-#[path = "../../tests/unit/output_wall_mesh.rs"]
+#[path = "../../tests/unit/run_frames_walls.rs"]
 mod tests;

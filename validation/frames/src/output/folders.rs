@@ -1,11 +1,56 @@
-//! The folder in which the program keeps what it can make again.
+//! Names of files and folders, and the folder in which the program keeps what it can make again.
 
 use super::WriteError;
+use makadam::checkpoint::checksum;
+use makadam::lanes::InstructionSet;
 use std::fs::DirBuilder;
 use std::io::{Error, ErrorKind};
 use std::os::unix::fs::{DirBuilderExt, MetadataExt};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Longest part of a file name that is made from a name, bytes: others are added to it, and file systems take 255.
+const LONGEST_STEM: usize = 120;
+
+/// A scene's name as a part of a file name: never empty, never one that stands for a folder, never longer than 120 bytes.
+pub fn file_stem(name: &str) -> String {
+    let plain = |c: char| {
+        if c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.') { c } else { '-' }
+    };
+    let stem: String = name.chars().map(plain).collect();
+    if stem.bytes().all(|byte| byte == b'.') {
+        return format!("scene{}", "-".repeat(stem.len().min(LONGEST_STEM / 2)));
+    }
+    if stem.len() <= LONGEST_STEM {
+        return stem;
+    }
+    // Long names are often alike at their beginnings.
+    let hash = format!("-{:016x}", checksum(name.as_bytes()));
+    stem[..LONGEST_STEM - hash.len()].to_string() + &hash
+}
+
+/// Folder of a scene's recorded tables of one kind, such as "scaling": a folder of that name beside a `scene.toml`,
+/// `NAME-scaling` beside any other file, and in it a folder named after the processor, an instruction set and, for tables that depend
+/// on it, the number of cores.
+pub fn record_folder(
+    kind: &str,
+    scene_file: &Path,
+    processor: &str,
+    set: Option<InstructionSet>,
+    cores: Option<usize>,
+) -> PathBuf {
+    let folder = match scene_file.file_stem().and_then(|stem| stem.to_str()) {
+        Some("scene") | None => scene_file.with_file_name(kind),
+        Some(stem) => scene_file.with_file_name(format!("{stem}-{kind}")),
+    };
+    let trade_marks_left_out = ["(R)", "(TM)"].iter().fold(processor.to_string(), |name, mark| name.replace(mark, ""));
+    let processor = file_stem(&trade_marks_left_out).to_ascii_lowercase();
+    // Brackets and spaces leave rows of dashes.
+    let parts: Vec<&str> = processor.split('-').filter(|part| !part.is_empty()).collect();
+    let set = set.map_or("", InstructionSet::name);
+    let cores = cores.map_or(String::new(), |cores| format!("-{cores}-cores"));
+    folder.join(format!("{}-{set}{cores}", parts.join("-")))
+}
 
 /// Folder in which prepared states and recordings are kept: `makadam` in `XDG_CACHE_HOME` or in `~/.cache`. Without either it is
 /// `makadam-UID` where the system keeps temporary files, with the number of the user, who alone may read and write it.
@@ -51,5 +96,5 @@ fn private_folder(shared: &Path, user: u32) -> Result<PathBuf, WriteError> {
 }
 
 #[cfg(test)]
-#[path = "../../tests/unit/output_cache.rs"]
+#[path = "../../tests/unit/output_folders.rs"]
 mod tests;

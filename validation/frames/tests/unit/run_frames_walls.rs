@@ -1,6 +1,7 @@
-//! Unit tests of `src/output/wall_mesh.rs`.
+//! Unit tests of `src/run_frames/walls.rs`.
 
 use super::*;
+use crate::plan::Scene;
 use std::f64::consts::TAU;
 
 const WALLS: &str = r#"
@@ -60,28 +61,27 @@ const WALLS: &str = r#"
 #[test]
 fn corners_lie_on_the_walls_and_move_with_them() {
     let scene = Scene::parse(WALLS).unwrap();
-    let mesh = WallMesh::new(&scene);
-    assert!(mesh.moves());
+    let mesh = FrameTables::new(&scene);
     let driven = |displacement| vec![DrivenWall { wall: 3, displacement, rate: 0.25 }];
-    let (early, late) = (mesh.poly_data(0.4, &driven(0.1)), mesh.poly_data(0.5, &driven(0.2)));
-    let Cells::Triangles(triangles) = &late.cells else { panic!("no triangles") };
-    let (points, before, velocities) = (late.points.values(), early.points.values(), late.point_data[0].values());
+    let (early, late) = (mesh.walls_part(0.4, &driven(0.1)), mesh.walls_part(0.5, &driven(0.2)));
+    let triangles: Vec<[u32; 3]> = late.corners().as_chunks().0.to_vec();
+    let (points, before, velocities) = (&late.points.values, &early.points.values, &late.of_points[0].values);
     let vector = |values: &[f64], place: usize| Vector::from_column_slice(&values[3 * place..3 * place + 3]);
-    let walls = late.cell_data[0].values();
-    assert_eq!(late.cell_data[1].values().len(), triangles.len());
+    let walls = &late.of_cells[0].values;
+    assert_eq!(late.of_cells[1].values.len(), triangles.len());
     let placed = PlacedWalls::at(&scene.wall, &scene.domain, 0.5, &driven(0.2));
     let mut seen = [0; 6];
-    for (triangle, wall) in triangles.iter().zip(&walls) {
+    for (triangle, wall) in triangles.iter().zip(walls) {
         for corner in triangle.map(|corner| corner as usize) {
-            let point = vector(&points, corner);
+            let point = vector(points, corner);
             let mut faces = placed.faces().filter(|(of, _)| *of == *wall as usize);
             assert!(faces.any(|(_, face)| face.distance(&point).abs() < 1e-6), "wall {wall}: {point}");
             // Straight ways are taken by the mean velocity; those of turning walls bend.
-            let way = (point - vector(&before, corner)) / 0.1;
-            let off = (way - vector(&velocities, corner)).norm();
+            let way = (point - vector(before, corner)) / 0.1;
+            let off = (way - vector(velocities, corner)).norm();
             match wall {
                 4.0 => assert!(off < 1e-5, "{off}"),
-                3.0 => assert!((way.z + 1.0).abs() < 1e-5 && vector(&velocities, corner).z == -0.25),
+                3.0 => assert!((way.z + 1.0).abs() < 1e-5 && vector(velocities, corner).z == -0.25),
                 2.0 => assert!(off < 0.1 && way.norm() > 0.1, "{off}"),
                 _ => assert!(way.norm() < 1e-5, "{way}"),
             }
@@ -91,7 +91,7 @@ fn corners_lie_on_the_walls_and_move_with_them() {
     assert_eq!(seen, [2, 192, 192, 94, 8, 640]);
     // The shell of the drum moves within itself.
     let on_drum = triangles[seen[0]][0] as usize;
-    assert!((vector(&velocities, on_drum).norm() - 0.8).abs() < 1e-6);
+    assert!((vector(velocities, on_drum).norm() - 0.8).abs() < 1e-6);
 }
 
 #[test]
