@@ -3,7 +3,7 @@
 //! Blocks marked `sh` run one after the other in a folder of the page's own; those marked `sh ignore` install something, need another
 //! code or take long. A block marked `toml` whose first line is a comment with a file's name is written to that file.
 
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -72,7 +72,7 @@ fn run(name: &str) {
                 ran += 1;
             }
             "toml" => {
-                Scene::parse(&block.text).unwrap_or_else(|error| panic!("{place}: {error}"));
+                MeasuredScene::parse(&block.text).unwrap_or_else(|error| panic!("{place}: {error}"));
                 let first = block.text.lines().next().unwrap();
                 let file = first.strip_prefix("# ").unwrap_or_else(|| panic!("{place}: no file is named"));
                 std::fs::write(folder.path().join(file), &block.text).unwrap();

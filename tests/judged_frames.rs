@@ -3,7 +3,7 @@
 use crate::support::child::{signal, wait_for};
 use crate::support::makadam;
 use makadam::scene::populate;
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -247,7 +247,7 @@ fn frames_that_exist_are_judged() {
         "{text}{errors}"
     );
     // Tables of another code: all files of a folder, or those of a description, which needs no command.
-    let scene = Scene::load(&folder.join("scene.toml")).unwrap();
+    let scene = MeasuredScene::load(&folder.join("scene.toml")).unwrap();
     for seed in [1, 2] {
         let dropped = folder.join(format!("dropped-{seed}"));
         fs::create_dir(&dropped).unwrap();

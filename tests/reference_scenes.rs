@@ -7,7 +7,7 @@ use approx::assert_relative_eq;
 use makadam::scene::Stop;
 use makadam_compare::codes::{Code, Job, Makadam, Purpose};
 use makadam_compare::compare::{CodeRuns, Harvest, MeasuredRun, Reference, comparison};
-use makadam_frames::plan::{Scene, physics_hash};
+use makadam_frames::plan::{MeasuredScene, physics_hash};
 use makadam_measure::statistics::{Ensemble, Outcome};
 use makadam_qualification::qualify::Tier;
 use makadam_qualification::report::Test;
@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// Runs a scene over the first seeds.
-fn simulate(scene: &Scene, file: &Path, seeds: u64) -> Vec<MeasuredRun> {
+fn simulate(scene: &MeasuredScene, file: &Path, seeds: u64) -> Vec<MeasuredRun> {
     let one = |seed| {
         let job = Job {
             scene,
@@ -49,7 +49,7 @@ fn mean_of(runs: &[MeasuredRun], observable: &str) -> f64 {
 /// where that is more, three standard errors of the difference of so few seeds.
 fn regression(name: &str, seeds: u64) -> Vec<MeasuredRun> {
     let file = file_of(name);
-    let scene = Scene::load(&file).unwrap();
+    let scene = MeasuredScene::load(&file).unwrap();
     let runs = simulate(&scene, &file, seeds);
     let reference = Reference::load(&Reference::folder(&file)).unwrap().expect("recorded references");
     let mut checks = 0;
@@ -89,7 +89,7 @@ fn a_stiff_packing_needs_no_small_step() {
     // Three seeds at 0.125 ms and 20 sweeps: 0.5935 and, with gaps left out, 0.5936.
     const CONVERGED: f64 = 0.5935;
     let file = file_of("packing");
-    let mut scene = Scene::load(&file).unwrap().with_stiffness_factor(100.0);
+    let mut scene = MeasuredScene::load(&file).unwrap().with_stiffness_factor(100.0);
     scene.solver.step = 1e-3;
     scene.solver.stop = Stop::Sweeps { sweeps: 20 };
     let fraction = mean_of(&simulate(&scene, &file, 3), "packing_fraction");
@@ -123,7 +123,7 @@ fn a_frictionless_packing_becomes_isostatic_as_its_grains_become_rigid() {
     const EXCESS: f64 = 9.0;
     let file = file_of("frictionless-packing");
     let contacts_at = |stiffness_factor: f64| {
-        let scene = Scene::load(&file).unwrap().with_stiffness_factor(stiffness_factor);
+        let scene = MeasuredScene::load(&file).unwrap().with_stiffness_factor(stiffness_factor);
         let runs = simulate(&scene, &file, 3);
         (mean_of(&runs, "mechanical_coordination_number"), mean_of(&runs, "mean_overlap"))
     };
@@ -139,7 +139,7 @@ fn a_frictionless_packing_becomes_isostatic_as_its_grains_become_rigid() {
 #[test]
 fn spinning_tops_slow_down_by_the_formula() {
     let file = file_of("spinning-tops");
-    let scene = Scene::load(&file).unwrap();
+    let scene = MeasuredScene::load(&file).unwrap();
     let radius = scene.grain[0].radius;
     let material = &scene.material["grain"];
     let slowing = 2.5 * material.twisting_friction * scene.gravity[2].abs() / radius;
@@ -164,7 +164,7 @@ fn baseline_has_the_tests_of_the_scenes() {
         let baseline = Test::read(&file, extent.name).unwrap();
         let mut count = 0;
         for name in extent.scenes {
-            let scene = Scene::load(&file_of(name)).unwrap();
+            let scene = MeasuredScene::load(&file_of(name)).unwrap();
             let reference = Reference::load(&Reference::folder(&file_of(name))).unwrap().expect("recorded references");
             for code in reference.codes() {
                 let runs = reference.of(&code).count();
@@ -191,8 +191,8 @@ fn full_and_release_compare_every_scene_with_margins_and_two_references() {
     for entry in std::fs::read_dir(file_of("packing").parent().unwrap().parent().unwrap()).unwrap() {
         let name = entry.unwrap().file_name().into_string().unwrap();
         let file = file_of(&name);
-        let has_margin = |scene: &Scene| scene.compare.iter().any(|expectation| expectation.margin.is_some());
-        if !file.is_file() || !has_margin(&Scene::load(&file).unwrap()) {
+        let has_margin = |scene: &MeasuredScene| scene.compare.iter().any(|expectation| expectation.margin.is_some());
+        if !file.is_file() || !has_margin(&MeasuredScene::load(&file).unwrap()) {
             continue;
         }
         let reference = Reference::load(&Reference::folder(&file)).unwrap().unwrap_or_default();
@@ -224,7 +224,7 @@ fn margins_keep_to_their_rule() {
 #[ignore = "takes long: scripts/nightly slow-tests"]
 fn half_the_stiffness_disagrees() {
     let file = file_of("drum");
-    let scene = Scene::load(&file).unwrap();
+    let scene = MeasuredScene::load(&file).unwrap();
     let runs = simulate(&scene.with_stiffness_factor(0.5), &file, 2);
     let own = CodeRuns { runs, ..CodeRuns::live("Makadam", 1, Vec::new()) };
     let reference = Reference::load(&Reference::folder(&file)).unwrap().expect("recorded references");

@@ -139,7 +139,7 @@ fn check_runs(scene: &Scene, runs: &[PyRef<'_, Recording>]) -> Result<(), String
 }
 
 /// Checks that a run has all frames that the scene measures, and names those that are missing.
-fn whole(scene: &plan::Scene, run: &recording::Recording) -> Result<(), String> {
+fn whole(scene: &plan::MeasuredScene, run: &recording::Recording) -> Result<(), String> {
     let (seed, interval, slack) = (run.seed, scene.measure.interval, scene.measure.slack() + run.time_step);
     let last = run.frames.last().map_or(f64::NEG_INFINITY, |frame| frame.time);
     if (last - scene.duration).abs() > slack {

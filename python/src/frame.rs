@@ -50,7 +50,7 @@ pub fn scene_of_frames(
     frames: &[Arc<Snapshot>],
     walls: bool,
     purpose: &str,
-) -> PyResult<plan::Scene> {
+) -> PyResult<plan::MeasuredScene> {
     let refuse = |message: String| Err(exception(py, "JudgeError", &message));
     let plan = shared.scene.plan.clone();
     let (moved, others) = shared.with(py, |simulation| {

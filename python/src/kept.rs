@@ -72,7 +72,7 @@ pub fn unkeep<'a>(py: Python<'_>, scene: &Scene, seed: Option<u64>, bytes: &'a [
 }
 
 /// Hash of what must be the same to go on: all that changes a bit of a state. The seed stands on the label.
-fn hash_to_go_on(scene: &plan::Scene) -> u64 {
+fn hash_to_go_on(scene: &plan::MeasuredScene) -> u64 {
     let mut bare = scene.clone();
     bare.measure = plan::Measure::default();
     (bare.output, bare.compare) = (None, Vec::new());

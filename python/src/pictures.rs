@@ -4,7 +4,7 @@ use crate::errors::{exception, warn};
 use crate::stepping::beside;
 use makadam::snapshot::Snapshot;
 use makadam_frames::output::{RunFiles, WriteError, create_folder};
-use makadam_frames::plan::{Output, Scene};
+use makadam_frames::plan::{MeasuredScene, Output};
 use makadam_frames::run_frames::{RunFrames, StoreWriter};
 use makadam_view::pictures::{Content, Style, write_png};
 use makadam_view::viewer::{self, Wishes, fields_of};
@@ -19,7 +19,7 @@ const SIDES: std::ops::RangeInclusive<usize> = 64..=4096;
 
 /// Frames of a scene, in the order of time.
 pub struct Frames {
-    pub scene: Scene,
+    pub scene: MeasuredScene,
     pub frames: Vec<Arc<Snapshot>>,
 }
 
@@ -68,7 +68,7 @@ impl Frames {
 
     /// Returns them with everything that a picture can show.
     fn run(self, walls: bool) -> RunFrames {
-        let scene = Scene { output: Some(Output { walls, ..Output::default() }), ..self.scene };
+        let scene = MeasuredScene { output: Some(Output { walls, ..Output::default() }), ..self.scene };
         RunFrames::in_memory(&scene, self.frames)
     }
 

@@ -25,7 +25,7 @@ use std::path::{Path, PathBuf};
 #[derive(Clone, Debug)]
 pub struct Scene {
     /// Scene with its measurement and comparison tables.
-    pub plan: plan::Scene,
+    pub plan: plan::MeasuredScene,
     /// Source file; a name in angle brackets if there is none.
     pub file: PathBuf,
     /// Its document.
@@ -53,7 +53,7 @@ impl Scene {
 
     fn read(py: Python<'_>, file: Option<PathBuf>, text: String, as_written: bool) -> PyResult<Scene> {
         let origin = Origin { file: file.as_deref(), text: &text, lines: as_written };
-        let plan = plan::Scene::parse(&text).map_err(|error| scene_error(py, &error, origin))?;
+        let plan = plan::MeasuredScene::parse(&text).map_err(|error| scene_error(py, &error, origin))?;
         let name = file.clone().unwrap_or_else(|| NO_FILE.into());
         catalogue::check(&plan, &text, &name).map_err(|error| scene_file_error(py, &error, Some(origin)))?;
         Ok(Scene { plan, file: name, text, as_written })
@@ -81,7 +81,7 @@ impl Scene {
     }
 
     /// The scene with a plan in place of its own; its document is written anew, so that whatever is made of the scene has it.
-    pub fn with_plan(self, py: Python<'_>, plan: plan::Scene) -> PyResult<Scene> {
+    pub fn with_plan(self, py: Python<'_>, plan: plan::MeasuredScene) -> PyResult<Scene> {
         let scene = Scene { plan, as_written: false, ..self };
         Ok(Scene { text: written(py, &scene.document(py)?)?, ..scene })
     }

@@ -139,7 +139,7 @@ pub fn adapted(
 }
 
 /// Refuses settings that do not go with the scene.
-fn check(py: Python<'_>, scene: &Scene, plan: &plan::Scene, time_step: Option<f64>) -> PyResult<()> {
+fn check(py: Python<'_>, scene: &Scene, plan: &plan::MeasuredScene, time_step: Option<f64>) -> PyResult<()> {
     plan.goes_with(plan.solver.method, plan.solver.precision).map_err(|error| setting_error(py, &error))?;
     plan.check().map_err(|error| match time_step {
         Some(step) => exception(py, "SettingError", &format!("time_step {step}: {error}")),

@@ -1,12 +1,12 @@
 //! Invented records of YADE and LIGGGHTS, for tests of what is made of records.
 
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_frames::plan::physics_hash;
 use std::path::Path;
 
 /// Writes what is recorded of both codes on a scene into a folder: three seeds of the force on walls over the weight, a little above 1.
 pub fn record(folder: &Path, scene_file: &Path) {
-    let hash = physics_hash(&Scene::load(scene_file).unwrap());
+    let hash = physics_hash(&MeasuredScene::load(scene_file).unwrap());
     std::fs::create_dir_all(folder).unwrap();
     let mut runs = String::from(
         "code,version,seed,time_step,rayleigh_fraction,wall_seconds,simulated_seconds,processor,date,scene_hash\n",

@@ -20,7 +20,7 @@ use makadam::watch::Watchdog;
 use makadam::{Simulation, StepReport};
 use makadam_compare::prepared::{Start, is_ready, start};
 use makadam_frames::execution::{Execution, cores};
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_frames::stepping::steps_in;
 use std::hint::black_box;
 use std::path::Path;
@@ -77,7 +77,7 @@ impl Way {
 /// The scene in motion; none if its flowing state would have to be prepared and nobody asked for that.
 fn flowing(name: &str, asked: bool) -> Option<Simulation> {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference-scenes").join(name).join("scene.toml");
-    let scene = Scene::load(&file).unwrap_or_else(|error| panic!("{error}"));
+    let scene = MeasuredScene::load(&file).unwrap_or_else(|error| panic!("{error}"));
     if !asked && !is_ready(&scene, scene.seed) {
         eprintln!("{name} is left out: its flowing state is not prepared; MAKADAM_BENCH_SCENES={name} prepares it");
         return None;

@@ -3,7 +3,7 @@
 
 use makadam_compare::codes::{CodeName, Job, Purpose};
 use makadam_compare::scenes;
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_measure::observables::measure;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -15,7 +15,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("..");
     let file = scenes::find(scene, &[root])?;
-    let mut scene = Scene::load(&file)?;
+    let mut scene = MeasuredScene::load(&file)?;
     scene.duration = duration.parse()?;
     let code = CodeName::of(code)?.code();
     for purpose in [Purpose::Measuring, Purpose::Timing] {

@@ -2,7 +2,7 @@
 
 use crate::support::sample;
 use makadam_compare::compare::{CodeRuns, Comparison, MeasuredRun, Source, Timing, comparison};
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_measure::observables::Measurement;
 use makadam_measure::statistics::Outcome;
 use makadam_qualification::report::{Changes, Qualification, StudyOutcome, Test, tests, write};
@@ -134,7 +134,7 @@ fn code(name: &str, values: &[f64], moving: usize) -> CodeRuns {
 #[test]
 fn runs_excluded_by_the_rule_of_rest_count_as_made() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference-scenes/packing/scene.toml");
-    let mut scene = Scene::load(&file).unwrap();
+    let mut scene = MeasuredScene::load(&file).unwrap();
     scene.compare.truncate(1);
     scene.measure.seeds = Some(6);
     scene.measure.rest_energy.expect("the packing has a rule of rest");

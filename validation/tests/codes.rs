@@ -7,7 +7,7 @@ use makadam_compare::codes::yade::read_frames;
 use makadam_compare::codes::{Code, CodeError, Job, Lammps, Liggghts, Purpose, Yade, lammps};
 use makadam_frames::import::{StatedColumns, merge_wall_contacts, parse};
 use makadam_frames::output::mesh::{FINE, Mesh, wall_mesh};
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_frames::recording::Recording;
 use nalgebra::Vector3;
 use proptest::prelude::*;
@@ -196,13 +196,13 @@ proptest! {
 }
 
 /// A scene of materials `m` and walls and grains in TOML.
-fn scene(gravity: &str, duration: f64, interval: f64, materials: &str, body: &str) -> Scene {
+fn scene(gravity: &str, duration: f64, interval: f64, materials: &str, body: &str) -> MeasuredScene {
     let text = format!(
         "name = 'codes'\ndescription = 'x'\nduration = {duration}\ngravity = {gravity}\n\
          domain = {{ min = [-0.3, -0.3, -0.3], max = [0.3, 0.3, 0.3] }}\n\
          [measure]\ninterval = {interval}\nfrom = 0.0\n{materials}{body}"
     );
-    Scene::parse(&text).unwrap_or_else(|error| panic!("{error}"))
+    MeasuredScene::parse(&text).unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn material(name: &str, friction: f64) -> String {
@@ -218,7 +218,7 @@ fn grain(position: [f64; 3], velocity: [f64; 3]) -> String {
 
 fn simulate(
     code: &dyn Code,
-    scene: &Scene,
+    scene: &MeasuredScene,
     fraction: f64,
     folder: &Path,
     seconds: f64,
@@ -236,7 +236,7 @@ fn simulate(
     })
 }
 
-fn one_grain() -> Scene {
+fn one_grain() -> MeasuredScene {
     scene("[0, 0, -9.81]", 0.01, 0.01, &material("m", 0.5), &grain([0.0; 3], [0.0; 3]))
 }
 

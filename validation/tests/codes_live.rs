@@ -3,7 +3,7 @@
 use makadam::scene::Cohesion;
 use makadam::snapshot::{Contact, Partner, Snapshot};
 use makadam_compare::codes::{Code, Job, Lammps, Liggghts, Purpose, Yade};
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_frames::recording::Recording;
 use nalgebra::Vector3;
 use std::path::Path;
@@ -18,12 +18,12 @@ fn mass() -> f64 {
 }
 
 /// Runs a scene in every code that is installed and hands each recording over.
-fn in_each(scene: &Scene, fraction: f64, check: impl Fn(&str, &Recording)) {
+fn in_each(scene: &MeasuredScene, fraction: f64, check: impl Fn(&str, &Recording)) {
     in_these(&[&Yade::default(), &Liggghts::default(), &Lammps::default()], scene, fraction, check);
 }
 
 /// Runs a check in some codes.
-fn in_these(codes: &[&dyn Code], scene: &Scene, fraction: f64, check: impl Fn(&str, &Recording)) {
+fn in_these(codes: &[&dyn Code], scene: &MeasuredScene, fraction: f64, check: impl Fn(&str, &Recording)) {
     for code in codes {
         if code.version().is_none() {
             eprintln!("skipped: {} is not installed", code.name());
@@ -50,7 +50,7 @@ fn in_these(codes: &[&dyn Code], scene: &Scene, fraction: f64, check: impl Fn(&s
     }
 }
 
-fn scene(gravity: f64, duration: f64, interval: f64, body: &str) -> Scene {
+fn scene(gravity: f64, duration: f64, interval: f64, body: &str) -> MeasuredScene {
     let mut text = format!(
         "name = 'live'\ndescription = 'x'\nduration = {duration}\ngravity = [0.0, 0.0, {}]\n\
          domain = {{ min = [-0.3, -0.3, -0.3], max = [0.3, 0.3, 0.3] }}\n\
@@ -69,7 +69,7 @@ fn scene(gravity: f64, duration: f64, interval: f64, body: &str) -> Scene {
         }
         text += part;
     }
-    Scene::parse(&text).unwrap_or_else(|error| panic!("{error}"))
+    MeasuredScene::parse(&text).unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn grain(position: [f64; 3], velocity: [f64; 3]) -> String {
@@ -346,7 +346,7 @@ fn a_lid_that_a_force_drives_falls_freely_and_then_presses() {
 }
 
 /// A scene with a coefficient of rolling friction, and three quarters of it on walls: what YADE can express.
-fn rolling(scene: &Scene, coefficient: f64) -> Scene {
+fn rolling(scene: &MeasuredScene, coefficient: f64) -> MeasuredScene {
     let mut scene = scene.clone();
     for (name, material) in &mut scene.material {
         material.rolling_friction = if name == "grain" { coefficient } else { 0.75 * coefficient };

@@ -5,7 +5,7 @@ use makadam::scene::SolverMethod;
 use makadam::sweep::{Residual, Residuals};
 use makadam_compare::study::Document as _;
 use makadam_frames::execution::Execution;
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_frames::provenance::Provenance;
 use makadam_studies::convergence::{Curve, Effort, Problem, Study};
 use std::path::Path;
@@ -23,7 +23,7 @@ fn curve(method: SolverMethod, factor: f64, seconds: f64) -> Curve {
 
 fn study(methods: Vec<Curve>) -> Study {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference-scenes/packing-100/scene.toml");
-    let scene = Scene::load(&file).unwrap();
+    let scene = MeasuredScene::load(&file).unwrap();
     let provenance = Provenance::of_run(&scene, &file, 1, &Execution::serial());
     let problem = Problem {
         scene: scene.name.clone(),

@@ -6,7 +6,7 @@ use crate::support::beds::{
 use approx::assert_abs_diff_eq;
 use makadam::scene::Motion;
 use makadam::snapshot::{Contact, DrivenWall, Partner, Snapshot};
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_measure::observables::{Measured, impossible, measured_in, series, unmeasured};
 use nalgebra::Vector3;
 
@@ -30,7 +30,7 @@ fn turning(rate: f64, degrees: f64) -> Vec<Snapshot> {
 }
 
 /// Measures frames a twentieth of a second apart that begin at a time (s).
-fn measured(scene: &Scene, mut frames: Vec<Snapshot>, from: f64) -> Measured {
+fn measured(scene: &MeasuredScene, mut frames: Vec<Snapshot>, from: f64) -> Measured {
     frames.iter_mut().enumerate().for_each(|(number, frame)| frame.time = from + 0.05 * number as f64);
     measured_in(scene, &recording(frames))
 }
@@ -39,13 +39,13 @@ fn has(found: &Measured, name: &str) -> bool {
     found.measurements.iter().any(|one| one.observable == name)
 }
 
-fn reason(scene: &Scene, found: &Measured, name: &str) -> String {
+fn reason(scene: &MeasuredScene, found: &Measured, name: &str) -> String {
     unmeasured(scene, &[], found).into_iter().find(|one| one.observable == name).expect("it has no value").reason
 }
 
 const FLOW: &str = r#"["drum-flow", "dynamic-angle-of-repose"]"#;
 
-fn moved(start: f64, stop: Option<f64>, reverse: Option<f64>) -> Scene {
+fn moved(start: f64, stop: Option<f64>, reverse: Option<f64>) -> MeasuredScene {
     let mut scene = drum_scene(2.0, FLOW);
     let (point, axis, rate) = ([0.0; 3], [0.0, 1.0, 0.0], 2.0);
     scene.wall[0].motion = Motion::Rotating { point, axis, rate, start, stop, reverse };
@@ -123,7 +123,7 @@ fn a_cylinder_that_turns_about_another_axis_is_no_drum() {
 }
 
 /// A plate, and a tube of 0.2 m about (0.01, 0.02) m that moves at `velocity` from the start, before or after other walls.
-fn heap(velocity: [f64; 3], others: &str, tube_first: bool) -> Scene {
+fn heap(velocity: [f64; 3], others: &str, tube_first: bool) -> MeasuredScene {
     let tube = format!(
         "[[wall]]\nname = \"tube\"\nmaterial = \"grain\"\nshape = {{ kind = \"cylinder\", base = [0.01, 0.02, 0.0], axis = [0, 0, 1], radius = \
          0.2, length = 0.28 }}\nmotion = {{ kind = \"translating\", velocity = {velocity:?}, start = 0.0 }}\n"
@@ -147,7 +147,7 @@ fn a_heap_has_one_axis_or_none_in_any_order_of_walls() {
         .into_iter()
         .filter(|p| p.z > 0.003 && p.z < slope * (0.15 - p.x.hypot(p.y)));
     let grains = particles(cone.map(|p| p + Vector3::new(0.01, 0.02, 0.0)), 0.003);
-    let found = |scene: &Scene| measured(scene, vec![frame(0.0, grains.clone())], 5.0);
+    let found = |scene: &MeasuredScene| measured(scene, vec![frame(0.0, grains.clone())], 5.0);
     let lift = [0.0, 0.0, 0.5];
     let expected = value(&found(&heap(lift, "", true)).measurements, "static_angle_of_repose");
     assert_abs_diff_eq!(expected, 25.0, epsilon = 1.0);

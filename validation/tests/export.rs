@@ -4,7 +4,7 @@ use hdf5_pure::File;
 use makadam::Simulation;
 use makadam_frames::export::write;
 use makadam_frames::output::RunFiles;
-use makadam_frames::plan::{FrameFormat, Scene};
+use makadam_frames::plan::{FrameFormat, MeasuredScene};
 use makadam_frames::run_frames::{Kind, RunFrames, StoreWriter};
 use std::path::Path;
 
@@ -15,7 +15,8 @@ fn run(folder: &Path) -> RunFrames {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/scenes/smoke.toml");
     let lid = "[[wall]]\nname = \"lid\"\nmaterial = \"wall\"\nshape = { kind = \"disc\", centre = [0.0, 0.0, 0.29], \
                normal = [0.0, 0.0, -1.0], radius = 0.01 }\nmotion = { kind = \"translating\", velocity = [0.0, 0.0, -0.1] }\n[[population]]";
-    let scene = Scene::parse(&std::fs::read_to_string(file).unwrap().replacen("[[population]]", lid, 1)).unwrap();
+    let scene =
+        MeasuredScene::parse(&std::fs::read_to_string(file).unwrap().replacen("[[population]]", lid, 1)).unwrap();
     let mut simulation = Simulation::builder(&scene).time_step(1e-3).build().unwrap();
     let mut frames = StoreWriter::create(&folder.join(RunFiles::FRAMES), &scene).unwrap();
     for _ in 0..FRAMES {
@@ -121,7 +122,7 @@ fn a_gsd_file_has_the_period_of_the_scene_and_the_steps_of_its_frames() {
         [solver]
         step = 1e-3
     "#;
-    let scene = Scene::parse(text).unwrap();
+    let scene = MeasuredScene::parse(text).unwrap();
     let mut simulation = Simulation::builder(&scene).time_step(1e-3).build().unwrap();
     let mut frames = StoreWriter::create(&folder.path().join(RunFiles::FRAMES), &scene).unwrap();
     for _ in 0..2 {
@@ -190,7 +191,8 @@ fn exports_hold_poses_of_driven_walls() {
     let lid = "[[wall]]\nname = \"lid\"\nmaterial = \"wall\"\nshape = { kind = \"disc\", centre = [0.0, 0.0, 0.29], \
                normal = [0.0, 0.0, -1.0], radius = 0.01 }\n\
                motion = { kind = \"force-driven\", axis = [0.0, 0.0, -1.0], force = 1.0, mass = 1.0 }\n[[population]]";
-    let scene = Scene::parse(&std::fs::read_to_string(file).unwrap().replacen("[[population]]", lid, 1)).unwrap();
+    let scene =
+        MeasuredScene::parse(&std::fs::read_to_string(file).unwrap().replacen("[[population]]", lid, 1)).unwrap();
     let mut simulation = Simulation::builder(&scene).time_step(1e-3).build().unwrap();
     let mut frames = StoreWriter::create(&folder.path().join(RunFiles::FRAMES), &scene).unwrap();
     let mut poses = Vec::new();

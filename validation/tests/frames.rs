@@ -3,7 +3,7 @@
 use makadam::Simulation;
 use makadam::scene::GravityChange;
 use makadam_frames::output::RunFiles;
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_frames::run_frames::{RunFrame, RunFrames, StoreWriter};
 use std::f64::consts::PI;
 use std::path::Path;
@@ -11,7 +11,7 @@ use std::path::Path;
 const GRAVITY: f64 = 9.81;
 
 /// A box without friction, with grains of two materials.
-fn bed(walls: &str, grains: &str, duration: f64) -> Scene {
+fn bed(walls: &str, grains: &str, duration: f64) -> MeasuredScene {
     let text = format!(
         r#"
         name = "bed"
@@ -43,11 +43,11 @@ fn bed(walls: &str, grains: &str, duration: f64) -> Scene {
         {grains}
         "#
     );
-    Scene::parse(&text).unwrap_or_else(|error| panic!("{error}"))
+    MeasuredScene::parse(&text).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// Simulates a scene to its end, with a frame at the start and one there.
-fn simulate(scene: &Scene, folder: &Path) {
+fn simulate(scene: &MeasuredScene, folder: &Path) {
     let mut simulation = Simulation::builder(scene).time_step(scene.solver.step).build().unwrap();
     let mut frames = StoreWriter::create(&folder.join(RunFiles::FRAMES), scene).unwrap();
     frames.append(&simulation.snapshot()).unwrap();
@@ -57,7 +57,7 @@ fn simulate(scene: &Scene, folder: &Path) {
     frames.append(&simulation.snapshot()).unwrap();
 }
 
-fn last_frame(scene: &Scene) -> RunFrame {
+fn last_frame(scene: &MeasuredScene) -> RunFrame {
     let folder = tempfile::tempdir().unwrap();
     simulate(scene, folder.path());
     let run = RunFrames::open(folder.path()).unwrap();

@@ -2,7 +2,7 @@
 
 use approx::assert_abs_diff_eq;
 use makadam::snapshot::{DrivenWall, Snapshot};
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_measure::observables::contour::{area, contours, encloses, outline, segments, squared_distance};
 use makadam_measure::observables::field::Field;
 use makadam_measure::observables::line::{Line, clip};
@@ -125,7 +125,7 @@ material = "steel"
 shape = { kind = "plane", point = [-9.0, 0.0, 0.0], normal = [1.0, 0.0, 0.0] }
 motion = { kind = "torque-driven", point = [0.0, 0.0, 0.0], axis = [0.0, 0.0, 1.0], torque = 1.0, moment_of_inertia = 1.0 }
 "#;
-    let scene = Scene::parse(text).expect("a valid scene");
+    let scene = MeasuredScene::parse(text).expect("a valid scene");
     let at = |time: f64| PlacedWalls::at(&scene, &Snapshot { time, ..Snapshot::default() });
     let distance = |time: f64, point: [f64; 3]| at(time).distance(&Vector3::from(point));
     assert_abs_diff_eq!(distance(0.0, [0.07, 0.0, 0.05]), 0.03, epsilon = 1e-12);

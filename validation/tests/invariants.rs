@@ -5,7 +5,7 @@ use crate::support::turn::{Turn, turned};
 use makadam::scene::{Axis, Domain, GravityChange};
 use makadam::snapshot::{Contact, DrivenWall, Partner, Snapshot};
 use makadam_frames::neighbours::close_pairs;
-use makadam_frames::plan::{Observable, Scene};
+use makadam_frames::plan::{MeasuredScene, Observable};
 use makadam_measure::observables::catalogue::{definition, definitions};
 use makadam_measure::observables::{Measurement, measure_frames};
 use nalgebra::Vector3;
@@ -46,7 +46,7 @@ const SILO: &str = "[[wall]]\nname = 'floor'\nmaterial = 'grain'\nshape = { kind
 /// A bed with its scene.
 struct Bed {
     kind: &'static str,
-    scene: Scene,
+    scene: MeasuredScene,
     frames: Vec<Snapshot>,
 }
 
@@ -87,7 +87,7 @@ impl Bed {
     }
 }
 
-fn measured(scene: &Scene, frames: &[Snapshot]) -> Vec<Measurement> {
+fn measured(scene: &MeasuredScene, frames: &[Snapshot]) -> Vec<Measurement> {
     let shown: Vec<&Snapshot> = frames.iter().collect();
     let Ok(measured) = measure_frames(scene, &shown[..]);
     measured.unwrap_or_default().measurements

@@ -2,7 +2,7 @@
 
 use makadam::checkpoint::{open, seal};
 use makadam::{BUILD, Simulation};
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::Duration;
@@ -117,7 +117,7 @@ fn other_codes_start_from_the_state_that_a_scene_prepares() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     let file = scene(folder, "\n[prepare]\nduration = 0.05\nstep = 5e-4\n");
-    let mut simulation = Simulation::new(&Scene::load(&file).unwrap(), 1).unwrap();
+    let mut simulation = Simulation::new(&MeasuredScene::load(&file).unwrap(), 1).unwrap();
     (0..100).for_each(|_| {
         simulation.step();
     });

@@ -3,19 +3,19 @@
 use makadam::snapshot::Partner;
 use makadam_compare::codes::{Code, CodeError, Job, Lammps, Purpose};
 use makadam_frames::import::{Column, column_of};
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_frames::recording::Recording;
 use std::path::Path;
 use std::process::Command;
 use std::time::Duration;
 
-fn scene(materials: &str, body: &str) -> Scene {
+fn scene(materials: &str, body: &str) -> MeasuredScene {
     let text = format!(
         "name = 'lammps'\ndescription = 'x'\nduration = 0.2\ngravity = [0, 0, -9.81]\n\
          domain = {{ min = [-0.3, -0.3, -0.3], max = [0.3, 0.3, 0.3] }}\n\
          [measure]\ninterval = 0.05\nfrom = 0.1\n{materials}{body}"
     );
-    Scene::parse(&text).unwrap_or_else(|error| panic!("{error}"))
+    MeasuredScene::parse(&text).unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn material(name: &str, modulus: f64, friction: f64, more: &str) -> String {
@@ -36,7 +36,7 @@ fn grain(material: &str, x: f64) -> String {
 const FIXED: &str = "kind = 'fixed'";
 
 /// Runs a scene in a program that stands in for LAMMPS, a shell script; `folder` is that of the run.
-fn run(scene: &Scene, folder: &Path, script: &str) -> Result<Recording, CodeError> {
+fn run(scene: &MeasuredScene, folder: &Path, script: &str) -> Result<Recording, CodeError> {
     let place = tempfile::tempdir().unwrap();
     let (draft, program) = (place.path().join("draft"), place.path().join("lmp"));
     std::fs::write(&draft, format!("#!/bin/sh\n{script}\n")).unwrap();
@@ -57,7 +57,7 @@ fn run(scene: &Scene, folder: &Path, script: &str) -> Result<Recording, CodeErro
 }
 
 /// Returns the commands for LAMMPS of a scene, or the reason for a refusal: the program itself fails at once.
-fn deck(scene: &Scene) -> Result<String, String> {
+fn deck(scene: &MeasuredScene) -> Result<String, String> {
     let folder = tempfile::tempdir().unwrap();
     match run(scene, folder.path(), "exit 1").unwrap_err() {
         CodeError::Crashed { .. } => Ok(std::fs::read_to_string(folder.path().join("deck.in")).unwrap()),

@@ -4,7 +4,7 @@ use crate::support::beds::{Random, drum_scene, frame, particles, random_crystal,
 use makadam::checkpoint::checksum;
 use makadam::snapshot::{Contact, Partner, Snapshot};
 use makadam_frames::neighbours::close_pairs;
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_measure::observables::{Measurement, force_distribution, measure};
 use nalgebra::Vector3;
 
@@ -60,7 +60,7 @@ fn alive(mut frame: Snapshot, random: &mut Random) -> Snapshot {
 }
 
 /// Frames of a drum, a bed in a box and a heap, each with the scene that it is measured by.
-fn beds() -> Vec<(&'static str, Scene, Vec<Snapshot>)> {
+fn beds() -> Vec<(&'static str, MeasuredScene, Vec<Snapshot>)> {
     let mut random = Random(11);
     let drum = tilted_drum(13, 25.0, 0.01, 0.005).into_iter().map(|frame| alive(frame, &mut random)).collect();
     let mut random = Random(12);

@@ -7,7 +7,7 @@ use approx::assert_abs_diff_eq;
 use makadam::scene::{Axis, Domain, GravityChange, Shape};
 use makadam::snapshot::{Contact, Particle, Partner, Snapshot};
 use makadam_frames::neighbours::{Pair, close_pairs, close_pairs_in};
-use makadam_frames::plan::{Observable, Scene};
+use makadam_frames::plan::{MeasuredScene, Observable};
 use makadam_frames::recording::{Content, Recording};
 use makadam_measure::observables::packing_fraction::fraction_in_box;
 use makadam_measure::observables::{Measurement, force_distribution, measure, measured_in, unmeasured};
@@ -112,7 +112,7 @@ fn close_pairs_match_all_pairs() {
 }
 
 /// A crystal without gravity in a box, whose bulk contacts have forces of an exponential distribution, and no others are listed.
-fn exponential_forces() -> (Scene, Recording) {
+fn exponential_forces() -> (MeasuredScene, Recording) {
     let walls = "[[wall]]\nname = \"box\"\nmaterial = \"grain\"\n\
         shape = { kind = \"box\", min = [-0.1, -0.1, -0.1], max = [0.1, 0.1, 0.1] }\n";
     let mut scene = scene(walls, r#"["contact-forces", "balances"]"#, "");
@@ -267,7 +267,7 @@ fn only_the_last_frame_counts_where_the_scene_names_no_time() {
 }
 
 /// Measures one frame of a bed of 0.01 m grains in a box-shaped heap, with some of the grains changed.
-fn measure_odd(scene: &Scene, change: impl Fn(&mut Vec<Particle>)) -> Vec<Measurement> {
+fn measure_odd(scene: &MeasuredScene, change: impl Fn(&mut Vec<Particle>)) -> Vec<Measurement> {
     let places = fcc(0.01, 0.04, Rotation3::identity(), Vector3::zeros());
     let mut grains = particles(places, 0.005);
     change(&mut grains);

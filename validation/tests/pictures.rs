@@ -2,7 +2,7 @@
 
 use makadam::snapshot::{Particle, Snapshot};
 use makadam_frames::output::RunFiles;
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_frames::run_frames::{RunFrame, RunFrames, StoreWriter};
 use makadam_view::pictures::{
     Animation, Camera, Cut, Picture, Scale, Style, Subject, VIRIDIS, View, camera, draw, has_scale, memory, write_png,
@@ -13,7 +13,7 @@ use std::path::Path;
 
 const SIZE: [usize; 2] = [320, 240];
 
-fn scene() -> Scene {
+fn scene() -> MeasuredScene {
     let text = r#"
         name = "three"
         description = "three grains in a box"
@@ -34,7 +34,7 @@ fn scene() -> Scene {
         radius = 0.01
         position = [0.0, 0.0, 0.0]
     "#;
-    Scene::parse(text).unwrap()
+    MeasuredScene::parse(text).unwrap()
 }
 
 /// A row of three grains along x whose speeds are 0, 1 and 2 m/s, and one at 2 m/s behind the first.

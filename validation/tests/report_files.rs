@@ -3,7 +3,7 @@
 use crate::support::sample;
 use jsonschema::Validator;
 use makadam_compare::scenes;
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_measure::statistics::Outcome;
 use makadam_qualification::report::{Qualification, ReportDocument, StudyOutcome, schema, write};
 use roxmltree::{Document, ParsingOptions};
@@ -44,7 +44,7 @@ fn every_held_scene_is_what_the_schema_says_of_scenes() {
     let (validator, mut document) = (validator(), document(folder.path()));
     for name in scenes::names() {
         let text = scenes::text(&scenes::find(name, &[]).expect("a scene")).expect("its text");
-        let scene = Scene::parse(&text).expect("a scene");
+        let scene = MeasuredScene::parse(&text).expect("a scene");
         document["qualification"]["comparisons"][0]["scene"] = serde_json::to_value(&scene).expect("plain data");
         assert_eq!(faults(&validator, &document), Vec::<String>::new(), "{name}");
     }

@@ -1,7 +1,7 @@
 //! One document, two readers: what a scene says of measuring is checked, and hashes of scenes are those of recorded results.
 
 use makadam_compare::scenes;
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_frames::plan::physics_hash;
 
 /// Reference scenes with the hash of what other codes are given of them, by which recorded results are known.
@@ -37,7 +37,7 @@ fn hashes_of_reference_scenes_are_those_of_recorded_results() {
 fn refusal(from: &str, to: &str) -> String {
     let text = scenes::text(&scenes::find("packing", &[]).unwrap()).unwrap();
     assert!(text.contains(from), "the scene no longer holds {from:?}");
-    Scene::parse(&text.replacen(from, to, 1)).expect_err("accepted").to_string()
+    MeasuredScene::parse(&text.replacen(from, to, 1)).expect_err("accepted").to_string()
 }
 
 #[test]
@@ -57,7 +57,7 @@ fn a_scene_is_written_as_it_was_read() {
         let mut read = scene.clone();
         // An accuracy chooses the step, and a written scene holds both.
         read.accuracy = None;
-        let again = Scene::parse(&toml::to_string(&read).unwrap()).unwrap();
+        let again = MeasuredScene::parse(&toml::to_string(&read).unwrap()).unwrap();
         assert_eq!(again, read, "{name}");
     }
 }
@@ -80,7 +80,7 @@ fn a_wall_that_would_jump_after_the_preparation_is_refused() {
     let floor = "shape = { kind = \"plane\", point = [0.0, 0.0, 0.0], normal = [0.0, 0.0, 1.0] }";
     let read = |shape: &str, motion: &str, prepare: &str| {
         let text = text.replacen(box_shape, &format!("{shape}\nmotion = {{ {motion} }}"), 1);
-        Scene::parse(&format!("{text}\n{prepare}")).map(drop).map_err(|error| error.to_string())
+        MeasuredScene::parse(&format!("{text}\n{prepare}")).map(drop).map_err(|error| error.to_string())
     };
     let prepare = "[prepare]\nduration = 0.4\nstep = 5e-4\n";
     let accepted = |shape: &str, motion: &str| assert_eq!(read(shape, motion, prepare), Ok(()), "{motion}");

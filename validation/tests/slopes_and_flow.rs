@@ -6,7 +6,7 @@ use crate::support::beds::{
 use approx::assert_abs_diff_eq;
 use makadam::scene::{Grain, populate};
 use makadam::snapshot::{Contact, Particle, Partner};
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_measure::observables::{measure, series};
 use makadam_studies::effects::variations;
 use nalgebra::Vector3;
@@ -187,15 +187,15 @@ fn grains_that_a_tube_still_holds_have_no_slope() {
 }
 
 /// The scene that tests size spread; measured where its grains start, before anything has moved.
-fn segregation() -> Scene {
+fn segregation() -> MeasuredScene {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference-scenes/drum-segregation/scene.toml");
-    let mut scene = Scene::load(&file).unwrap();
+    let mut scene = MeasuredScene::load(&file).unwrap();
     scene.measure.from = Some(0.0);
     scene
 }
 
 /// Measures the grains at their start, by name.
-fn at_start(scene: &Scene) -> (Vec<f64>, BTreeMap<String, f64>) {
+fn at_start(scene: &MeasuredScene) -> (Vec<f64>, BTreeMap<String, f64>) {
     let grains = populate(scene, 1).unwrap();
     let radii = grains.iter().map(|grain| grain.radius).collect();
     let particle = |(id, grain): (usize, Grain)| Particle {

@@ -2,7 +2,7 @@
 
 use makadam::snapshot::{Partner, Snapshot};
 use makadam_compare::codes::{Code, Job, Lammps, Liggghts, Purpose, Yade};
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_frames::recording::{Content, Recording};
 use std::path::Path;
 use std::time::Duration;
@@ -11,7 +11,7 @@ fn reference_codes() -> [Box<dyn Code>; 3] {
     [Box::new(Liggghts::default()), Box::new(Yade::default()), Box::new(Lammps::default())]
 }
 
-fn run(code: &dyn Code, scene: &Scene, purpose: Purpose) -> Recording {
+fn run(code: &dyn Code, scene: &MeasuredScene, purpose: Purpose) -> Recording {
     let folder = tempfile::tempdir().unwrap();
     let job = Job {
         scene,
@@ -28,7 +28,7 @@ fn run(code: &dyn Code, scene: &Scene, purpose: Purpose) -> Recording {
 }
 
 /// Runs a scene for measuring and for timing in every reference code that is installed.
-fn both(scene: &Scene, check: impl Fn(&str, &Recording, &Recording)) {
+fn both(scene: &MeasuredScene, check: impl Fn(&str, &Recording, &Recording)) {
     for code in reference_codes() {
         if code.version().is_none() {
             eprintln!("skipped: {} is not installed", code.name());
@@ -47,7 +47,7 @@ const MATERIALS: &str = "[material.grain]\ndensity = 2500.0\nyoungs_modulus = 1e
      [material.cap]\ndensity = 2500.0\nyoungs_modulus = 1e7\npoisson_ratio = 0.3\nfriction = 0.0\nrestitution = 0.3\n";
 
 /// A drum about an axis of coordinates with smooth caps; `grain` is a place in the coordinates across, along and up.
-fn drum(along: usize, duration: f64, grain: [f64; 3], body: &str) -> Scene {
+fn drum(along: usize, duration: f64, grain: [f64; 3], body: &str) -> MeasuredScene {
     let (across, up) = ((along + 2) % 3, (along + 1) % 3);
     let vector = |numbers: [(usize, f64); 3]| {
         let mut vector = [0.0; 3];
@@ -78,7 +78,7 @@ fn drum(along: usize, duration: f64, grain: [f64; 3], body: &str) -> Scene {
         only(along, -1.0),
         vector([(across, grain[0]), (along, grain[1]), (up, grain[2])]),
     );
-    Scene::parse(&text).unwrap_or_else(|error| panic!("{error}"))
+    MeasuredScene::parse(&text).unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn place(frame: &Snapshot, axis: usize) -> f64 {
@@ -139,7 +139,7 @@ fn few_grains_in_a_box_come_to_rest_at_the_same_heights() {
             0.01 + 0.02 * f64::from(index)
         );
     }
-    both(&Scene::parse(&text).unwrap(), |code, measured, timed| {
+    both(&MeasuredScene::parse(&text).unwrap(), |code, measured, timed| {
         let heights = |recording: &Recording| {
             recording.frames.last().unwrap().particles.iter().map(|grain| grain.position[2]).collect::<Vec<_>>()
         };
@@ -176,7 +176,7 @@ fn decks_for_timing_have_primitives_where_walls_are_endless() {
     let folder = tempfile::tempdir().unwrap();
     let deck = |name: &str, purpose: Purpose| {
         let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../reference-scenes/{name}/scene.toml"));
-        let scene = Scene::load(&file).unwrap();
+        let scene = MeasuredScene::load(&file).unwrap();
         let job = Job {
             scene: &scene,
             scene_file: &file,

@@ -3,7 +3,7 @@
 use approx::assert_relative_eq;
 use makadam::scene::{Precision, SolverMethod, SolverSettings, Stop};
 use makadam_compare::compare::MeasuredRun;
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_frames::provenance::Build;
 use makadam_measure::observables::Measurement;
 use makadam_studies::tradeoff::{
@@ -68,7 +68,7 @@ fn a_front_holds_what_nothing_beats() {
 #[test]
 fn a_plan_holds_each_configuration_once_and_three_grids_a_stiffness() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/scenes/smoke.toml");
-    let scene = Scene::load(&file).unwrap();
+    let scene = MeasuredScene::load(&file).unwrap();
     for quick in [true, false] {
         let plan = Plan::new(&scene, quick, &["Makadam", "YADE"], &[0.5, 10.0]);
         for (place, configuration) in plan.configurations.iter().enumerate() {
@@ -94,12 +94,12 @@ fn a_plan_holds_each_configuration_once_and_three_grids_a_stiffness() {
     }
 }
 
-fn smoke() -> Scene {
-    Scene::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/scenes/smoke.toml")).unwrap()
+fn smoke() -> MeasuredScene {
+    MeasuredScene::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/scenes/smoke.toml")).unwrap()
 }
 
 /// Settings and names of what a plan varies beside step and sweeps.
-fn varied(scene: &Scene, quick: bool) -> Vec<(SolverSettings, String)> {
+fn varied(scene: &MeasuredScene, quick: bool) -> Vec<(SolverSettings, String)> {
     let plan = Plan::new(scene, quick, &["Makadam"], &[]);
     let solver = |knobs: &Knobs| match knobs {
         Knobs::Solver { settings, variation } => (settings.clone(), variation.clone()),

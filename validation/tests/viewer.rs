@@ -4,7 +4,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use makadam::Simulation;
 use makadam_frames::output::RunFiles;
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_frames::run_frames::{RunFrames, StoreWriter};
 use makadam_view::viewer::{Wishes, unpack, write};
 use serde_json::Value;
@@ -14,7 +14,7 @@ use std::path::Path;
 fn run(folder: &Path) -> RunFrames {
     let scene =
         std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/scenes/smoke.toml")).unwrap();
-    let scene = Scene::parse(&scene).unwrap();
+    let scene = MeasuredScene::parse(&scene).unwrap();
     let mut simulation = Simulation::builder(&scene).time_step(1e-3).build().unwrap();
     let mut frames = StoreWriter::create(&folder.join(RunFiles::FRAMES), &scene).unwrap();
     for _ in 0..4 {

@@ -6,7 +6,7 @@ use makadam::watch::{Alarm, Watchdog};
 use makadam::{BUILD, Simulation};
 use makadam_frames::execution::Execution;
 use makadam_frames::output::{WriteError, cache_folder, create_folder, file_stem};
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_frames::provenance::scene_hash;
 use makadam_frames::stepping::{Halt, Stepping, steps_in};
 use serde::{Deserialize, Serialize};
@@ -65,7 +65,7 @@ pub struct Label {
 
 impl Label {
     /// The label of this build for a scene and a seed.
-    pub fn of(scene: &Scene, seed: u64) -> Label {
+    pub fn of(scene: &MeasuredScene, seed: u64) -> Label {
         Label { build: BUILD.into(), scene: scene.name.clone(), scene_hash: scene_hash(scene), seed }
     }
 }
@@ -73,7 +73,7 @@ impl Label {
 /// The simulation at the start of its run. A scene with `[prepare]` is simulated for that time first, unless a state of
 /// the same scene, seed and build is in the cache; `progress` is told the share that is done.
 pub fn start(
-    scene: &Scene,
+    scene: &MeasuredScene,
     seed: u64,
     scene_file: &Path,
     execution: &Execution,
@@ -120,7 +120,7 @@ pub fn start(
 }
 
 /// Starts from a state that is kept: `None` if there is none, and the reason if it is refused.
-fn start_from(scene: &Scene, seed: u64, file: &Path) -> Option<Result<Simulation, String>> {
+fn start_from(scene: &MeasuredScene, seed: u64, file: &Path) -> Option<Result<Simulation, String>> {
     let bytes = match std::fs::read(file) {
         Ok(bytes) => bytes,
         Err(error) if error.kind() == ErrorKind::NotFound => return None,
@@ -137,7 +137,7 @@ fn start_from(scene: &Scene, seed: u64, file: &Path) -> Option<Result<Simulation
 }
 
 /// The state in the bytes of a file, if it is one of this scene, seed and build.
-fn labelled_state(scene: &Scene, seed: u64, bytes: &[u8]) -> Result<Vec<u8>, String> {
+fn labelled_state(scene: &MeasuredScene, seed: u64, bytes: &[u8]) -> Result<Vec<u8>, String> {
     let unfit = |error| format!("does not hold what it should ({error})");
     let (label, rest) = postcard::take_from_bytes::<Label>(open(MARK, bytes)?).map_err(unfit)?;
     let wanted = Label::of(scene, seed);
@@ -154,12 +154,12 @@ fn labelled_state(scene: &Scene, seed: u64, bytes: &[u8]) -> Result<Vec<u8>, Str
 }
 
 /// Returns true if a run can start at once: the scene prepares no flowing state, or it is in the cache.
-pub fn is_ready(scene: &Scene, seed: u64) -> bool {
+pub fn is_ready(scene: &MeasuredScene, seed: u64) -> bool {
     let takes = |file: PathBuf| std::fs::read(file).is_ok_and(|bytes| labelled_state(scene, seed, &bytes).is_ok());
     scene.prepare.is_none() || state_file(scene, seed).is_ok_and(takes)
 }
 
-fn state_file(scene: &Scene, seed: u64) -> Result<PathBuf, WriteError> {
+fn state_file(scene: &MeasuredScene, seed: u64) -> Result<PathBuf, WriteError> {
     let name = format!("{}-s{seed}-{:016x}.state", file_stem(&scene.name), scene_hash(scene));
     Ok(cache_folder()?.join("prepared").join(name))
 }

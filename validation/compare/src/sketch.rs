@@ -3,7 +3,7 @@
 use makadam::scene::{
     Domain, GrainEntry, Material, Motion, NormalLaw, Population, RadiusDistribution, Region, Shape, Stop, Wall,
 };
-use makadam_frames::plan::{Measure, Scene};
+use makadam_frames::plan::{Measure, MeasuredScene};
 
 /// Radius of a grain where a case says nothing else, m.
 pub const RADIUS: f64 = 0.005;
@@ -21,7 +21,7 @@ pub(crate) const SPACING: f64 = 1.04;
 const POISSON_RATIO: f64 = 0.3;
 
 /// A scene under construction. Grains are of "grain" and walls of "wall", unless stated otherwise.
-pub struct Sketch(Scene);
+pub struct Sketch(MeasuredScene);
 
 impl Sketch {
     /// A scene without grains and walls, in which every step is solved well; frames are taken at 50 times.
@@ -37,7 +37,7 @@ impl Sketch {
         let materials = [("grain", material.clone()), ("wall", material)];
         let measure = Measure { interval: duration / 50.0, from: Some(0.0), ..Measure::default() };
         let simulated = makadam::scene::Scene::default();
-        let mut scene = Scene { simulated, prepare: None, measure, output: None, compare: Vec::new() };
+        let mut scene = MeasuredScene { simulated, prepare: None, measure, output: None, compare: Vec::new() };
         scene.name = name.into();
         scene.description = "A hard case of makadam stability.".into();
         scene.duration = duration;
@@ -48,7 +48,7 @@ impl Sketch {
     }
 
     /// Lets the scene be changed at will.
-    pub fn with(mut self, change: impl FnOnce(&mut Scene)) -> Sketch {
+    pub fn with(mut self, change: impl FnOnce(&mut MeasuredScene)) -> Sketch {
         change(&mut self.0);
         self
     }
@@ -209,7 +209,7 @@ impl Sketch {
     ///
     /// # Panics
     /// The scene breaks a rule that scenes from files have to keep: the catalogue is wrong then.
-    pub fn scene(self) -> Scene {
+    pub fn scene(self) -> MeasuredScene {
         self.0.check().unwrap_or_else(|error| panic!("{}: {error}", self.0.name));
         self.0
     }

@@ -25,7 +25,7 @@ const MOST_FRAMES: f64 = 1e6;
 
 /// A scene that is measured. Whatever takes what is simulated takes it as it is.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Scene {
+pub struct MeasuredScene {
     /// The simulated scene.
     #[serde(flatten)]
     pub simulated: makadam::scene::Scene,
@@ -42,7 +42,7 @@ pub struct Scene {
     pub compare: Vec<Expectation>,
 }
 
-impl Deref for Scene {
+impl Deref for MeasuredScene {
     type Target = makadam::scene::Scene;
 
     fn deref(&self) -> &makadam::scene::Scene {
@@ -50,7 +50,7 @@ impl Deref for Scene {
     }
 }
 
-impl DerefMut for Scene {
+impl DerefMut for MeasuredScene {
     fn deref_mut(&mut self) -> &mut makadam::scene::Scene {
         &mut self.simulated
     }
@@ -74,7 +74,7 @@ pub struct Tables {
 }
 
 /// That of the simulated scene, with the tables.
-impl JsonSchema for Scene {
+impl JsonSchema for MeasuredScene {
     fn schema_name() -> Cow<'static, str> {
         "Scene".into()
     }
@@ -104,22 +104,22 @@ impl JsonSchema for Scene {
     }
 }
 
-impl Scene {
+impl MeasuredScene {
     /// Reads and checks the text of a scene.
-    pub fn parse(text: &str) -> Result<Scene, SceneError> {
+    pub fn parse(text: &str) -> Result<MeasuredScene, SceneError> {
         let document = Document::parse(text)?;
         let simulated = makadam::scene::Scene::read(&document)?;
         let Tables { prepare, measure, output, compare } = document.read()?;
-        let scene = Scene { simulated, prepare, measure, output, compare };
+        let scene = MeasuredScene { simulated, prepare, measure, output, compare };
         scene.check()?;
         Ok(scene)
     }
 
     /// Reads and checks a scene file.
-    pub fn load(file: &Path) -> Result<Scene, SceneFileError> {
+    pub fn load(file: &Path) -> Result<MeasuredScene, SceneFileError> {
         let missing = |source| SceneFileError::Missing { file: file.to_path_buf(), source };
         let text = std::fs::read_to_string(file).map_err(missing)?;
-        Scene::parse(&text).map_err(|error| error.in_file(file, Some(&text)))
+        MeasuredScene::parse(&text).map_err(|error| error.in_file(file, Some(&text)))
     }
 
     /// Checks all that the scene says.
@@ -141,8 +141,8 @@ impl Scene {
     }
 
     /// Returns the scene with every Young's modulus multiplied by `factor`.
-    pub fn with_stiffness_factor(&self, factor: f64) -> Scene {
-        Scene { simulated: self.simulated.with_stiffness_factor(factor), ..self.clone() }
+    pub fn with_stiffness_factor(&self, factor: f64) -> MeasuredScene {
+        MeasuredScene { simulated: self.simulated.with_stiffness_factor(factor), ..self.clone() }
     }
 
     /// Time between frames on disk, s.

@@ -3,7 +3,7 @@
 use crate::execution::Execution;
 pub use crate::plan::scene_hash;
 
-use crate::plan::Scene;
+use crate::plan::MeasuredScene;
 use crate::stepping::steps_in;
 use makadam::checkpoint::checksum;
 use makadam::lanes::InstructionSet;
@@ -105,7 +105,7 @@ pub struct Prepared {
 
 impl Prepared {
     /// Returns the preparation that a scene requests.
-    pub fn of(scene: &Scene) -> Option<Prepared> {
+    pub fn of(scene: &MeasuredScene) -> Option<Prepared> {
         scene.prepare.as_ref().map(|prepare| Prepared {
             seconds: prepare.duration,
             steps: steps_in(prepare.duration, prepare.step),
@@ -116,7 +116,7 @@ impl Prepared {
 
 impl Provenance {
     /// Provenance of a run that starts now.
-    pub fn of_run(scene: &Scene, scene_file: &Path, seed: u64, execution: &Execution) -> Provenance {
+    pub fn of_run(scene: &MeasuredScene, scene_file: &Path, seed: u64, execution: &Execution) -> Provenance {
         Provenance {
             build: Build { instruction_set: execution.instruction_set.name().into(), ..Build::here() },
             threads: execution.threads,
@@ -148,7 +148,7 @@ fn from_here(path: &Path) -> &Path {
 }
 
 /// Returns the provenance of a comparison by name, for tables.
-pub fn account(threads: usize, scenes: &[&Scene]) -> BTreeMap<String, String> {
+pub fn account(threads: usize, scenes: &[&MeasuredScene]) -> BTreeMap<String, String> {
     let build = Build::here();
     let modified = match build.dirty {
         Some(true) => ", with changes",

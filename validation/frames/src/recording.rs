@@ -1,6 +1,6 @@
 //! Frames of one run of one code, with their origin.
 
-use crate::plan::Scene;
+use crate::plan::MeasuredScene;
 use makadam::checkpoint::{open, seal, write_atomically};
 use makadam::snapshot::{Particle, Partner, Snapshot};
 use makadam::watch::Watchdog;
@@ -115,7 +115,13 @@ pub enum RecordingError {
 
 impl Recording {
     /// Frames of one run on one thread: without a time step, wall time or diagnostics, with all contents.
-    pub fn new(scene: &Scene, code: &str, version: impl Into<String>, seed: u64, frames: Vec<Snapshot>) -> Recording {
+    pub fn new(
+        scene: &MeasuredScene,
+        code: &str,
+        version: impl Into<String>,
+        seed: u64,
+        frames: Vec<Snapshot>,
+    ) -> Recording {
         Recording {
             scene: scene.name.clone(),
             code: code.into(),
@@ -146,7 +152,7 @@ impl Recording {
     ///
     /// # Errors
     /// What does not go with the scene, in words.
-    pub fn belongs_to(&self, scene: &Scene) -> Result<(), String> {
+    pub fn belongs_to(&self, scene: &MeasuredScene) -> Result<(), String> {
         if self.scene != scene.name {
             return Err(format!("the recording is of the scene '{}', not of '{}'", self.scene, scene.name));
         }
@@ -199,7 +205,7 @@ impl Recording {
 ///
 /// # Errors
 /// What does not go with the scene, in words.
-pub fn frame_belongs_to(frame: &Snapshot, scene: &Scene) -> Result<(), String> {
+pub fn frame_belongs_to(frame: &Snapshot, scene: &MeasuredScene) -> Result<(), String> {
     let (here, there) = (frame.particles.len(), scene.grain_count());
     let of =
         |what: String| Err(format!("the frame at {} s is of another scene than '{}': {what}", frame.time, scene.name));
@@ -225,7 +231,7 @@ pub fn frame_belongs_to(frame: &Snapshot, scene: &Scene) -> Result<(), String> {
 }
 
 /// Grains of a frame that lie outside of the domain, which none may leave, in words; `None` where all are inside.
-pub fn outside_domain(frame: &Snapshot, scene: &Scene) -> Option<String> {
+pub fn outside_domain(frame: &Snapshot, scene: &MeasuredScene) -> Option<String> {
     let period = scene.domain.period();
     let is_out = |axis: usize, place: f64| {
         !period.is_periodic(axis) && !(scene.domain.min[axis]..=scene.domain.max[axis]).contains(&place)

@@ -6,7 +6,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use makadam::scene::{Accuracy, suggestion};
 use makadam_compare::scenes::{self, Change};
 use makadam_frames::output::file_stem;
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_measure::observables::catalogue;
 use makadam_studies::tradeoff::Bound;
 use std::path::PathBuf;
@@ -24,7 +24,7 @@ pub(super) struct SourceArguments {
 
 impl SourceArguments {
     /// Returns file and scene, see [`load`].
-    pub fn load(&self) -> Result<(PathBuf, Scene), Failure> {
+    pub fn load(&self) -> Result<(PathBuf, MeasuredScene), Failure> {
         load(&self.scene, &self.changes)
     }
 }
@@ -41,7 +41,7 @@ pub(super) struct SceneArguments {
 
 impl SceneArguments {
     /// Returns file, scene and seed, see [`load`].
-    pub fn load(&self) -> Result<(PathBuf, Scene, u64), Failure> {
+    pub fn load(&self) -> Result<(PathBuf, MeasuredScene, u64), Failure> {
         let (file, scene) = self.source.load()?;
         let seed = self.seed.unwrap_or(scene.seed);
         Ok((file, scene, seed))
@@ -49,7 +49,7 @@ impl SceneArguments {
 }
 
 /// Finds, reads, changes and checks a scene, which must fit into memory.
-pub(super) fn load(name: &str, changes: &[Change]) -> Result<(PathBuf, Scene), Failure> {
+pub(super) fn load(name: &str, changes: &[Change]) -> Result<(PathBuf, MeasuredScene), Failure> {
     let file = scenes::take(name, &scenes::roots(), changes)?;
     let scene = scenes::load(&file)?;
     beforehand::refuse_beyond_memory(&scene, &file)?;
@@ -75,7 +75,7 @@ impl OutputArguments {
     }
 
     /// Returns the folder of a study of a scene.
-    pub fn folder_of(&self, command: &str, scene: &Scene) -> PathBuf {
+    pub fn folder_of(&self, command: &str, scene: &MeasuredScene) -> PathBuf {
         self.folder(&format!("{command}/{}", file_stem(&scene.name)))
     }
 }

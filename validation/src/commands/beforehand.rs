@@ -7,13 +7,13 @@ use makadam_compare::prepared::{Start, is_ready, start};
 use makadam_compare::scenes;
 use makadam_frames::execution::Execution;
 use makadam_frames::output::cache_folder;
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_frames::stepping::{Stepping, steps_in};
 use makadam_measure::observables::impossible;
 use std::path::Path;
 
 /// Prints what a scene cannot carry with its settings on standard error; the findings go to `run.json` as well.
-pub(super) fn tell_findings(scene: &Scene, file: &Path, console: &Console) -> Vec<Finding> {
+pub(super) fn tell_findings(scene: &MeasuredScene, file: &Path, console: &Console) -> Vec<Finding> {
     let text = scenes::text(file).ok();
     let mut findings = scene.findings(text.as_deref());
     findings.extend(impossible(scene, text.as_deref()));
@@ -25,7 +25,7 @@ pub(super) fn tell_findings(scene: &Scene, file: &Path, console: &Console) -> Ve
 }
 
 /// Refuses a scene that takes more memory than there is.
-pub(super) fn refuse_beyond_memory(scene: &Scene, file: &Path) -> Result<(), Failure> {
+pub(super) fn refuse_beyond_memory(scene: &MeasuredScene, file: &Path) -> Result<(), Failure> {
     match available_bytes() {
         Some(available) if scene.memory() > available => Err(Failure::Running(beyond(scene, file, available))),
         _ => Ok(()),
@@ -54,7 +54,7 @@ fn gigabytes(bytes: u64) -> String {
     format!("{:.1} GB", bytes as f64 * 1e-9)
 }
 
-fn beyond(scene: &Scene, file: &Path, available: u64) -> String {
+fn beyond(scene: &MeasuredScene, file: &Path, available: u64) -> String {
     let grains = scene.grain_count();
     let few = (grains as f64 * available as f64 / scene.memory() as f64 / 1e3).floor() * 1e3;
     format!(
@@ -81,7 +81,7 @@ fn of_meminfo(text: &str) -> Option<u64> {
 }
 
 /// Refuses solves that stop when their wall time is spent.
-pub(super) fn refuse_time_budget(scene: &Scene) -> Result<(), Failure> {
+pub(super) fn refuse_time_budget(scene: &MeasuredScene) -> Result<(), Failure> {
     match scene.solver.stop {
         Stop::TimeBudget { .. } => Err(Failure::Usage(format!(
             "the solves of {} stop after a wall time, so no two runs do the same work; set solver.stop to sweeps or \
@@ -107,7 +107,7 @@ pub(super) fn refuse_without_folder(file: &Path) -> Result<(), Failure> {
 
 /// Returns the simulation at the start of its run, with a progress bar while a flowing state is prepared.
 pub(super) fn begin(
-    scene: &Scene,
+    scene: &MeasuredScene,
     seed: u64,
     file: &Path,
     execution: &Execution,
@@ -147,7 +147,7 @@ pub(super) fn settle(simulation: &mut Simulation, seconds: f64, console: &Consol
 /// Returns the simulation at the start of its run, settled for a time (s) where no flowing state was prepared: grains that have just been
 /// placed have hardly a contact.
 pub(super) fn flowing(
-    scene: &Scene,
+    scene: &MeasuredScene,
     seed: u64,
     file: &Path,
     execution: &Execution,

@@ -8,7 +8,7 @@ use clap::Args;
 use makadam_compare::codes::{Code, CodeError, CodeName, External, absent, codes_of};
 use makadam_compare::compare::{CodeSummary, Recorder, Row, Runs};
 use makadam_frames::output::{JSON_VERSION, cache_folder, create_folder};
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_qualification::qualify::{Judged, OneScene, codes_against, usual_codes};
 use makadam_qualification::report::{self, Standing, Verdict};
 use serde::Serialize;
@@ -128,7 +128,12 @@ impl Codes {
     }
 }
 
-fn validate(arguments: &CompareArguments, scene: &Scene, file: &Path, console: &Console) -> Result<ExitCode, Failure> {
+fn validate(
+    arguments: &CompareArguments,
+    scene: &MeasuredScene,
+    file: &Path,
+    console: &Console,
+) -> Result<ExitCode, Failure> {
     if arguments.rayleigh_fraction.is_some() && !arguments.live {
         return Err(Failure::Usage(
             "--rayleigh-fraction is of runs, and recorded numbers have their own: add --live or --record (of 'makadam compare')"
@@ -217,7 +222,12 @@ fn claim(folder: &Path) -> Result<(), Failure> {
 }
 
 /// Records missing references of the codes.
-fn record(arguments: &CompareArguments, scene: &Scene, file: &Path, console: &Console) -> Result<ExitCode, Failure> {
+fn record(
+    arguments: &CompareArguments,
+    scene: &MeasuredScene,
+    file: &Path,
+    console: &Console,
+) -> Result<ExitCode, Failure> {
     // Recorded codes are recorded again, so that none is lost.
     let codes = codes_or_usual(arguments.codes.as_deref(), file, false);
     let reference_codes: Vec<Box<dyn Code>> = codes.into_iter().filter(|code| code.name() != "Makadam").collect();
@@ -232,7 +242,7 @@ fn record(arguments: &CompareArguments, scene: &Scene, file: &Path, console: &Co
 fn record_codes(
     reference_codes: Vec<Box<dyn Code>>,
     arguments: &CompareArguments,
-    scene: &Scene,
+    scene: &MeasuredScene,
     file: &Path,
     console: &Console,
 ) -> Result<ExitCode, Failure> {

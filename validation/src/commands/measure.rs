@@ -7,7 +7,7 @@ use makadam::snapshot::Snapshot;
 use makadam_compare::scenes::Change;
 use makadam_frames::import::{FilePattern, Manifest, StatedColumns, Tables, assemble, unlike};
 use makadam_frames::output::JSON_VERSION;
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_frames::recording::Recording;
 use makadam_frames::run_frames::RunFrames;
 use makadam_measure::observables::{Measurement, Unmeasured, measured_frames, measured_in, unmeasured};
@@ -177,7 +177,7 @@ fn manifest(arguments: &MeasureArguments) -> Result<Manifest, Failure> {
 }
 
 /// Returns a note if the measured frames are not those of the scene: its end, or all times from `measure.from` to it.
-fn other_window(scene: &Scene, measured: &[&Snapshot]) -> Option<String> {
+fn other_window(scene: &MeasuredScene, measured: &[&Snapshot]) -> Option<String> {
     let (first, last) = (measured.first()?.time, measured.last()?.time);
     let (end, slack, interval) = (scene.duration, scene.measure.slack(), scene.measure.interval);
     let Some(from) = scene.measure.from else {

@@ -13,7 +13,7 @@ use makadam_compare::compare::FEW_SEEDS;
 use makadam_compare::scenes;
 use makadam_compare::study::RunCache;
 use makadam_frames::execution::Execution;
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_frames::provenance::{Provenance, account};
 use makadam_measure::observables::catalogue::group_of;
 use makadam_studies::effects::{self, Ablation, Costs, Look};
@@ -241,7 +241,7 @@ pub(super) fn tradeoff(arguments: &TradeoffArguments, console: &Console) -> Resu
 }
 
 /// Refuses scenes that measure nothing, or not what is bounded, and two bounds on one observable.
-fn refuse_unmeasured(scene: &Scene, bounds: &[Bound]) -> Result<(), Failure> {
+fn refuse_unmeasured(scene: &MeasuredScene, bounds: &[Bound]) -> Result<(), Failure> {
     if scene.measure.observables.is_empty() {
         return Err(Failure::Usage(format!(
             "{} measures nothing, so there is no error to show; name observables under [measure]",

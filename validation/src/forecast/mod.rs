@@ -11,7 +11,7 @@ mod scales;
 use makadam::scene::{DocumentPath, Finding, NormalLaw, Reaction, Stop, TangentialLaw, populate};
 use makadam::solve::{residual_text, residual_unit_name};
 use makadam_frames::execution::threads_for;
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_frames::stepping::steps_in;
 use makadam_measure::observables::impossible;
 pub use makadam_studies::effects::{Called, called};
@@ -81,7 +81,7 @@ impl Forecast {
     ///
     /// # Errors
     /// [`makadam::scene::SceneError`] if its grains cannot be placed.
-    pub fn of(scene: &Scene, text: &str) -> Result<Forecast, makadam::scene::SceneError> {
+    pub fn of(scene: &MeasuredScene, text: &str) -> Result<Forecast, makadam::scene::SceneError> {
         let grains = populate(scene, scene.seed)?;
         let bed = Bed::of(scene, &grains);
         let steps = steps_in(scene.duration, scene.solver.step);
@@ -115,13 +115,13 @@ impl Forecast {
 }
 
 /// Frames on disk: one at the start, those that are due, one at the end. No two come nearer than a step.
-fn frames(scene: &Scene) -> u64 {
+fn frames(scene: &MeasuredScene) -> u64 {
     let interval = scene.output_interval().max(scene.solver.step);
     1 + (scene.duration / interval - 1e-6).ceil().max(1.0) as u64
 }
 
 /// Lists causes of a cost beyond the expected one, with the setting to change.
-fn notes(scene: &Scene) -> Vec<String> {
+fn notes(scene: &MeasuredScene) -> Vec<String> {
     let ignores_escapes = scene.watch.on_escape == Reaction::Ignore || scene.watch.every == 0;
     let fall = "grains that leave the domain are simulated on, and the faster they fly, the more often contacts are searched: a wall \
                 that catches them (a plane below the outlet) keeps steps cheap";
@@ -129,12 +129,12 @@ fn notes(scene: &Scene) -> Vec<String> {
 }
 
 /// Step and stopping rule, in words.
-pub fn chosen(scene: &Scene) -> String {
+pub fn chosen(scene: &MeasuredScene) -> String {
     let step: f64 = format!("{:.2e}", scene.solver.step).parse().unwrap_or(scene.solver.step);
     format!("a step of {step:e} s and solves that end at {}", stop_of(scene))
 }
 
-fn stop_of(scene: &Scene) -> String {
+fn stop_of(scene: &MeasuredScene) -> String {
     match &scene.solver.stop {
         Stop::Sweeps { sweeps } => format!("{sweeps} sweeps"),
         Stop::Residual { tolerance, max_sweeps } => {
@@ -148,7 +148,7 @@ fn stop_of(scene: &Scene) -> String {
 }
 
 /// The settings that decide on accuracy and cost, with the reason for each.
-fn settings(scene: &Scene, text: &str) -> Vec<Setting> {
+fn settings(scene: &MeasuredScene, text: &str) -> Vec<Setting> {
     let solver = &scene.solver;
     let why = |table: &'static str, key: &'static str| {
         let line = DocumentPath::default().key(table).key(key).line(text);

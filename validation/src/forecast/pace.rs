@@ -9,7 +9,7 @@ use makadam::Simulation;
 use makadam::scene::Stop;
 use makadam_compare::prepared::is_ready;
 use makadam_frames::execution::threads_for;
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_frames::stepping::steps_in;
 
 /// Bed that is simulated: 400 grains in a box, which touch each other from the start or soon.
@@ -55,7 +55,7 @@ pub(super) struct Work {
 impl Pace {
     /// That of this machine as it is loaded now, on one thread: a tenth of a second.
     pub(super) fn here() -> Pace {
-        let scene = Scene::parse(BED).expect("the bed is a scene");
+        let scene = MeasuredScene::parse(BED).expect("the bed is a scene");
         let mut simulation = Simulation::new(&scene, scene.seed).expect("the bed has its grains");
         let [until, timed] = STEPS;
         (0..until).for_each(|_| {
@@ -85,7 +85,7 @@ impl Pace {
 
 impl Work {
     /// That of a run of a scene, with the flow that is prepared before it if none is stored.
-    pub(super) fn of(scene: &Scene, seed: u64) -> Work {
+    pub(super) fn of(scene: &MeasuredScene, seed: u64) -> Work {
         let grains = scene.grain_count();
         let prepare = scene.prepare.as_ref().filter(|_| !is_ready(scene, seed));
         let steps = steps_in(scene.duration, scene.solver.step)

@@ -2,7 +2,7 @@
 
 use super::Scale;
 use makadam::scene::{Grain, Motion, NormalLaw, Shape};
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
@@ -24,7 +24,7 @@ pub(super) struct Bed {
 }
 
 impl Bed {
-    pub fn of(scene: &Scene, grains: &[Grain]) -> Bed {
+    pub fn of(scene: &MeasuredScene, grains: &[Grain]) -> Bed {
         let volume_of = |grain: &Grain| 4.0 / 3.0 * PI * grain.radius.powi(3);
         let volume: f64 = grains.iter().map(volume_of).sum();
         let mass: f64 = grains.iter().map(|grain| scene.material[&grain.material].density * volume_of(grain)).sum();
@@ -36,7 +36,7 @@ impl Bed {
     }
 
     /// The numbers that exist for the scene.
-    pub fn scales(&self, scene: &Scene, grains: &[Grain]) -> Vec<Scale> {
+    pub fn scales(&self, scene: &MeasuredScene, grains: &[Grain]) -> Vec<Scale> {
         if grains.is_empty() {
             return Vec::new();
         }
@@ -90,7 +90,7 @@ impl Bed {
     }
 
     /// Overlap over the mean radius of two grains under half the bed.
-    fn overlap(&self, scene: &Scene) -> f64 {
+    fn overlap(&self, scene: &MeasuredScene) -> f64 {
         let layers = (0.5 * self.depth / (2.0 * self.radius)).max(1.0);
         let load = layers * self.density * 4.0 / 3.0 * PI * self.radius.powi(3) * self.gravity;
         let softest = scene.material.values().map(|material| {
@@ -107,7 +107,7 @@ impl Bed {
 }
 
 /// Area that the grains stand on, m2: that of the narrowest container across gravity, or of the domain.
-fn ground(scene: &Scene, gravity: &Vector3<f64>) -> f64 {
+fn ground(scene: &MeasuredScene, gravity: &Vector3<f64>) -> f64 {
     let size: [f64; 3] = std::array::from_fn(|axis| scene.domain.max[axis] - scene.domain.min[axis]);
     let down = gravity.iamax();
     let domain = size.iter().product::<f64>() / size[down];
@@ -126,7 +126,7 @@ fn ground(scene: &Scene, gravity: &Vector3<f64>) -> f64 {
 }
 
 /// Speed of the fastest wall (m/s), and its radius where it turns (m; else 0).
-fn fastest(scene: &Scene) -> Option<(f64, f64)> {
+fn fastest(scene: &MeasuredScene) -> Option<(f64, f64)> {
     let speeds = scene.wall.iter().filter_map(|wall| match (&wall.motion, &wall.shape) {
         (Motion::Rotating { rate, .. }, Shape::Cylinder { radius, .. }) => Some((rate.abs() * radius, *radius)),
         (Motion::Translating { velocity, .. }, _) => Some((Vector3::from(*velocity).norm(), 0.0)),

@@ -6,7 +6,7 @@ use makadam_compare::scenes;
 use makadam_frames::import::{
     Column, FrameTable, ImportError, Manifest, StatedColumns, Tables, assemble, column_of, parse,
 };
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_frames::recording::{Content, Recording};
 use makadam_measure::observables::{Measurement, measure};
 use std::fmt::Write;
@@ -20,7 +20,7 @@ mod statements;
 const INTERVAL: f64 = 0.02;
 
 /// A packing of a hundred grains, and frames of it.
-fn packing() -> (Scene, Vec<Snapshot>) {
+fn packing() -> (MeasuredScene, Vec<Snapshot>) {
     let mut scene = scenes::load(&scenes::find("packing-100", &[]).unwrap()).unwrap();
     scene.measure.from = Some(0.2);
     scene.measure.interval = INTERVAL;
@@ -99,12 +99,17 @@ fn at(time: f64) -> Manifest {
     Manifest { time: Some(time), contacts_complete: true, ..Manifest::default() }
 }
 
-fn assembled(scene: &Scene, tables: &Tables) -> Result<Recording, ImportError> {
+fn assembled(scene: &MeasuredScene, tables: &Tables) -> Result<Recording, ImportError> {
     assemble(scene, &stated(), tables)
 }
 
 /// Text of the error of frames that are refused.
-fn refusal(scene: &Scene, manifest: &Manifest, grains: &[(&str, String)], contacts: &[(&str, String)]) -> String {
+fn refusal(
+    scene: &MeasuredScene,
+    manifest: &Manifest,
+    grains: &[(&str, String)],
+    contacts: &[(&str, String)],
+) -> String {
     let found = tables(grains, contacts).and_then(|tables| assemble(scene, manifest, &tables));
     found.expect_err("the frames are refused").to_string()
 }

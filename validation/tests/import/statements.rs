@@ -5,12 +5,12 @@ use makadam_frames::import::unlike;
 use std::path::PathBuf;
 
 /// A scene of one grain of each of two materials, of one size.
-fn two_materials() -> Scene {
+fn two_materials() -> MeasuredScene {
     scene_of(&["m", "heavy"], "{ kind = 'fixed', value = 0.005 }")
 }
 
 /// A scene with one population of one grain for each name of a material.
-fn scene_of(populations: &[&str], radius: &str) -> Scene {
+fn scene_of(populations: &[&str], radius: &str) -> MeasuredScene {
     let material = |name: &str, density: f64| {
         format!(
             "[material.{name}]\ndensity = {density}\nyoungs_modulus = 1e7\npoisson_ratio = 0.3\nfriction = 0.5\nrestitution = 0.5\n"
@@ -29,10 +29,10 @@ fn scene_of(populations: &[&str], radius: &str) -> Scene {
         material("m", 2500.0),
         material("heavy", 20000.0)
     );
-    Scene::parse(&text).unwrap()
+    MeasuredScene::parse(&text).unwrap()
 }
 
-fn read(scene: &Scene, files: &[(&str, String)], manifest: &Manifest) -> Result<Recording, String> {
+fn read(scene: &MeasuredScene, files: &[(&str, String)], manifest: &Manifest) -> Result<Recording, String> {
     let found = tables(files, &[]).and_then(|tables| assemble(scene, manifest, &tables));
     found.map_err(|error| error.to_string())
 }
@@ -143,7 +143,7 @@ fn boxes_of_dumps() {
     let mut scene = scene_of(&["m"], "{ kind = 'fixed', value = 0.005 }");
     let rows = ["1 0.01 0.05 0.05 0.005"];
     let file = |flags: &str, bounds: &str| [("g.dump", dump_in(flags, bounds, "id x y z radius", &rows))];
-    let refused = |scene: &Scene, flags: &str, bounds: &str, words: &str| {
+    let refused = |scene: &MeasuredScene, flags: &str, bounds: &str, words: &str| {
         let error = read(scene, &file(flags, bounds), &stated()).unwrap_err();
         assert!(error.contains(words), "{error}");
     };

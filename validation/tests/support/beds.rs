@@ -1,7 +1,7 @@
 //! Beds whose numbers are known beforehand, and scenes to measure them with.
 
 use makadam::snapshot::{Particle, Snapshot};
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_frames::recording::Recording;
 use makadam_measure::observables::Measurement;
 use nalgebra::{Rotation3, Vector3};
@@ -19,7 +19,7 @@ impl Random {
 }
 
 /// A scene of one grain between some walls, with a `[measure]` of some observables.
-pub fn scene(walls: &str, observables: &str, from: &str) -> Scene {
+pub fn scene(walls: &str, observables: &str, from: &str) -> MeasuredScene {
     let text = format!(
         r#"
 name = "synthetic"
@@ -43,11 +43,11 @@ observables = {observables}
 {from}
 "#
     );
-    Scene::parse(&text).expect("a valid scene")
+    MeasuredScene::parse(&text).expect("a valid scene")
 }
 
 /// Returns the bed in a drum that turns at `rate` (rad/s).
-pub fn drum_scene(rate: f64, observables: &str) -> Scene {
+pub fn drum_scene(rate: f64, observables: &str) -> MeasuredScene {
     let walls = format!(
         r#"
 [[wall]]

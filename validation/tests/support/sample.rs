@@ -2,7 +2,7 @@
 
 use makadam::snapshot::Particle;
 use makadam_compare::compare::{CodeSummary, Comparison, FinalState, Row, Source, Timing};
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_measure::observables::{ForceDistribution, Series};
 use makadam_measure::statistics::Outcome;
 use makadam_qualification::report::{Qualification, StudyOutcome, StudySection, StudyTest};
@@ -19,9 +19,9 @@ pub fn noise(a: u64, b: u64) -> f64 {
     (x >> 11) as f64 / (1u64 << 52) as f64 - 1.0
 }
 
-pub fn scene(name: &str) -> Scene {
+pub fn scene(name: &str) -> MeasuredScene {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference-scenes").join(name).join("scene.toml");
-    let mut scene = Scene::load(&file).expect("a reference scene");
+    let mut scene = MeasuredScene::load(&file).expect("a reference scene");
     // Margins of the sample's own: those of the scenes follow their records.
     for expectation in scene.compare.iter_mut().filter(|expectation| expectation.margin.is_some()) {
         expectation.margin = Some(match expectation.observable.as_str() {
@@ -36,7 +36,14 @@ pub fn scene(name: &str) -> Scene {
 }
 
 /// Rows of one observable from the means of the three codes, as a comparison orders them.
-fn rows(scene: &Scene, observable: &str, unit: &str, means: [f64; 3], deviation: f64, seeds: usize) -> Vec<Row> {
+fn rows(
+    scene: &MeasuredScene,
+    observable: &str,
+    unit: &str,
+    means: [f64; 3],
+    deviation: f64,
+    seeds: usize,
+) -> Vec<Row> {
     let margin = scene.compare.iter().find(|e| e.observable == observable).and_then(|e| e.margin);
     [(0, 1), (0, 2), (1, 2)]
         .map(|(code, reference)| {

@@ -91,7 +91,7 @@ pub fn study_of(change: impl Fn(&mut Measurement)) -> Study {
         traces,
     };
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/scenes/smoke.toml");
-    let scene = makadam_frames::plan::Scene::load(&file).expect("the small scene is valid");
+    let scene = makadam_frames::plan::MeasuredScene::load(&file).expect("the small scene is valid");
     change(&mut measurement);
     let bandwidth = Bandwidth { one_thread: 20e9, all_threads: 300e9, threads: 16 };
     let machines = vec![here, Machine::xeon_phi_3120(&COSTS, 3.3e9)];

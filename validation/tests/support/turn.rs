@@ -2,7 +2,7 @@
 
 use makadam::scene::{Axis, Motion, Shape};
 use makadam::snapshot::Snapshot;
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use nalgebra::{Matrix3, Vector3};
 
 /// A rotation by right angles, and a shift after it (m).
@@ -57,7 +57,7 @@ impl Turn {
 }
 
 /// A scene of planes, boxes, cylinders and discs, and frames of it, turned and shifted.
-pub fn turned(turn: &Turn, scene: &Scene, frames: &[Snapshot]) -> (Scene, Vec<Snapshot>) {
+pub fn turned(turn: &Turn, scene: &MeasuredScene, frames: &[Snapshot]) -> (MeasuredScene, Vec<Snapshot>) {
     let (mut scene, mut frames) = (scene.clone(), frames.to_vec());
     turn.vector(&mut scene.gravity);
     scene.gravity_changes.iter_mut().for_each(|change| turn.vector(&mut change.gravity));

@@ -22,7 +22,7 @@ fn a_picture_beyond_memory_is_refused_with_a_size_that_fits() {
 #[test]
 fn more_than_there_is_is_refused_with_figures() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference-scenes/packing/scene.toml");
-    let mut scene = Scene::load(&file).unwrap();
+    let mut scene = MeasuredScene::load(&file).unwrap();
     assert!(refuse_beyond_memory(&scene, &file).is_ok());
     scene.population[0].count = 1_000_000_000_000;
     assert!(matches!(refuse_beyond_memory(&scene, &file), Err(Failure::Running(_))));

@@ -84,7 +84,7 @@ impl Desk {
         let Command::Compare(arguments) = arguments.command else { unreachable!("the words say compare") };
         let ran = Arc::default();
         let fake = Fake { version, deck: self.deck.get(), failing: failing.to_vec(), ran: Arc::clone(&ran) };
-        let scene = Scene::load(&self.scene).unwrap();
+        let scene = MeasuredScene::load(&self.scene).unwrap();
         let console = Console::new(true, false);
         let ended = record_codes(vec![Box::new(fake)], &arguments, &scene, &self.scene, &console);
         let mut ran = ran.lock().unwrap().clone();

@@ -7,9 +7,9 @@ use makadam_measure::observables::Measured;
 const SCENE: &str = "../tests/scenes/smoke.toml";
 
 /// Returns the small scene measured from 0.1 s on, and frames of it.
-fn frames() -> (Scene, Vec<Snapshot>) {
+fn frames() -> (MeasuredScene, Vec<Snapshot>) {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(SCENE);
-    let mut scene = Scene::load(&file).unwrap();
+    let mut scene = MeasuredScene::load(&file).unwrap();
     scene.measure.from = Some(0.1);
     let mut simulation = Simulation::new(&scene, 1).unwrap();
     let mut frames = Vec::new();
@@ -22,7 +22,7 @@ fn frames() -> (Scene, Vec<Snapshot>) {
     (scene, frames)
 }
 
-fn in_memory(scene: &Scene, frames: &[Snapshot]) -> Measured {
+fn in_memory(scene: &MeasuredScene, frames: &[Snapshot]) -> Measured {
     let late: Vec<&Snapshot> = frames.iter().filter(|frame| scene.measure.covers(frame.time)).collect();
     let Ok(measured) = measure_frames(scene, &late[..]);
     measured.unwrap()

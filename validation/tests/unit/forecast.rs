@@ -4,7 +4,7 @@ use super::*;
 
 fn forecast(name: &str) -> Forecast {
     let text = makadam_compare::scenes::text(&makadam_compare::scenes::find(name, &[]).unwrap()).unwrap();
-    Forecast::of(&Scene::parse(&text).unwrap(), &text).unwrap()
+    Forecast::of(&MeasuredScene::parse(&text).unwrap(), &text).unwrap()
 }
 
 #[test]
@@ -24,7 +24,7 @@ fn a_drum_is_told_with_its_scales() {
 #[test]
 fn every_setting_has_its_reason() {
     let text = crate::templates::template("box").unwrap().text;
-    let forecast = Forecast::of(&Scene::parse(text).unwrap(), text).unwrap();
+    let forecast = Forecast::of(&MeasuredScene::parse(text).unwrap(), text).unwrap();
     assert_eq!(forecast.settings[0].why, "follows from accuracy");
     assert!(forecast.settings[4].why.starts_with("line "), "{:?}", forecast.settings[4]);
     assert!(forecast.scales.iter().all(|scale| scale.name != "Froude number"), "nothing turns");

@@ -11,7 +11,7 @@ use makadam::scene::{Grain, Reaction};
 use makadam::snapshot::Snapshot;
 use makadam_frames::import::{ImportError, Manifest, Tables, assemble};
 use makadam_frames::output::mesh::reach;
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_frames::recording::{Content, Recording};
 use minijinja::{Environment, UndefinedBehavior, Value, context};
 use nalgebra::Vector3;
@@ -66,7 +66,7 @@ pub(super) fn render(template: &str, values: Value) -> String {
 }
 
 /// Values that both decks take.
-pub(super) fn values(scene: &Scene, grains: &[Grain], plan: &Plan, purpose: Purpose) -> Value {
+pub(super) fn values(scene: &MeasuredScene, grains: &[Grain], plan: &Plan, purpose: Purpose) -> Value {
     let smallest = grains.iter().map(|grain| grain.radius).fold(f64::INFINITY, f64::min);
     let skin = smallest
         * match purpose {
@@ -90,7 +90,7 @@ pub(super) fn values(scene: &Scene, grains: &[Grain], plan: &Plan, purpose: Purp
 }
 
 /// Size of bins where the codes' own size, half the cutoff of their lists, would give too many, m.
-fn wide_bins(scene: &Scene, grains: &[Grain], skin: f64) -> Option<f64> {
+fn wide_bins(scene: &MeasuredScene, grains: &[Grain], skin: f64) -> Option<f64> {
     let limits = reach(&scene.domain);
     let volume: f64 = (0..3).map(|axis| limits.max[axis] - limits.min[axis]).product();
     let largest = grains.iter().map(|grain| grain.radius).fold(0.0, f64::max);
@@ -100,7 +100,7 @@ fn wide_bins(scene: &Scene, grains: &[Grain], skin: f64) -> Option<f64> {
 }
 
 /// Grains as atoms of `kinds` types. The simulation box holds whatever walls extend into.
-pub(super) fn data(scene: &Scene, grains: &[Grain], palette: &Palette<'_>, kinds: usize) -> String {
+pub(super) fn data(scene: &MeasuredScene, grains: &[Grain], palette: &Palette<'_>, kinds: usize) -> String {
     let limits = reach(&scene.domain);
     let mut text = format!("Initial grains\n\n{} atoms\n{kinds} atom types\n", grains.len());
     for (axis, name) in ["x", "y", "z"].iter().enumerate() {
@@ -204,7 +204,7 @@ impl DeckRun<'_> {
 }
 
 /// Reads the frames that a manifest names.
-fn frames(scene: &Scene, manifest: &Manifest) -> Result<Vec<Snapshot>, ImportError> {
+fn frames(scene: &MeasuredScene, manifest: &Manifest) -> Result<Vec<Snapshot>, ImportError> {
     let mut tables = Tables::read(manifest)?;
     // These lists are complete, as those of Makadam are, and name a grain on the edge of two triangles once for each.
     tables.grains.iter_mut().chain(&mut tables.contacts).for_each(|table| table.first_id = manifest.first_id);

@@ -12,7 +12,7 @@ use makadam::snapshot::{Particle, Snapshot};
 use makadam_frames::import::{FilePattern, ImportError, Manifest, Tables, assemble, unlike};
 use makadam_frames::output::mesh::{FINE, wall_mesh};
 use makadam_frames::output::{RunFiles, cells::csv_below, shown};
-use makadam_frames::plan::{Measure, Scene};
+use makadam_frames::plan::{Measure, MeasuredScene};
 use makadam_frames::recording::{Recording, SAME_SIZE, frame_belongs_to, outside_domain};
 use makadam_frames::run_frames::RunFrames;
 use makadam_measure::observables::measured_frames;
@@ -264,7 +264,7 @@ impl External {
 }
 
 /// Times of the frames that are measured, s: whole intervals from `measure.from` on, and the end of the run.
-fn asked(scene: &Scene) -> Vec<f64> {
+fn asked(scene: &MeasuredScene) -> Vec<f64> {
     let Measure { interval, from, .. } = scene.measure;
     let slack = scene.measure.slack();
     // A frame just before measure.from is measured too.

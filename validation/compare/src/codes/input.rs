@@ -8,7 +8,7 @@ use super::Job;
 use makadam::scene::{ContactCoefficients, Grain, Motion, Shape, Wall};
 use makadam::snapshot::Snapshot;
 use makadam_frames::output::mesh::{Mesh, reach};
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_frames::recording::Recording;
 use nalgebra::Vector3;
 use std::fmt::Write;
@@ -43,7 +43,7 @@ pub(super) struct MotionPhase {
 
 impl Plan {
     /// Divides a scene's duration by a step of at most `largest_step`.
-    pub fn new(scene: &Scene, largest_step: f64) -> Plan {
+    pub fn new(scene: &MeasuredScene, largest_step: f64) -> Plan {
         let interval = scene.measure.interval;
         let fine = (interval / largest_step - 1e-9).ceil().max(1.0);
         // An interval below the step does not shrink the step further than to itself.
@@ -106,7 +106,7 @@ impl Plan {
     }
 
     /// Steps at which some wall starts or stops or the frames become denser, rising, with both ends of the run.
-    pub fn boundaries(&self, scene: &Scene) -> Vec<u64> {
+    pub fn boundaries(&self, scene: &MeasuredScene) -> Vec<u64> {
         let mut at: Vec<u64> = scene
             .wall
             .iter()
@@ -123,12 +123,12 @@ impl Plan {
 /// The numbered materials of a scene. One that both grains and walls use appears twice, since friction and
 /// restitution follow other rules at walls.
 pub(super) struct Palette<'a> {
-    scene: &'a Scene,
+    scene: &'a MeasuredScene,
     entries: Vec<(&'a str, bool)>,
 }
 
 impl<'a> Palette<'a> {
-    pub fn new(scene: &'a Scene, grains: &[Grain]) -> Palette<'a> {
+    pub fn new(scene: &'a MeasuredScene, grains: &[Grain]) -> Palette<'a> {
         let mut entries = Vec::new();
         for name in scene.material.keys() {
             if grains.iter().any(|grain| grain.material == *name) {
@@ -207,12 +207,12 @@ pub(super) enum Primitive {
 }
 
 /// The primitives that each wall of a scene is; empty where it is none.
-pub(super) fn primitives(scene: &Scene, grains: &[Grain]) -> Vec<Vec<Primitive>> {
+pub(super) fn primitives(scene: &MeasuredScene, grains: &[Grain]) -> Vec<Vec<Primitive>> {
     let closed = scene.wall.iter().filter_map(|wall| Tube::of(wall, scene, grains)).collect::<Vec<_>>();
     scene.wall.iter().map(|wall| of_wall(wall, &closed, scene, grains)).collect()
 }
 
-fn of_wall(wall: &Wall, closed: &[Tube], scene: &Scene, grains: &[Grain]) -> Vec<Primitive> {
+fn of_wall(wall: &Wall, closed: &[Tube], scene: &MeasuredScene, grains: &[Grain]) -> Vec<Primitive> {
     let planes = |faces: &[Face]| {
         let is_inside =
             |grain: &Grain| faces.iter().all(|face| face.inwards * (grain.position[face.axis] - face.at) > 0.0);
@@ -275,7 +275,7 @@ struct Tube {
 
 impl Tube {
     /// Converts a wall, if it is such a cylinder.
-    fn of(wall: &Wall, scene: &Scene, grains: &[Grain]) -> Option<Tube> {
+    fn of(wall: &Wall, scene: &MeasuredScene, grains: &[Grain]) -> Option<Tube> {
         let Shape::Cylinder { base, axis: direction, radius, length } = &wall.shape else { return None };
         let (axis, sign) = along(direction)?;
         let (one, other) = (base[axis], base[axis] + sign * length);

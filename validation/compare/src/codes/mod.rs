@@ -18,7 +18,7 @@ pub use external::{DescriptionError, External};
 pub use lammps::Lammps;
 pub use liggghts::Liggghts;
 pub use makadam::{Makadam, starting_grains};
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_frames::recording::Recording;
 pub use process::{CoreClock, absent};
 use std::path::{Path, PathBuf};
@@ -44,7 +44,7 @@ pub enum Purpose {
 /// One run that is asked of a code.
 pub struct Job<'a> {
     /// The scene, its stiffness already scaled by `stiffness_factor`.
-    pub scene: &'a Scene,
+    pub scene: &'a MeasuredScene,
     /// File that the scene came from, named in errors.
     pub scene_file: &'a Path,
     /// Its purpose.
@@ -236,7 +236,7 @@ fn write_files(folder: &Path, files: impl IntoIterator<Item = (impl AsRef<Path>,
 pub fn refuse_effects(
     code: &'static str,
     has: &[&'static Effect],
-    scene: &Scene,
+    scene: &MeasuredScene,
     grains: &[Grain],
 ) -> Result<(), CodeError> {
     let palette = input::Palette::new(scene, grains);
@@ -262,7 +262,7 @@ fn supported_start(code: &'static str, has: &[&'static Effect], job: &Job<'_>) -
 fn refuse_unsupported(
     code: &'static str,
     has: &[&'static Effect],
-    scene: &Scene,
+    scene: &MeasuredScene,
     grains: &[Grain],
 ) -> Result<(), CodeError> {
     let refuse = |reason: &str| Err(CodeError::Unsupported { code, reason: reason.into() });

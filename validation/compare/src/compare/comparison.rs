@@ -1,7 +1,7 @@
 //! Result of a comparison of one scene: the data of tables, JSON, CSV and the report.
 
 use makadam::snapshot::Particle;
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_measure::observables::{ForceDistribution, Series};
 use makadam_measure::statistics::Outcome;
 use schemars::JsonSchema;
@@ -150,7 +150,7 @@ fn makadam() -> String {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Comparison {
     /// The scene.
-    pub scene: Scene,
+    pub scene: MeasuredScene,
     /// The code that is judged.
     #[serde(default = "makadam")]
     pub judged: String,

@@ -6,13 +6,13 @@
 
 use super::comparison::{MAKADAM, at_odds};
 use super::{CodeRuns, Comparison, MeasuredRun, Row};
-use makadam_frames::plan::{Expectation, Scene};
+use makadam_frames::plan::{Expectation, MeasuredScene};
 use makadam_measure::statistics::{Ensemble, Outcome, equivalence, prediction_interval};
 use makadam_view::draw::numbers::plural;
 
 /// Puts together what was measured of several codes, the code under test first. Its agreement counts for the seeds alone that the scene
 /// has registered.
-pub fn comparison(scene: &Scene, codes: &[CodeRuns], mut notes: Vec<String>) -> Comparison {
+pub fn comparison(scene: &MeasuredScene, codes: &[CodeRuns], mut notes: Vec<String>) -> Comparison {
     let moving = |code: &CodeRuns| Settled::of(scene, &code.runs).note(&code.code);
     notes.extend(codes.iter().filter(|code| code.discarded.is_none()).filter_map(moving));
     Comparison {
@@ -29,7 +29,7 @@ pub fn comparison(scene: &Scene, codes: &[CodeRuns], mut notes: Vec<String>) -> 
 
 /// Rows of one observable: each code against each one after it, then the last code by itself. A code that lacks a value of a
 /// seed that it was run with has no test: its rows say what is missing.
-fn rows(scene: &Scene, expectation: &Expectation, codes: &[CodeRuns]) -> Vec<Row> {
+fn rows(scene: &MeasuredScene, expectation: &Expectation, codes: &[CodeRuns]) -> Vec<Row> {
     let name = &expectation.observable;
     let asked: Vec<Asked<'_>> = codes.iter().map(|code| Asked::of(scene, code, name)).collect();
     let whole = asked.iter().filter(|asked| asked.missing.is_none()).count();
@@ -49,7 +49,7 @@ fn rows(scene: &Scene, expectation: &Expectation, codes: &[CodeRuns]) -> Vec<Row
 }
 
 /// Reports whether a code was run with the seeds that the scene has registered.
-fn is_registered(scene: &Scene, judged: &CodeRuns) -> bool {
+fn is_registered(scene: &MeasuredScene, judged: &CodeRuns) -> bool {
     let seeds = judged.runs.iter().map(|run| run.seed).chain(judged.failed.iter().copied());
     unregistered(scene, seeds).is_none()
 }
@@ -84,7 +84,7 @@ struct Asked<'a> {
 
 impl<'a> Asked<'a> {
     /// Values of the runs of a code that are at rest, where the scene asks for that.
-    fn of(scene: &Scene, code_runs: &'a CodeRuns, observable: &str) -> Asked<'a> {
+    fn of(scene: &MeasuredScene, code_runs: &'a CodeRuns, observable: &str) -> Asked<'a> {
         let CodeRuns { code, runs, failed, discarded, .. } = code_runs;
         let settled = Settled::of(scene, runs);
         let found = || runs.iter().flat_map(|run| &run.measurements).filter(|found| found.observable == observable);
@@ -101,7 +101,7 @@ impl<'a> Asked<'a> {
     }
 
     /// A row that stands alone.
-    fn row(&self, scene: &Scene, observable: &str) -> Row {
+    fn row(&self, scene: &MeasuredScene, observable: &str) -> Row {
         Row {
             scene: scene.name.clone(),
             observable: observable.into(),
@@ -160,7 +160,7 @@ impl LiveCheck {
 
 /// Checks every observable that has a margin, each with `confidence`. The seed of the live run is none of the recorded ones: a value
 /// always lies among values that include it.
-pub fn live_checks(scene: &Scene, live: &MeasuredRun, recorded: &CodeRuns, confidence: f64) -> Vec<LiveCheck> {
+pub fn live_checks(scene: &MeasuredScene, live: &MeasuredRun, recorded: &CodeRuns, confidence: f64) -> Vec<LiveCheck> {
     let check = |expectation: &Expectation| {
         let values = recorded.values(&expectation.observable);
         // The spread of some of the runs is not that of all.
@@ -178,7 +178,7 @@ pub fn live_checks(scene: &Scene, live: &MeasuredRun, recorded: &CodeRuns, confi
 const MOST_MOVING: f64 = 0.2;
 
 /// Reason for which runs of these seeds are none that the scene has registered, as a clause; `None` for seeds 1 to the registered number.
-pub(super) fn unregistered(scene: &Scene, seeds: impl Iterator<Item = u64>) -> Option<String> {
+pub(super) fn unregistered(scene: &MeasuredScene, seeds: impl Iterator<Item = u64>) -> Option<String> {
     let mut seeds: Vec<u64> = seeds.collect();
     seeds.sort_unstable();
     let made = plural(seeds.len(), "seed");
@@ -216,7 +216,7 @@ pub(super) struct Settled<'a> {
 impl<'a> Settled<'a> {
     /// Tells runs at rest from others by their kinetic energy per grain; where a scene states no largest one, all runs count. A run without
     /// a kinetic energy is not known to be at rest.
-    pub fn of(scene: &Scene, runs: &'a [MeasuredRun]) -> Settled<'a> {
+    pub fn of(scene: &MeasuredScene, runs: &'a [MeasuredRun]) -> Settled<'a> {
         let largest = scene.measure.rest_energy.map(|energy| energy * scene.grain_count() as f64);
         let is_at_rest = |run: &&MeasuredRun| match (largest, run.value("kinetic_energy")) {
             (None, _) => true,

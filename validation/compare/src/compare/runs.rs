@@ -2,7 +2,7 @@
 
 use super::{CodeSummary, FinalState, Source, Timing};
 use crate::codes::UNDAMPED_TANGENT;
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_frames::provenance::processor;
 use makadam_frames::recording::{Content, Noticed, Recording};
 use makadam_measure::observables::{ForceDistribution, ForcePool, Measurement, Series, measure, series};
@@ -82,7 +82,7 @@ pub struct Harvest {
 
 impl Harvest {
     /// Measures a recording under a law of contacts that ended at `date` on this machine.
-    pub fn of(scene: &Scene, recording: &Recording, contact_law: &str, date: String) -> Harvest {
+    pub fn of(scene: &MeasuredScene, recording: &Recording, contact_law: &str, date: String) -> Harvest {
         let mut forces = ForcePool::new(&recording.code);
         forces.add_recording(scene, recording);
         Harvest {

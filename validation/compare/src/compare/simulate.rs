@@ -5,7 +5,7 @@ use crate::codes::{Code, CodeError, Job, Purpose};
 use crate::study::{Key, RunCache, RunError};
 use makadam::checkpoint::checksum;
 use makadam_frames::output::{file_stem, run_folder};
-use makadam_frames::plan::{Scene, physics_hash};
+use makadam_frames::plan::{MeasuredScene, physics_hash};
 use makadam_frames::provenance::{machine, utc};
 use makadam_frames::recording::{Recording, RecordingError};
 use rayon::prelude::*;
@@ -25,7 +25,7 @@ const PICTURED_SEED: u64 = 1;
 #[derive(Clone)]
 pub struct Runs<'a> {
     /// The scene as its file says it.
-    pub scene: &'a Scene,
+    pub scene: &'a MeasuredScene,
     /// Its file.
     pub scene_file: &'a Path,
     /// Purpose of the runs.
@@ -52,7 +52,7 @@ pub const LIVE_FRACTION: f64 = 0.2;
 impl<'a> Runs<'a> {
     /// One seed for measuring. Scenes, effects and settings of a qualification all ask for a run in this way, so that none is made twice.
     pub fn of_one_seed(
-        scene: &'a Scene,
+        scene: &'a MeasuredScene,
         scene_file: &'a Path,
         seed: u64,
         time_limit: Duration,
@@ -106,7 +106,7 @@ impl Runs<'_> {
     ///
     /// # Errors
     /// [`CodeError`]; what the code wrote is kept then, unless the user asked to stop.
-    pub fn one(&self, code: &dyn Code, scene: &Scene, seed: u64) -> Result<Harvest, CodeError> {
+    pub fn one(&self, code: &dyn Code, scene: &MeasuredScene, seed: u64) -> Result<Harvest, CodeError> {
         let name = self.file_stem(code, seed);
         let work_folder =
             run_folder(&name).map_err(|error| CodeError::Io { path: error.path, source: error.source })?;

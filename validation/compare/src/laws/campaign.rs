@@ -8,7 +8,7 @@ use makadam::Simulation;
 use makadam::snapshot::Snapshot;
 use makadam::watch::Watchdog;
 use makadam_frames::execution::Execution;
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_frames::provenance::{VERSION, scene_hash};
 use makadam_frames::stepping::{Halt, Stepping, steps_in};
 use std::collections::BTreeMap;
@@ -25,13 +25,13 @@ pub struct Case {
     /// Name, unique within the law; a part of file names.
     pub name: String,
     /// Scene; its duration is an upper bound.
-    pub scene: Scene,
+    pub scene: MeasuredScene,
     /// Chosen values, a part of its row.
     pub(crate) given: Values,
 }
 
 impl Case {
-    pub(crate) fn new<const N: usize>(mut scene: Scene, given: [(&str, f64); N]) -> Case {
+    pub(crate) fn new<const N: usize>(mut scene: MeasuredScene, given: [(&str, f64); N]) -> Case {
         scene.solver.restitution_threshold = Some(RESTITUTION_THRESHOLD);
         Case { name: scene.name.clone(), scene, given: values(given) }
     }

@@ -3,7 +3,7 @@
 //! The text is changed where the value stands, so that every other line keeps its number, and read as if it had been written so.
 
 use makadam::scene::{suggestion, wish};
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use std::fmt;
 use std::str::FromStr;
 use toml_edit::{DocumentMut, Item, Key, Table, Value};
@@ -125,7 +125,7 @@ pub fn changed(text: &str, changes: &[Change]) -> Result<String, ChangeError> {
 
 /// All that the scene says, defaults included: what stands for a table that the text leaves out.
 fn defaults(text: &str) -> Option<Item> {
-    let scene = Scene::parse(text).ok()?;
+    let scene = MeasuredScene::parse(text).ok()?;
     let written = toml::to_string(&scene).ok()?;
     Some(written.parse::<DocumentMut>().ok()?.as_item().clone())
 }

@@ -8,7 +8,7 @@ mod schema;
 
 pub use change::{Change, ChangeError, changed, key_of};
 use makadam::scene::{SceneFileError, suggestion};
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_measure::observables::catalogue;
 pub use schema::{page, schema};
 use std::io::{Error, ErrorKind, Read};
@@ -148,13 +148,13 @@ fn standard_input() -> Result<String, SceneError> {
 }
 
 /// Reads and checks a scene: also that what it compares is what it measures.
-pub fn load(file: &Path) -> Result<Scene, SceneError> {
+pub fn load(file: &Path) -> Result<MeasuredScene, SceneError> {
     parse(&text(file)?, file)
 }
 
 /// Reads and checks the text of a scene that is said to be in a file.
-pub fn parse(text: &str, file: &Path) -> Result<Scene, SceneError> {
-    let scene = Scene::parse(text).map_err(|error| error.in_file(file, Some(text)))?;
+pub fn parse(text: &str, file: &Path) -> Result<MeasuredScene, SceneError> {
+    let scene = MeasuredScene::parse(text).map_err(|error| error.in_file(file, Some(text)))?;
     catalogue::check(&scene, text, file)?;
     Ok(scene)
 }

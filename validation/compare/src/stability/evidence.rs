@@ -4,13 +4,13 @@ use makadam::scene::{Grain, Material, NormalLaw};
 use makadam::snapshot::{Particle, Partner, Snapshot};
 use makadam::wall::PlacedWalls;
 use makadam_frames::neighbours::close_pairs;
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
 /// A scene, the grains that it started from, and the frames of a run.
 pub(crate) struct Evidence<'a> {
-    scene: &'a Scene,
+    scene: &'a MeasuredScene,
     grains: &'a [Grain],
     frames: &'a [Snapshot],
     masses: Vec<f64>,
@@ -18,7 +18,7 @@ pub(crate) struct Evidence<'a> {
 
 impl<'a> Evidence<'a> {
     /// Evidence of a run; `frames` holds at least one frame.
-    pub(crate) fn new(scene: &'a Scene, grains: &'a [Grain], frames: &'a [Snapshot]) -> Evidence<'a> {
+    pub(crate) fn new(scene: &'a MeasuredScene, grains: &'a [Grain], frames: &'a [Snapshot]) -> Evidence<'a> {
         let mass = |grain: &Grain| 4.0 / 3.0 * PI * grain.radius.powi(3) * scene.material[&grain.material].density;
         Evidence { scene, grains, frames, masses: grains.iter().map(mass).collect() }
     }

@@ -14,7 +14,7 @@ use crate::study::Finding;
 pub use campaign::Campaign;
 pub use catalogue::catalogue;
 pub(crate) use evidence::Evidence;
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_view::draw::numbers::four_digits;
 use serde::{Deserialize, Serialize};
 
@@ -36,7 +36,7 @@ pub struct Case {
     pub peer_step: Option<f64>,
     /// Scene.
     #[serde(skip)]
-    pub scene: Scene,
+    pub scene: MeasuredScene,
     #[serde(skip)]
     pub(crate) judge: Judge,
 }
@@ -48,7 +48,7 @@ impl Case {
     /// Makes a case of the quick catalogue in which every code takes its own time step.
     pub(crate) fn new(
         group: &'static str,
-        scene: Scene,
+        scene: MeasuredScene,
         right: impl Into<String>,
         source: &'static str,
         judge: impl Fn(&Evidence<'_>) -> Vec<Finding> + Send + Sync + 'static,

@@ -10,7 +10,7 @@ use crate::scenes::SceneError;
 use makadam::BUILD;
 use makadam::checkpoint::checksum;
 use makadam_frames::output::{WriteError, create_folder, write_whole};
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_frames::provenance::scene_hash;
 use rayon::prelude::*;
 use serde::de::DeserializeOwned;
@@ -119,7 +119,7 @@ impl Key {
     }
 
     /// Key of a run of a scene: it follows from scene, watchdogs, seed, builds of solver and validation, and further settings.
-    pub fn of_run(name: String, scene: &Scene, seed: u64, settings: &[&str]) -> Key {
+    pub fn of_run(name: String, scene: &MeasuredScene, seed: u64, settings: &[&str]) -> Key {
         let watch = serde_json::to_string(&scene.watch).expect("a checked scene holds finite numbers and plain text");
         let (hash, seed) = (format!("{:016x}", scene_hash(scene)), seed.to_string());
         Key::new(name, &[&[hash.as_str(), &watch, &seed, BUILD, crate::BUILD], settings].concat())

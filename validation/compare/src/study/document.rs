@@ -3,7 +3,7 @@
 use super::report::Report;
 use makadam_frames::output::cells::csv;
 use makadam_frames::output::{WriteError, create_folder, write_whole};
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_view::draw::figure::Figure;
 use makadam_view::draw::svg::standalone;
 use serde::Serialize;
@@ -110,7 +110,7 @@ fn drawn(figure: &Figure) -> File {
 }
 
 /// Writes scenes to `scenes/NAME.toml` in a folder, to be run by hand.
-pub fn write_scenes<'a>(scenes: impl IntoIterator<Item = &'a Scene>, folder: &Path) -> Result<(), WriteError> {
+pub fn write_scenes<'a>(scenes: impl IntoIterator<Item = &'a MeasuredScene>, folder: &Path) -> Result<(), WriteError> {
     let folder = folder.join("scenes");
     create_folder(&folder)?;
     scenes.into_iter().try_for_each(|scene| {

@@ -8,7 +8,7 @@ fn a_grain_has_the_diameter_density_and_place_of_the_scene() {
              domain = { min = [-0.1, -0.1, -0.2], max = [0.1, 0.1, 0.2] }\n[material.glass]\ndensity = 2500.0\n\
              youngs_modulus = 1e7\npoisson_ratio = 0.3\nfriction = 0.5\nrestitution = 0.3\n[[grain]]\nmaterial = 'glass'\n\
              radius = 0.005\nposition = [0.01, -0.02, 0.03]\nvelocity = [1.0, 2.0, 3.0]\nspin = [4.0, 5.0, 6.0]\n";
-    let scene = Scene::parse(scene).unwrap();
+    let scene = MeasuredScene::parse(scene).unwrap();
     let grains = makadam::scene::populate(&scene, 1).unwrap();
     let text = data(&scene, &grains, &Palette::new(&scene, &grains), 1);
     let row = |heading: &str| -> Vec<f64> {

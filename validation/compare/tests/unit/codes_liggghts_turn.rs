@@ -4,7 +4,7 @@ use super::*;
 
 #[test]
 fn a_drum_about_y_lies_along_z_and_comes_back() {
-    let drum = Scene::parse(include_str!("../../../templates/drum.toml")).unwrap();
+    let drum = MeasuredScene::parse(include_str!("../../../templates/drum.toml")).unwrap();
     let turn = Turn::of(&drum);
     let turned = turn.scene(&drum);
     let shell = turned.wall.iter().find_map(|wall| match (&wall.shape, &wall.motion) {

@@ -3,9 +3,9 @@ use makadam::snapshot::Particle;
 use makadam_frames::plan::physics_hash;
 use makadam_measure::observables::Measurement;
 
-pub(super) fn sample() -> (Scene, Reference) {
+pub(super) fn sample() -> (MeasuredScene, Reference) {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../reference-scenes/packing/scene.toml");
-    let scene = Scene::load(&file).unwrap();
+    let scene = MeasuredScene::load(&file).unwrap();
     let run = |code: &str, seed| MeasuredRun {
         code: code.into(),
         version: "1.0, Debian".into(),

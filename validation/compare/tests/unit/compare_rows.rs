@@ -10,9 +10,9 @@ use statrs::distribution::{ContinuousCDF, Normal};
 use std::path::Path;
 
 /// The packing with the margin of its packing fraction that these tests count by, any run at rest, and so many seeds registered.
-fn packing(seeds: u64) -> Scene {
+fn packing(seeds: u64) -> MeasuredScene {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../reference-scenes/packing/scene.toml");
-    let mut scene = Scene::load(&file).unwrap();
+    let mut scene = MeasuredScene::load(&file).unwrap();
     scene.compare[0].margin = Some(0.006);
     (scene.measure.seeds, scene.measure.rest_energy) = (Some(seeds), None);
     scene
@@ -102,7 +102,7 @@ fn one_seed_is_undecided() {
 }
 
 /// The packing, compared by its packing fraction alone.
-pub fn packing_fraction(seeds: u64) -> Scene {
+pub fn packing_fraction(seeds: u64) -> MeasuredScene {
     let mut scene = packing(seeds);
     scene.compare.truncate(1);
     scene
@@ -187,7 +187,7 @@ fn a_live_run_is_held_against_the_recorded_spread() {
     assert_eq!(outside[0].inside(), Some(false));
 }
 
-fn first_outcome(scene: &Scene, codes: &[CodeRuns]) -> Outcome {
+fn first_outcome(scene: &MeasuredScene, codes: &[CodeRuns]) -> Outcome {
     comparison(scene, codes, Vec::new()).rows[0].outcome.unwrap()
 }
 
@@ -196,7 +196,7 @@ fn agreement_counts_for_registered_seeds_alone() {
     let values = [0.585, 0.586, 0.587, 0.586];
     let codes = [code("Makadam", &values), code("YADE", &values)];
     assert_eq!(first_outcome(&packing_fraction(4), &codes), Outcome::Agree);
-    let said = |scene: &Scene, codes: &[CodeRuns]| {
+    let said = |scene: &MeasuredScene, codes: &[CodeRuns]| {
         assert_eq!(first_outcome(scene, codes), Outcome::Exploratory);
         comparison(scene, codes, Vec::new()).unregistered().unwrap()
     };

@@ -2,8 +2,8 @@
 
 use super::*;
 
-fn smoke() -> Scene {
-    Scene::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/scenes/smoke.toml")).unwrap()
+fn smoke() -> MeasuredScene {
+    MeasuredScene::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/scenes/smoke.toml")).unwrap()
 }
 
 fn bytes(label: &Label) -> Vec<u8> {

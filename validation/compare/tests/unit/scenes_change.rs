@@ -6,9 +6,9 @@ fn drum() -> String {
     crate::scenes::text(&crate::scenes::find("drum", &[]).unwrap()).unwrap()
 }
 
-fn with(changes: &[&str]) -> Result<Scene, ChangeError> {
+fn with(changes: &[&str]) -> Result<MeasuredScene, ChangeError> {
     let changes: Vec<Change> = changes.iter().map(|change| change.parse().unwrap()).collect();
-    Ok(Scene::parse(&changed(&drum(), &changes)?).unwrap())
+    Ok(MeasuredScene::parse(&changed(&drum(), &changes)?).unwrap())
 }
 
 #[test]

@@ -5,7 +5,7 @@ use super::identity::Numbers;
 use super::manifest::{Manifest, Missing};
 use super::table::{FrameTable, ImportError};
 use crate::neighbours::close_pairs_in;
-use crate::plan::Scene;
+use crate::plan::MeasuredScene;
 use crate::recording::LARGEST;
 use makadam::effects::period::Period;
 use makadam::snapshot::{Contact, Particle, Partner, Snapshot};
@@ -126,7 +126,7 @@ pub(super) fn vector(row: &[f64], [x, y, z]: [usize; 3]) -> Vector3<f64> {
 
 /// Contacts of a frame as its files list them.
 pub(super) struct ContactList<'a> {
-    scene: &'a Scene,
+    scene: &'a MeasuredScene,
     manifest: &'a Manifest,
     numbers: &'a Numbers,
     particles: &'a [Particle],
@@ -139,7 +139,12 @@ pub(super) struct ContactList<'a> {
 }
 
 impl<'a> ContactList<'a> {
-    pub fn new(scene: &'a Scene, manifest: &'a Manifest, numbers: &'a Numbers, particles: &'a [Particle]) -> Self {
+    pub fn new(
+        scene: &'a MeasuredScene,
+        manifest: &'a Manifest,
+        numbers: &'a Numbers,
+        particles: &'a [Particle],
+    ) -> Self {
         let (contacts, pairs, walls) = (Vec::new(), BTreeSet::new(), BTreeMap::new());
         ContactList { scene, manifest, numbers, particles, contacts, pairs, walls }
     }

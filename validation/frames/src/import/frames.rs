@@ -4,7 +4,7 @@ use super::Tables;
 use super::columns::Column;
 use super::manifest::{Manifest, Missing};
 use super::table::{FrameTable, ImportError};
-use crate::plan::Scene;
+use crate::plan::MeasuredScene;
 use crate::recording::Content;
 use std::path::Path;
 
@@ -23,7 +23,7 @@ pub(super) struct Frame<'t> {
 
 /// Files of a run, put together step by step; statements that are missing are reported at once.
 pub(super) struct Assembly<'a> {
-    pub scene: &'a Scene,
+    pub scene: &'a MeasuredScene,
     pub manifest: &'a Manifest,
     pub tables: &'a Tables,
     pub missing: Missing,

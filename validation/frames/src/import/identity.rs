@@ -8,7 +8,7 @@ use super::columns::Column;
 use super::frames::{Assembly, Frame};
 use super::manifest::{Manifest, Missing, known_kinds};
 use super::table::{FrameTable, ImportError};
-use crate::plan::{Alike, Roster, Scene};
+use crate::plan::{Alike, MeasuredScene, Roster};
 use crate::recording::SAME_SIZE;
 use makadam::scene::populate;
 use std::collections::{BTreeMap, BTreeSet};
@@ -26,7 +26,7 @@ struct Row<'t> {
 
 /// Grains of frames, matched with those of a scene.
 pub(super) struct Identity<'a> {
-    scene: &'a Scene,
+    scene: &'a MeasuredScene,
     manifest: &'a Manifest,
     groups: Vec<Alike>,
     /// Number in the files of the scene's first grain, where they number grains as the scene does.
@@ -34,7 +34,7 @@ pub(super) struct Identity<'a> {
 }
 
 impl<'a> Identity<'a> {
-    pub fn new(scene: &'a Scene, manifest: &'a Manifest, frames: &[Frame<'_>]) -> Identity<'a> {
+    pub fn new(scene: &'a MeasuredScene, manifest: &'a Manifest, frames: &[Frame<'_>]) -> Identity<'a> {
         let own = frames.first().and_then(|frame| frame.grains.first_id);
         let own = own.filter(|first| frames.iter().all(|frame| frame.grains.first_id == Some(*first)));
         Identity { scene, manifest, groups: Roster::new(scene).groups, first_id: manifest.first_id.or(own) }

@@ -11,7 +11,7 @@
 
 use super::columns::{StatedColumns, number as read_number};
 use super::table::{FrameTable, ImportError};
-use crate::plan::Scene;
+use crate::plan::MeasuredScene;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -90,7 +90,7 @@ impl Manifest {
     ///
     /// # Errors
     /// The key, its value and what the scene has.
-    pub fn check(&self, scene: &Scene) -> Result<(), String> {
+    pub fn check(&self, scene: &MeasuredScene) -> Result<(), String> {
         let known = known_kinds(scene);
         if let Some((value, name)) = self.kinds.iter().find(|(_, name)| !known.contains(name)) {
             return Err(format!("kinds: {value}={name}: the scene has no {name}; it has {}", known.join(", ")));
@@ -125,7 +125,7 @@ impl Manifest {
 }
 
 /// Names that `kinds` may use: materials, and populations by their numbers.
-pub(super) fn known_kinds(scene: &Scene) -> Vec<String> {
+pub(super) fn known_kinds(scene: &MeasuredScene) -> Vec<String> {
     let populations = (0..scene.population.len()).map(|number| format!("population.{number}"));
     scene.material.keys().cloned().chain(populations).collect()
 }

@@ -27,7 +27,7 @@ pub use format::parse;
 pub use manifest::{FilePattern, Manifest};
 pub use table::{FrameTable, ImportError, Periods};
 
-use crate::plan::Scene;
+use crate::plan::MeasuredScene;
 use crate::recording::{Content, Recording, outside_domain};
 use contacts::{Columns, ContactList, vector};
 use frames::{Assembly, Frame};
@@ -104,7 +104,7 @@ impl Tables {
 ///
 /// # Errors
 /// [`ImportError`] with file and line: statements that are missing, or contradict the scene or one another.
-pub fn assemble(scene: &Scene, manifest: &Manifest, tables: &Tables) -> Result<Recording, ImportError> {
+pub fn assemble(scene: &MeasuredScene, manifest: &Manifest, tables: &Tables) -> Result<Recording, ImportError> {
     if tables.grains.is_empty() {
         return Err(ImportError::new(Path::new("-"), 1, "no file has a frame; give files of grains"));
     }
@@ -152,7 +152,7 @@ pub fn assemble(scene: &Scene, manifest: &Manifest, tables: &Tables) -> Result<R
 }
 
 /// Contents that some frames lack.
-fn lacks(scene: &Scene, tables: &Tables) -> Vec<Content> {
+fn lacks(scene: &MeasuredScene, tables: &Tables) -> Vec<Content> {
     let driven: Vec<u32> =
         (0..).zip(&scene.wall).filter(|(_, wall)| wall.motion.is_driven()).map(|(wall, _)| wall).collect();
     let states_poses =
@@ -249,7 +249,7 @@ fn image(domain: &Domain, point: Vector3<f64>) -> Vector3<f64> {
 }
 
 /// Notes on measured frames: grains outside the domain, and forces none of which pushes.
-pub fn unlike<'f>(scene: &Scene, frames: impl Iterator<Item = &'f Snapshot> + Clone) -> Vec<String> {
+pub fn unlike<'f>(scene: &MeasuredScene, frames: impl Iterator<Item = &'f Snapshot> + Clone) -> Vec<String> {
     let may_leave = scene.watch.on_escape == Reaction::Ignore;
     let outside = frames.clone().find_map(|frame| outside_domain(frame, scene)).filter(|_| !may_leave);
     let mut contacts = frames.flat_map(|frame| &frame.contacts).peekable();

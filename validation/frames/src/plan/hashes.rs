@@ -1,14 +1,14 @@
 //! Hashes of scenes, by which stored results are found again.
 
-use super::Scene;
+use super::MeasuredScene;
 use makadam::checkpoint::checksum;
 use makadam::scene::Watch;
 use serde::Serialize;
 
 /// Hash of everything that a scene says of what is simulated (64-bit FNV-1a over its JSON form), the same on every machine. What a
 /// run watches for is left out: it changes when a run ends, and nothing of what came before.
-pub fn scene_hash(scene: &Scene) -> u64 {
-    let Scene { simulated, prepare, measure, output, compare } = scene;
+pub fn scene_hash(scene: &MeasuredScene) -> u64 {
+    let MeasuredScene { simulated, prepare, measure, output, compare } = scene;
     let simulated = json(&makadam::scene::Scene { watch: Watch::default(), ..simulated.clone() });
     let accuracy =
         scene.accuracy.as_ref().map_or(String::new(), |accuracy| format!(",\"accuracy\":{}", json(accuracy)));
@@ -29,17 +29,17 @@ fn json(part: &impl Serialize) -> String {
 /// Hash of what every code is given of a scene and of the times at which it is measured, 16
 /// hexadecimal digits. Names, Makadam's own settings and output, margins and registered seeds are left out: they
 /// may change without a new recording.
-pub fn physics_hash(scene: &Scene) -> String {
+pub fn physics_hash(scene: &MeasuredScene) -> String {
     hash_without(scene, &[], &["observables", "seeds", "rest_energy"])
 }
 
 /// Hash of the physics of a scene alone, 16 hexadecimal digits: what is measured and how long it is run are left out, too.
-pub fn setup_hash(scene: &Scene) -> String {
+pub fn setup_hash(scene: &MeasuredScene) -> String {
     hash_without(scene, &["measure", "duration"], &[])
 }
 
 /// Hash of a scene without what only Makadam is told, and without further keys of it and of its table `measure`.
-fn hash_without(scene: &Scene, keys: &[&str], of_measure: &[&str]) -> String {
+fn hash_without(scene: &MeasuredScene, keys: &[&str], of_measure: &[&str]) -> String {
     let mut physics = serde_json::to_value(scene).expect("a checked scene holds finite numbers");
     let mut remove = |table: &str, keys: &[&str]| {
         if let Some(table) = physics.pointer_mut(table).and_then(|table| table.as_object_mut()) {

@@ -1,6 +1,6 @@
 //! Materials and populations of grains, by the numbers that grains have in frames.
 
-use super::Scene;
+use super::MeasuredScene;
 use makadam::snapshot::Snapshot;
 
 /// Grains of a scene in the order of their numbers: listed grains, then population after population.
@@ -34,7 +34,7 @@ pub struct Kind {
 
 impl Roster {
     /// Reads the grains of a checked scene.
-    pub fn new(scene: &Scene) -> Roster {
+    pub fn new(scene: &MeasuredScene) -> Roster {
         // A checked scene names no material that is not there.
         let number = |name: &str| scene.material.keys().position(|material| material == name).unwrap_or(0) as u8;
         let listed = scene.grain.iter().map(|grain| (1, (grain.radius, grain.radius), &grain.material, None));

@@ -4,7 +4,7 @@ use super::columns::{Kind, Part};
 use super::frame::{FrameTables, Quantity, RunFrame};
 use super::store::Store;
 use crate::output::RunFiles;
-use crate::plan::{Scene, setup_hash};
+use crate::plan::{MeasuredScene, setup_hash};
 use crate::provenance::VERSION;
 use crate::recording::{Content, Recording};
 use makadam::scene::Motion;
@@ -94,7 +94,7 @@ impl RunFrames {
     }
 
     /// Takes frames of a scene in memory, at least one, in the order of time.
-    pub fn in_memory(scene: &Scene, frames: Vec<Arc<Snapshot>>) -> RunFrames {
+    pub fn in_memory(scene: &MeasuredScene, frames: Vec<Arc<Snapshot>>) -> RunFrames {
         let tables = Arc::new(FrameTables::new(scene));
         RunFrames { folder: PathBuf::new(), source: Source::Memory(frames), tables, alarms: None, seed: None }
     }
@@ -208,7 +208,7 @@ impl RunFrames {
     ///
     /// # Errors
     /// [`RunFolderError`] if a frame cannot be read.
-    pub fn recording(&self, code: &str, seed: u64, scene: &Scene) -> Result<Recording, RunFolderError> {
+    pub fn recording(&self, code: &str, seed: u64, scene: &MeasuredScene) -> Result<Recording, RunFolderError> {
         let frames = (0..self.count()).map(|number| self.snapshot(number).map(Arc::unwrap_or_clone));
         let frames = frames.collect::<Result<Vec<Snapshot>, _>>()?;
         let own = &self.tables.scene;
@@ -225,7 +225,7 @@ impl RunFrames {
     }
 
     /// Returns a note if the run is of another scene than the given one.
-    fn of_other_scene(&self, scene: &Scene) -> Option<String> {
+    fn of_other_scene(&self, scene: &MeasuredScene) -> Option<String> {
         let own = &self.tables.scene;
         let folder = self.folder.display();
         (setup_hash(own) != setup_hash(scene)).then(|| {

@@ -2,7 +2,7 @@
 
 use super::columns::{Column, DOUBLES, Number, Part, REAL, Shape, VECTOR, WHOLE, pose_columns};
 use super::walls::{Triangles, Walls};
-use crate::plan::{GrainField, Roster, Scene};
+use crate::plan::{GrainField, MeasuredScene, Roster};
 use makadam::snapshot::{Particle, Partner, Snapshot};
 use nalgebra::Vector3;
 use std::cell::OnceCell;
@@ -109,7 +109,7 @@ struct Load {
 /// with the force f on the grain and the branch vector l from its centre to the contact point; pressure is positive. It is the virial of
 /// Love and Weber for one grain, exact for a grain in balance: J. Christoffersen, M. M. Mehrabadi and S. Nemat-Nasser, A micromechanical
 /// description of granular material behavior, Journal of Applied Mechanics 48 (1981), 339-344.
-fn loads(frame: &Snapshot, scene: &Scene) -> Vec<Load> {
+fn loads(frame: &Snapshot, scene: &MeasuredScene) -> Vec<Load> {
     let period = scene.domain.period();
     let mut loads = vec![Load::default(); frame.particles.len()];
     let mut add = |id: u32, point: [f64; 3], force: Vector| {
@@ -183,7 +183,7 @@ pub struct Quantity {
 
 impl RunFrame {
     /// Returns the grains of a state with the walls of its scene, but for walls that a force drives: their position is not stored.
-    pub fn of_state(scene: &Scene, time: f64, particles: &[Particle]) -> RunFrame {
+    pub fn of_state(scene: &MeasuredScene, time: f64, particles: &[Particle]) -> RunFrame {
         let is_finite =
             |grain: &&Particle| grain.position.iter().chain(&grain.velocity).all(|number| number.is_finite());
         let particles = particles.iter().filter(is_finite).cloned().collect();
@@ -231,7 +231,7 @@ impl RunFrame {
 /// Converts snapshots of a scene to frames, and to parts of exports.
 #[derive(Clone, Debug)]
 pub(crate) struct FrameTables {
-    pub scene: Scene,
+    pub scene: MeasuredScene,
     /// Density of each material, kg/m3.
     densities: Vec<f64>,
     roster: Roster,
@@ -240,7 +240,7 @@ pub(crate) struct FrameTables {
 }
 
 impl FrameTables {
-    pub fn new(scene: &Scene) -> FrameTables {
+    pub fn new(scene: &MeasuredScene) -> FrameTables {
         FrameTables {
             densities: scene.material.values().map(|material| material.density).collect(),
             roster: Roster::new(scene),

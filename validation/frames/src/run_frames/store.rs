@@ -7,7 +7,7 @@
 //! A process that is killed leaves at most its last record incomplete: readers end before it, and a resumed run overwrites it.
 
 use crate::output::{WriteError, open_to_grow};
-use crate::plan::Scene;
+use crate::plan::MeasuredScene;
 use makadam::checkpoint::{open, seal};
 use makadam::snapshot::Snapshot;
 use serde::{Deserialize, Serialize};
@@ -62,7 +62,7 @@ impl StoreWriter {
     ///
     /// # Errors
     /// [`WriteError`] if the system refuses.
-    pub fn create(path: &Path, scene: &Scene) -> Result<StoreWriter, WriteError> {
+    pub fn create(path: &Path, scene: &MeasuredScene) -> Result<StoreWriter, WriteError> {
         let refused = |error| WriteError::new(path, error);
         // A link would lead to a file of another owner.
         let _ = std::fs::remove_file(path);
@@ -140,7 +140,7 @@ impl StoreWriter {
 #[derive(Clone, Debug)]
 pub struct Store {
     path: PathBuf,
-    scene: Scene,
+    scene: MeasuredScene,
     /// Bytes of the record of the scene.
     head: u64,
     entries: Vec<Entry>,
@@ -174,7 +174,7 @@ impl Store {
     }
 
     /// Returns the scene.
-    pub(crate) fn scene(&self) -> &Scene {
+    pub(crate) fn scene(&self) -> &MeasuredScene {
         &self.scene
     }
 

@@ -29,7 +29,9 @@ const SCENE: &str = r#"
 #[test]
 fn hashes_are_those_of_recorded_results() {
     let hash = |more: &str| {
-        scene_hash(&Scene::parse(&SCENE.replace("[material.glass]", &format!("{more}\n[material.glass]"))).unwrap())
+        scene_hash(
+            &MeasuredScene::parse(&SCENE.replace("[material.glass]", &format!("{more}\n[material.glass]"))).unwrap(),
+        )
     };
     assert_eq!(format!("{:016x}", hash("")), "5a631b7a1c620ec7");
     let prepared = "prepare = { duration = 0.01, step = 1e-3 }\noutput = { contacts = false }";

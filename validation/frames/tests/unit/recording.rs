@@ -8,7 +8,7 @@ use std::path::PathBuf;
 fn frames_of_another_scene_are_told_apart() {
     let scene = |name: &str| {
         let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../reference-scenes");
-        Scene::load(&root.join(name).join("scene.toml")).unwrap()
+        MeasuredScene::load(&root.join(name).join("scene.toml")).unwrap()
     };
     let (drum, packing) = (scene("drum"), scene("packing"));
     let simulation = makadam::Simulation::new(&drum, 1).unwrap();

@@ -1,7 +1,7 @@
 //! Unit tests of `src/run_frames/walls.rs`.
 
 use super::*;
-use crate::plan::Scene;
+use crate::plan::MeasuredScene;
 use std::f64::consts::TAU;
 
 const WALLS: &str = r#"
@@ -60,7 +60,7 @@ const WALLS: &str = r#"
 
 #[test]
 fn corners_lie_on_the_walls_and_move_with_them() {
-    let scene = Scene::parse(WALLS).unwrap();
+    let scene = MeasuredScene::parse(WALLS).unwrap();
     let mesh = FrameTables::new(&scene);
     let driven = |displacement| vec![DrivenWall { wall: 3, displacement, rate: 0.25 }];
     let (early, late) = (mesh.walls_part(0.4, &driven(0.1)), mesh.walls_part(0.5, &driven(0.2)));

@@ -7,7 +7,7 @@ use super::{
     packing_fraction, static_angle,
 };
 use makadam::scene::{Motion, SceneFileError, Shape, Wall, line_of, suggestion};
-use makadam_frames::plan::{Observable, Scene};
+use makadam_frames::plan::{MeasuredScene, Observable};
 use makadam_frames::recording::Content;
 use serde::Serialize;
 use std::path::Path;
@@ -112,7 +112,7 @@ pub fn definition(quantity: &str) -> Option<&'static Definition> {
 
 /// Content that a quantity needs of frames of a scene and that these lack, if any. Quantities that rest on distances from walls need the
 /// poses of those that a force or a torque drives, those of drums the rates of walls that a torque drives.
-pub fn missing(scene: &Scene, quantity: &str, lacks: &[Content]) -> Option<Content> {
+pub fn missing(scene: &MeasuredScene, quantity: &str, lacks: &[Content]) -> Option<Content> {
     let definition = definition(quantity)?;
     let is_driven = |wall: &&Wall| wall.motion.is_driven();
     let needs_poses = match group_of(quantity)?.0 {
@@ -174,7 +174,7 @@ pub fn group_of(quantity: &str) -> Option<(Observable, &'static str)> {
 ///
 /// # Errors
 /// [`SceneFileError::Invalid`] with the line, and the nearest names or what to add.
-pub fn check(scene: &Scene, text: &str, file: &Path) -> Result<(), SceneFileError> {
+pub fn check(scene: &MeasuredScene, text: &str, file: &Path) -> Result<(), SceneFileError> {
     for (index, expectation) in scene.compare.iter().enumerate() {
         let name = expectation.observable.as_str();
         let invalid = |problem: String, remedy: String| {

@@ -22,7 +22,7 @@ use super::walls::PlacedWalls;
 use crate::statistics::{block_count, standard_error};
 use makadam::scene::{Shape, Wall};
 use makadam::snapshot::Snapshot;
-use makadam_frames::plan::{Observable, Scene, lasting_number};
+use makadam_frames::plan::{MeasuredScene, Observable, lasting_number};
 use nalgebra::Vector3;
 use std::collections::HashMap;
 
@@ -75,7 +75,7 @@ struct PlacedOutlet {
 
 impl Outlet {
     /// The scene's first disc with a hole; absent where there is none.
-    fn find(scene: &Scene) -> Option<Outlet> {
+    fn find(scene: &MeasuredScene) -> Option<Outlet> {
         scene.wall.iter().enumerate().find_map(|(wall, known)| match &known.shape {
             Shape::Disc { centre, normal, hole, radius } if *hole > 0.0 => {
                 let (point, normal) = (Vector3::from(*centre), Vector3::from(*normal).normalize());

@@ -3,7 +3,7 @@
 use super::walls::PlacedWalls;
 use makadam::scene::{Motion, Shape, Wall};
 use makadam::snapshot::Snapshot;
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use nalgebra::Vector3;
 
 /// Sine of an angle, and share of a drum's radius, within which two axes are one: a file has few digits.
@@ -34,7 +34,7 @@ pub struct Drum {
 impl Drum {
     /// Finds the drum of a scene: the first cylinder whose motion turns it about its own axis, if that is at least 45 degrees from
     /// gravity (m/s2). It is as before its motion begins.
-    pub fn find(scene: &Scene, gravity: Vector3<f64>) -> Option<Drum> {
+    pub fn find(scene: &MeasuredScene, gravity: Vector3<f64>) -> Option<Drum> {
         let gravity = gravity.try_normalize(1e-12)?;
         scene.wall.iter().enumerate().find_map(|(shell, wall)| {
             let Shape::Cylinder { base, axis, radius, length } = &wall.shape else { return None };
@@ -48,7 +48,7 @@ impl Drum {
     }
 
     /// The drum as it turns at the time of a frame.
-    pub fn at(mut self, scene: &Scene, frame: &Snapshot) -> Drum {
+    pub fn at(mut self, scene: &MeasuredScene, frame: &Snapshot) -> Drum {
         let walls = PlacedWalls::at(scene, frame);
         let spin = walls.spin_of(self.shell);
         self.rate = spin.dot(&self.axis);

@@ -4,7 +4,7 @@ use super::frames::{Frames, Wrapped};
 use super::measured_frames;
 use super::setting::{Properties, Setting};
 use super::view::View;
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_frames::recording::Recording;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -45,12 +45,12 @@ impl ForcePool {
     }
 
     /// Adds the bulk contacts between grains of a recording's measured frames.
-    pub fn add_recording(&mut self, scene: &Scene, recording: &Recording) {
+    pub fn add_recording(&mut self, scene: &MeasuredScene, recording: &Recording) {
         let Ok(()) = self.add_frames(scene, &measured_frames(scene, recording)[..]);
     }
 
     /// Adds the bulk contacts between grains of these frames of one run.
-    pub fn add_frames<F: Frames + ?Sized>(&mut self, scene: &Scene, frames: &F) -> Result<(), F::Error> {
+    pub fn add_frames<F: Frames + ?Sized>(&mut self, scene: &MeasuredScene, frames: &F) -> Result<(), F::Error> {
         let (frames, properties) = (Wrapped::new(frames, &scene.domain), Properties::new(scene));
         frames.each(&mut |frame| {
             let setting = Setting::new(&properties, frame);
@@ -128,7 +128,7 @@ impl ForceDistribution {
 }
 
 /// Distribution of normal forces of several runs of one code, in 32 bins of a quarter of the mean force.
-pub fn force_distribution(scene: &Scene, recordings: &[Recording]) -> ForceDistribution {
+pub fn force_distribution(scene: &MeasuredScene, recordings: &[Recording]) -> ForceDistribution {
     let mut pool = ForcePool::new(recordings.first().map_or("", |recording| &recording.code));
     recordings.iter().for_each(|recording| pool.add_recording(scene, recording));
     pool.distribution(32, 0.25)

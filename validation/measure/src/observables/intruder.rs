@@ -5,7 +5,7 @@ use super::measurement::Readings;
 use super::setting::{Properties, Setting};
 use super::view::View;
 use makadam::snapshot::{Particle, Snapshot};
-use makadam_frames::plan::{Observable, Scene, lasting_number};
+use makadam_frames::plan::{MeasuredScene, Observable, lasting_number};
 use nalgebra::Vector3;
 
 pub(super) const GROUP: Group = Group {
@@ -24,7 +24,7 @@ pub(super) const GROUP: Group = Group {
 };
 
 /// The intruder in a frame. Listed grains are numbered before all others, so its lasting number is 0.
-fn of<'f>(scene: &Scene, frame: &'f Snapshot) -> Option<&'f Particle> {
+fn of<'f>(scene: &MeasuredScene, frame: &'f Snapshot) -> Option<&'f Particle> {
     scene.grain.first()?;
     frame.particles.iter().find(|grain| lasting_number(frame, grain.id) == 0)
 }

@@ -20,11 +20,11 @@
 //! [`catalogue::definitions`] defines each number; `makadam print observables` prints it.
 //!
 //! ```
-//! use makadam_frames::plan::Scene;
+//! use makadam_frames::plan::MeasuredScene;
 //! use makadam_measure::observables;
 //!
 //! # let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-//! let mut scene = Scene::load(&folder.join("reference-scenes/packing/scene.toml"))?;
+//! let mut scene = MeasuredScene::load(&folder.join("reference-scenes/packing/scene.toml"))?;
 //! scene.population[0].count = 100;
 //! let mut simulation = makadam::Simulation::new(&scene, 1)?;
 //! for _ in 0..400 {
@@ -74,7 +74,7 @@ use bed_surface::BedFields;
 use catalogue::GROUPS;
 use frames::{Frames, Wrapped};
 use makadam::snapshot::Snapshot;
-use makadam_frames::plan::{Observable, Scene};
+use makadam_frames::plan::{MeasuredScene, Observable};
 use makadam_frames::recording::Recording;
 use measurement::Readings;
 use setting::{Properties, Setting};
@@ -82,13 +82,13 @@ use static_angle::HeapFields;
 use view::View;
 
 /// Measures a recording: numbers of [`measured_in`].
-pub fn measure(scene: &Scene, recording: &Recording) -> Vec<Measurement> {
+pub fn measure(scene: &MeasuredScene, recording: &Recording) -> Vec<Measurement> {
     measured_in(scene, recording).measurements
 }
 
 /// Measures a recording: [`measure_frames`] of its [`measured_frames`]; nothing where it has none. A number that needs something that the
 /// frames do not state is left out.
-pub fn measured_in(scene: &Scene, recording: &Recording) -> Measured {
+pub fn measured_in(scene: &MeasuredScene, recording: &Recording) -> Measured {
     let Ok(measured) = measure_frames(scene, &measured_frames(scene, recording)[..]);
     let mut measured = measured.unwrap_or_default();
     measured.measurements.retain(|one| catalogue::missing(scene, &one.observable, &recording.lacks).is_none());
@@ -101,7 +101,7 @@ pub fn measured_in(scene: &Scene, recording: &Recording) -> Measured {
 /// A quantity that cannot be measured (no bulk, no drum, no contacts, grains too far apart or too unlike for a grid of
 /// `effort::most` cells) is left out of the list; none is NaN. A quantity of single frames depends on nothing but the frame and the
 /// scene: its value over several frames is the mean of what [`measure_frames`] gives of each.
-pub fn measure_frames<F: Frames + ?Sized>(scene: &Scene, frames: &F) -> Result<Option<Measured>, F::Error> {
+pub fn measure_frames<F: Frames + ?Sized>(scene: &MeasuredScene, frames: &F) -> Result<Option<Measured>, F::Error> {
     let (frames, properties) = (Wrapped::new(frames, &scene.domain), Properties::new(scene));
     let Some(span) = Span::new(&properties, &frames)? else {
         return Ok(None);
@@ -202,7 +202,7 @@ impl<'a> Span<'a> {
 
 /// Quantities over time, one point a frame, over the whole run: the dynamic angle of repose (degrees) and the height of the intruder (m)
 /// where the scene asks for them. Frames in which the bed has no surface yet are left out.
-pub fn series(scene: &Scene, recording: &Recording) -> Vec<Series> {
+pub fn series(scene: &MeasuredScene, recording: &Recording) -> Vec<Series> {
     let asks = |observable| scene.measure.observables.contains(&observable);
     let properties = Properties::new(scene);
     let one = |observable: &str, points: Vec<(f64, f64)>| {
@@ -221,7 +221,7 @@ pub fn series(scene: &Scene, recording: &Recording) -> Vec<Series> {
 
 /// Frames that are measured: those from `scene.measure.from` on, which are none if the run ended before; the last one where the
 /// scene gives no such time.
-pub fn measured_frames<'a>(scene: &Scene, recording: &'a Recording) -> Vec<&'a Snapshot> {
+pub fn measured_frames<'a>(scene: &MeasuredScene, recording: &'a Recording) -> Vec<&'a Snapshot> {
     let filled: Vec<&Snapshot> = recording.frames.iter().filter(|frame| !frame.particles.is_empty()).collect();
     let first = match scene.measure.from {
         Some(_) => filled.iter().position(|frame| scene.measure.covers(frame.time)).unwrap_or(filled.len()),

@@ -4,7 +4,7 @@ use super::catalogue::{definitions, group_of, missing};
 use super::drum::Drum;
 use super::measurement::Measured;
 use makadam::scene::{DocumentPath, Finding, Severity, Shape};
-use makadam_frames::plan::{Observable, Scene};
+use makadam_frames::plan::{MeasuredScene, Observable};
 use makadam_frames::recording::Content;
 use serde::Serialize;
 
@@ -18,7 +18,7 @@ pub struct Unmeasured {
 }
 
 /// Groups that a scene measures and that have nothing to measure in it, as warnings. `text` is that of its file, for lines.
-pub fn impossible(scene: &Scene, text: Option<&str>) -> Vec<Finding> {
+pub fn impossible(scene: &MeasuredScene, text: Option<&str>) -> Vec<Finding> {
     let root = DocumentPath::default();
     let at = root.key("measure").key("observables");
     let found = scene.measure.observables.iter().filter_map(|group| {
@@ -34,7 +34,7 @@ pub fn impossible(scene: &Scene, text: Option<&str>) -> Vec<Finding> {
 }
 
 /// The name of a group, and what the scene lacks for it.
-fn lack(scene: &Scene, group: Observable) -> Option<(&'static str, &'static str)> {
+fn lack(scene: &MeasuredScene, group: Observable) -> Option<(&'static str, &'static str)> {
     let any = |wanted: fn(&Shape) -> bool| scene.wall.iter().any(|wall| wanted(&wall.shape));
     let drum = "no cylinder turns about its own axis, across gravity";
     let (is_there, lacks) = match group {
@@ -56,13 +56,13 @@ fn lack(scene: &Scene, group: Observable) -> Option<(&'static str, &'static str)
 }
 
 /// Reports whether a scene has a drum under gravity as it is at some time.
-fn has_drum(scene: &Scene) -> bool {
+fn has_drum(scene: &MeasuredScene) -> bool {
     let later = scene.gravity_changes.iter().map(|change| change.gravity);
     std::iter::once(scene.gravity).chain(later).any(|gravity| Drum::find(scene, gravity.into()).is_some())
 }
 
 /// Numbers that a scene measures and that have no value, with the reason; `lacks` is content that the frames do not have.
-pub fn unmeasured(scene: &Scene, lacks: &[Content], measured: &Measured) -> Vec<Unmeasured> {
+pub fn unmeasured(scene: &MeasuredScene, lacks: &[Content], measured: &Measured) -> Vec<Unmeasured> {
     let asked = |name: &str| group_of(name).filter(|(group, _)| scene.measure.observables.contains(group));
     let has = |name: &str| measured.measurements.iter().any(|measured| measured.observable == name);
     let refusal = |group: Observable| measured.refusals.iter().find(|(refused, _)| *refused == group);

@@ -3,13 +3,13 @@
 use super::drum::Drum;
 use makadam::scene::ContactCoefficients;
 use makadam::snapshot::{Contact, Particle, Partner, Snapshot};
-use makadam_frames::plan::{Roster, Scene};
+use makadam_frames::plan::{MeasuredScene, Roster};
 use nalgebra::Vector3;
 
 /// Density, friction and cohesion of a scene's grains and contacts.
 pub struct Properties<'a> {
     /// The scene.
-    pub scene: &'a Scene,
+    pub scene: &'a MeasuredScene,
     /// Materials and populations of grains by their numbers.
     pub roster: Roster,
     density: Vec<f64>,
@@ -19,7 +19,7 @@ pub struct Properties<'a> {
 
 impl<'a> Properties<'a> {
     /// Reads a checked scene.
-    pub fn new(scene: &'a Scene) -> Self {
+    pub fn new(scene: &'a MeasuredScene) -> Self {
         let names: Vec<&String> = scene.material.keys().collect();
         let of_pairs = |a: &&String| names.iter().map(|b| scene.contact_coefficients(a, b, false)).collect();
         let of_walls =
@@ -74,7 +74,7 @@ impl<'a> Setting<'a> {
     }
 
     /// The scene.
-    pub fn scene(&self) -> &'a Scene {
+    pub fn scene(&self) -> &'a MeasuredScene {
         self.properties.scene
     }
 

@@ -2,7 +2,7 @@
 
 use makadam::scene::Domain;
 use makadam::snapshot::Snapshot;
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use nalgebra::Vector3;
 
 /// The walls of a scene at one time, and its periodic ends.
@@ -15,7 +15,7 @@ pub struct PlacedWalls {
 
 impl PlacedWalls {
     /// The walls of a scene at the time of a frame.
-    pub fn at(scene: &Scene, frame: &Snapshot) -> Self {
+    pub fn at(scene: &MeasuredScene, frame: &Snapshot) -> Self {
         let walls = makadam::wall::PlacedWalls::at(&scene.wall, &scene.domain, frame.time, &frame.driven_walls);
         Self { walls, domain: scene.domain.clone() }
     }

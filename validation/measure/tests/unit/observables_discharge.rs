@@ -2,7 +2,7 @@
 
 use super::*;
 use makadam::snapshot::Particle;
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 
 #[test]
 fn frames_at_unequal_times_have_the_rate_of_all_that_passed() {
@@ -27,11 +27,11 @@ fn what_lies_below_has_passed_however_the_disc_is_written_and_wherever_it_moves(
     };
     let at = |time: f64, height: f64| Snapshot { time, particles: vec![grain(height)], ..Snapshot::default() };
     let mass = 2500.0 * 4.0 / 3.0 * std::f64::consts::PI * 0.005_f64.powi(3);
-    let found = |scene: &Scene, frame: &Snapshot| {
+    let found = |scene: &MeasuredScene, frame: &Snapshot| {
         let Ok(measured) = measure(&Properties::new(scene), &[frame][..]);
         measured.unwrap()[0].value
     };
-    let mut scene = Scene::parse(text).unwrap();
+    let mut scene = MeasuredScene::parse(text).unwrap();
     let place =
         scene.wall.iter().position(|wall| matches!(wall.shape, Shape::Disc { hole, .. } if hole > 0.0)).unwrap();
     if let Shape::Disc { normal, .. } = &mut scene.wall[place].shape {
@@ -45,7 +45,7 @@ fn what_lies_below_has_passed_however_the_disc_is_written_and_wherever_it_moves(
 #[test]
 fn the_rate_is_that_at_which_grains_pass() {
     let text = include_str!("../../../templates/silo.toml");
-    let scene = Scene::parse(text).unwrap();
+    let scene = MeasuredScene::parse(text).unwrap();
     let grain = |id: u32, height: f64| Particle {
         id,
         position: [0.0, 0.0, height],
@@ -69,13 +69,13 @@ fn the_rate_is_that_at_which_grains_pass() {
     approx::assert_relative_eq!(measured[1].value, 36.0 * mass, max_relative = 1e-12);
     let Ok(Ok(single)) = measure(&properties, &shown[..1]) else { panic!("it is measured") };
     assert_eq!(single.iter().map(|one| one.observable.as_str()).collect::<Vec<_>>(), ["discharged_mass"]);
-    let drum = Scene::parse(include_str!("../../../templates/drum.toml")).unwrap();
+    let drum = MeasuredScene::parse(include_str!("../../../templates/drum.toml")).unwrap();
     assert_eq!(measure(&Properties::new(&drum), &shown[..]), Ok(Ok(Vec::new())));
 }
 
 /// Frames a second apart of grains through the disc of a silo, each with the numbers and heights (m) of its grains.
 fn deleted(frames: &[&[(u32, f64)]]) -> Result<Vec<Measurement>, String> {
-    let scene = Scene::parse(include_str!("../../../templates/silo.toml")).unwrap();
+    let scene = MeasuredScene::parse(include_str!("../../../templates/silo.toml")).unwrap();
     let grain = |&(id, height): &(u32, f64)| Particle {
         id,
         position: [0.0, 0.0, height],
@@ -109,7 +109,7 @@ fn deleted_grains_stay_discharged() {
 #[test]
 fn what_falls_over_the_outer_edge_has_not_passed() {
     let text = include_str!("../../../templates/silo.toml");
-    let mut scene = Scene::parse(text).unwrap();
+    let mut scene = MeasuredScene::parse(text).unwrap();
     let mass = 2500.0 * 4.0 / 3.0 * std::f64::consts::PI * 0.005_f64.powi(3);
     // The hole has a radius of 40 mm, the disc of 80 mm.
     let frame = |(number, places): (usize, &Vec<[f64; 2]>)| Snapshot {
@@ -126,7 +126,7 @@ fn what_falls_over_the_outer_edge_has_not_passed() {
             .collect(),
         ..Snapshot::default()
     };
-    let measured = |scene: &Scene, places: &[Vec<[f64; 2]>]| {
+    let measured = |scene: &MeasuredScene, places: &[Vec<[f64; 2]>]| {
         let frames: Vec<Snapshot> = places.iter().enumerate().map(frame).collect();
         let Ok(found) = measure(&Properties::new(scene), &frames.iter().collect::<Vec<_>>()[..]);
         found.map(|found| found.iter().find(|one| one.observable == "discharged_mass").unwrap().value)

@@ -11,7 +11,7 @@ fn it_is_the_first_listed_grain_wherever_it_stands_in_the_frame() {
             [[grain]]\nmaterial = 'grain'\nradius = 0.01\nposition = [0, 0.05, 0]\n\
             [[grain]]\nmaterial = 'grain'\nradius = 0.001\nposition = [0, 0, 0]\n\
             [measure]\nfrom = 0.0\nobservables = ['intruder']\n";
-    let mut scene = Scene::parse(text).unwrap();
+    let mut scene = MeasuredScene::parse(text).unwrap();
     let grain = |id: u32, height: f64, speed: f64| Particle {
         id,
         position: [0.03, height, -0.02],
@@ -26,7 +26,7 @@ fn it_is_the_first_listed_grain_wherever_it_stands_in_the_frame() {
     };
     let frames = [at(0.0, 0.05, 5.0), at(0.05, 0.02, 1.0)];
     let shown: Vec<&Snapshot> = frames.iter().collect();
-    let measured = |scene: &Scene| {
+    let measured = |scene: &MeasuredScene| {
         let Ok(measured) = measure_frames(scene, &shown[..]);
         measured.unwrap().measurements.into_iter().map(|one| (one.observable, one.value)).collect::<Vec<_>>()
     };

@@ -5,7 +5,7 @@ use super::*;
 #[test]
 fn what_a_scene_cannot_have_is_said_with_its_line() {
     let text = include_str!("../../../templates/silo.toml");
-    let mut scene = Scene::parse(text).unwrap();
+    let mut scene = MeasuredScene::parse(text).unwrap();
     assert_eq!(impossible(&scene, Some(text)), []);
     use Observable::{Discharge, DrivenWall, DrumFlow, DynamicAngleOfRepose, Intruder, PackingFraction};
     scene.measure.observables = vec![DynamicAngleOfRepose, DrumFlow, DrivenWall, PackingFraction, Discharge, Intruder];

@@ -17,7 +17,7 @@ use makadam_compare::compare::{Announce, Comparison, Reference, ReferenceError, 
 use makadam_compare::scenes::{SceneError, find, known};
 use makadam_compare::study::{DocumentError, RunCache, RunError, damaged_runs};
 use makadam_frames::output::WriteError;
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_frames::provenance::account;
 use makadam_measure::statistics::confidence_of_each;
 pub use one_scene::{Judged, OneScene, codes_against, usual_codes};
@@ -49,7 +49,7 @@ pub struct Settings<'a> {
 }
 
 impl Settings<'_> {
-    fn measuring<'s>(&'s self, scene: &'s Scene, file: &'s Path, seed: u64) -> Runs<'s> {
+    fn measuring<'s>(&'s self, scene: &'s MeasuredScene, file: &'s Path, seed: u64) -> Runs<'s> {
         Runs::of_one_seed(scene, file, seed, self.time_limit, self.announce)
     }
 }
@@ -123,7 +123,7 @@ pub fn qualify(extent: &Extent, settings: &Settings<'_>) -> Result<Qualification
     let threads = rayon::current_num_threads();
     let comparisons: Vec<Comparison> = cases.into_iter().map(|case| case.compared(threads)).collect();
 
-    let scenes: Vec<&Scene> = comparisons.iter().map(|comparison| &comparison.scene).collect();
+    let scenes: Vec<&MeasuredScene> = comparisons.iter().map(|comparison| &comparison.scene).collect();
     let provenance = account(threads, &scenes);
     Ok(Qualification {
         title: format!("Makadam: {} qualification", extent.name),

@@ -7,7 +7,7 @@ pub use makadam_compare::compare::{
     Announce, CodeRuns, Comparison, FEW_SEEDS, Reference, Runs, Simulated, comparison, noticed,
 };
 use makadam_compare::scenes::Change;
-use makadam_frames::plan::{Expectation, Scene};
+use makadam_frames::plan::{Expectation, MeasuredScene};
 use makadam_frames::provenance::account;
 use rayon::prelude::*;
 use std::path::Path;
@@ -16,7 +16,7 @@ use std::time::{Duration, Instant};
 /// Codes to be compared on a scene.
 pub struct OneScene<'a> {
     /// The scene.
-    pub scene: &'a Scene,
+    pub scene: &'a MeasuredScene,
     /// Its file.
     pub scene_file: &'a Path,
     /// Changes to the scene of the file, which the report lists.
@@ -70,7 +70,7 @@ pub struct Judged {
 
 impl OneScene<'_> {
     /// The scene; without registered seeds where its margins, observables or seeds are not those of its file.
-    fn registered(&self) -> Scene {
+    fn registered(&self) -> MeasuredScene {
         let mut scene = self.scene.clone();
         if self.changes.iter().any(|change| REGISTERED.iter().any(|table| change.is_of(table))) {
             scene.measure.seeds = None;
@@ -171,7 +171,7 @@ fn first_seed(code: &dyn Code, runs: &Runs<'_>) -> Result<Simulated, CodeError> 
 }
 
 /// The scene with all that each run of each code has a value of, without a margin where it gives none.
-fn with_all_values(scene: &Scene, codes: &[CodeRuns]) -> Scene {
+fn with_all_values(scene: &MeasuredScene, codes: &[CodeRuns]) -> MeasuredScene {
     let mut scene = scene.clone();
     let is_whole = |code: &&CodeRuns| code.discarded.is_none() && code.failed.is_empty();
     let has = |code: &CodeRuns, name: &str| code.runs.iter().all(|run| run.value(name).is_some());
@@ -193,7 +193,7 @@ const REGISTERED: [&str; 2] = ["measure", "compare"];
 fn from_reference(
     code: &dyn Code,
     reference: Option<&Reference>,
-    scene: &Scene,
+    scene: &MeasuredScene,
     notes: &mut Vec<String>,
 ) -> Result<CodeRuns, QualifyError> {
     let (code, contact_law) = (code.name(), code.contact_law());

@@ -9,7 +9,7 @@ use makadam_compare::compare::{
 };
 use makadam_compare::scenes::{self, SceneError};
 use makadam_compare::study::{RunCache, RunError, run_jobs};
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use std::path::PathBuf;
 use std::sync::Mutex;
 
@@ -44,7 +44,7 @@ pub(super) fn run(jobs: Vec<Job<'_>>) -> Result<(), RunError> {
 }
 
 /// Returns the amount of work of a run: grains times steps times sweeps.
-pub(super) fn weight(scene: &Scene) -> f64 {
+pub(super) fn weight(scene: &MeasuredScene) -> f64 {
     let sweeps = match scene.solver.stop {
         Stop::Sweeps { sweeps } => sweeps,
         _ => GUESSED_SWEEPS,
@@ -56,7 +56,7 @@ pub(super) fn weight(scene: &Scene) -> f64 {
 pub(super) struct Case {
     /// Its folder under `reference-scenes`.
     pub name: &'static str,
-    pub scene: Scene,
+    pub scene: MeasuredScene,
     file: PathBuf,
     recorded: Vec<CodeRuns>,
     seeds: u64,

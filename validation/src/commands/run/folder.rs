@@ -7,7 +7,7 @@ use makadam::BUILD;
 use makadam::checkpoint::{open, seal, sync_folder, write_atomically};
 use makadam_compare::prepared::Label;
 use makadam_frames::output::{RunFiles, WriteError};
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_frames::provenance::scene_hash;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -63,7 +63,7 @@ impl CheckpointFile {
     }
 
     /// Reads the checkpoint of a run of this scene and seed.
-    pub fn read(&self, scene: &Scene, seed: u64) -> Result<Checkpoint, Failure> {
+    pub fn read(&self, scene: &MeasuredScene, seed: u64) -> Result<Checkpoint, Failure> {
         let failed =
             |what: String| Failure::Running(format!("{} {what}; give --restart to start anew", self.0.display()));
         let bytes = std::fs::read(&self.0).map_err(|error| failed(format!("cannot be read: {error}")))?;
@@ -91,7 +91,7 @@ impl CheckpointFile {
 
 impl Checkpoint {
     /// Returns the bytes of a checkpoint.
-    pub fn seal(scene: &Scene, seed: u64, simulation: Vec<u8>, progress: Progress) -> Vec<u8> {
+    pub fn seal(scene: &MeasuredScene, seed: u64, simulation: Vec<u8>, progress: Progress) -> Vec<u8> {
         let label = Label::of(scene, seed);
         let parts = (label, Checkpoint { simulation, progress });
         seal(RUN, &postcard::to_stdvec(&parts).expect("a checkpoint holds only numbers, names and lists"))
@@ -123,7 +123,7 @@ impl Record {
     }
 
     /// Returns true for a run of this scene with these settings and this seed.
-    fn is_of(&self, scene: &Scene, seed: u64) -> bool {
+    fn is_of(&self, scene: &MeasuredScene, seed: u64) -> bool {
         let provenance = &self.document["provenance"];
         provenance["scene_hash"] == format!("{:016x}", scene_hash(scene)) && provenance["seed"] == seed
     }
@@ -153,7 +153,7 @@ pub(super) enum Task {
 /// Decides on the task in a locked folder: files of an earlier run are not touched unless that was requested.
 pub(super) fn task(
     output: &Path,
-    scene: &Scene,
+    scene: &MeasuredScene,
     seed: u64,
     wish: &RunArguments,
     last_step: u64,

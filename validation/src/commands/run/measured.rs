@@ -6,7 +6,7 @@
 use crate::commands::Failure;
 use makadam::snapshot::Snapshot;
 use makadam_frames::output::{RunFiles, WriteError};
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_frames::run_frames::{Store, StoreMark, StoreWriter};
 pub use makadam_measure::observables::frames::Frames;
 use makadam_measure::observables::{self, measure_frames, unmeasured};
@@ -32,14 +32,14 @@ pub(super) struct Mark {
 }
 
 /// Returns true if the measured frames need a store of their own.
-fn needs_own_store(scene: &Scene) -> bool {
+fn needs_own_store(scene: &MeasuredScene) -> bool {
     let contacts = scene.output.as_ref().is_none_or(|output| output.contacts);
     scene.measure.from.is_some() && !(contacts && scene.output_interval() == scene.measure.interval)
 }
 
 impl MeasuredFrames {
     /// Starts without frames.
-    pub fn begin(output: &Path, scene: &Scene) -> Result<MeasuredFrames, WriteError> {
+    pub fn begin(output: &Path, scene: &MeasuredScene) -> Result<MeasuredFrames, WriteError> {
         let path = output.join(RunFiles::MEASURED);
         let own = needs_own_store(scene).then(|| StoreWriter::create(&path, scene)).transpose()?;
         Ok(MeasuredFrames { path, own, last: None })
@@ -56,7 +56,7 @@ impl MeasuredFrames {
     }
 
     /// Takes a frame that is due to be measured.
-    pub fn push(&mut self, scene: &Scene, frame: Snapshot) -> Result<(), WriteError> {
+    pub fn push(&mut self, scene: &MeasuredScene, frame: Snapshot) -> Result<(), WriteError> {
         if scene.measure.from.is_none() {
             self.last = Some(frame);
             return Ok(());
@@ -79,7 +79,11 @@ impl MeasuredFrames {
 
     /// Measures the frames from `scene.measure.from` on, or the last one where the scene gives no such time; `None` if the run has not
     /// reached it. `written` are the frames of the run's store.
-    pub fn measure(&self, scene: &Scene, written: &StoreWriter) -> Result<Option<observables::Measured>, Failure> {
+    pub fn measure(
+        &self,
+        scene: &MeasuredScene,
+        written: &StoreWriter,
+    ) -> Result<Option<observables::Measured>, Failure> {
         if scene.measure.from.is_none() {
             let last: Vec<&Snapshot> = self.last.iter().filter(|last| !last.particles.is_empty()).collect();
             let Ok(measured) = measure_frames(scene, &last[..]);
@@ -101,7 +105,7 @@ impl MeasuredFrames {
 }
 
 /// Returns true if a frame of this time (s) with so many grains is measured.
-fn is_measured(scene: &Scene, time: f64, grains: usize) -> bool {
+fn is_measured(scene: &MeasuredScene, time: f64, grains: usize) -> bool {
     scene.measure.covers(time) && grains > 0
 }
 
@@ -112,7 +116,7 @@ struct StoredFrames<'a> {
 }
 
 impl<'a> StoredFrames<'a> {
-    fn of(scene: &Scene, store: &'a Store) -> StoredFrames<'a> {
+    fn of(scene: &MeasuredScene, store: &'a Store) -> StoredFrames<'a> {
         let is_measured = |number: &usize| {
             let entry = &store.entries()[*number];
             is_measured(scene, entry.time, entry.grains as usize)
@@ -161,7 +165,7 @@ impl Measurements {
 
     /// Measures the frames of a run that is `complete` or not, and `ended` after so many seconds.
     pub fn of(
-        scene: &Scene,
+        scene: &MeasuredScene,
         frames: &MeasuredFrames,
         written: &StoreWriter,
         complete: bool,
@@ -194,7 +198,7 @@ impl Measurements {
 }
 
 /// Measures a single frame.
-pub(super) fn instant(scene: &Scene, frame: &Snapshot) -> Vec<(String, f64)> {
+pub(super) fn instant(scene: &MeasuredScene, frame: &Snapshot) -> Vec<(String, f64)> {
     let filled: Vec<&Snapshot> = [frame].into_iter().filter(|frame| !frame.particles.is_empty()).collect();
     let Ok(measured) = measure_frames(scene, &filled[..]);
     let measured = measured.into_iter().flat_map(|measured| measured.measurements);

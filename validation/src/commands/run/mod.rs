@@ -21,7 +21,7 @@ use makadam::scene::{Accuracy, Precision};
 use makadam::schedule::Scheduler;
 use makadam_frames::execution::{Execution, threads_for};
 use makadam_frames::output::{FolderLock, RunFiles, file_stem};
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_frames::provenance::Provenance;
 use makadam_frames::run_frames::RunFrames;
 use makadam_frames::stepping::steps_in;
@@ -147,7 +147,7 @@ pub(super) fn run(arguments: &RunArguments, console: &Console) -> Result<ExitCod
 }
 
 /// Exports the frames of a complete run in the formats that its scene requests.
-fn export_formats(scene: &Scene, output: &Path, console: &Console) -> Result<(), Failure> {
+fn export_formats(scene: &MeasuredScene, output: &Path, console: &Console) -> Result<(), Failure> {
     scene.output.iter().flat_map(|output| &output.formats).try_for_each(|format| {
         let run = RunFrames::open(output)?;
         console.note(&export_frames(&run, *format, output, console)?);

@@ -6,7 +6,7 @@ use makadam::scene::Finding;
 use makadam::solve::StopReason;
 use makadam::watch::Alarm;
 use makadam_frames::output::TableWritten;
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_frames::provenance::Provenance;
 use makadam_frames::run_frames::StoreMark;
 use serde::{Deserialize, Serialize};
@@ -16,7 +16,7 @@ use std::time::Duration;
 
 /// A run, and where it is stored.
 pub(super) struct Plan<'a> {
-    pub scene: &'a Scene,
+    pub scene: &'a MeasuredScene,
     pub seed: u64,
     pub output: PathBuf,
     /// Wall time between checkpoints.

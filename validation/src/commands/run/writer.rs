@@ -9,7 +9,7 @@ use crate::commands::Failure;
 use makadam::checkpoint::sync_folder;
 use makadam::snapshot::Snapshot;
 use makadam_frames::output::{TableWritten, TimeTable, WriteError};
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_frames::run_frames::{StoreMark, StoreWriter};
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
@@ -38,7 +38,11 @@ impl Marks {
 
 impl Outputs {
     /// Writes a frame, or a row of the table (the given cells, then what is measured of the frame), or both.
-    fn take(&mut self, scene: &Scene, FrameToWrite { mut frame, written, row }: FrameToWrite) -> Result<(), Failure> {
+    fn take(
+        &mut self,
+        scene: &MeasuredScene,
+        FrameToWrite { mut frame, written, row }: FrameToWrite,
+    ) -> Result<(), Failure> {
         if written {
             let has_contacts = scene.output.as_ref().is_none_or(|output| output.contacts);
             let hidden = if has_contacts { Vec::new() } else { std::mem::take(&mut frame.contacts) };
@@ -121,7 +125,7 @@ struct Working {
 }
 
 impl Writer {
-    pub fn start(scene: Scene, outputs: Outputs) -> Writer {
+    pub fn start(scene: MeasuredScene, outputs: Outputs) -> Writer {
         let (orders, taken) = channel();
         let (under_way, done) = sync_channel(1);
         let thread = std::thread::spawn(move || work(&scene, outputs, &taken, &done));
@@ -186,7 +190,7 @@ impl Writer {
 
 /// Executes orders until there are no more, or one fails.
 fn work(
-    scene: &Scene,
+    scene: &MeasuredScene,
     mut outputs: Outputs,
     orders: &Receiver<Order>,
     under_way: &Receiver<()>,

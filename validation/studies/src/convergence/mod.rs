@@ -19,7 +19,7 @@ use makadam::{ConvergencePoint, Simulation};
 use makadam_compare::study::{Answer, Document, DocumentError, File, Report, Section, Table, cells, json};
 use makadam_frames::execution::MeasureError;
 use makadam_frames::output::JSON_VERSION;
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_frames::provenance::Provenance;
 use makadam_measure::statistics::median;
 use makadam_view::draw::figure::Figure;
@@ -84,7 +84,7 @@ pub struct Problem {
 
 impl Problem {
     /// The problem of a simulation's next step; the simulation stays as it is.
-    fn next(scene: &Scene, simulation: &Simulation) -> Problem {
+    fn next(scene: &MeasuredScene, simulation: &Simulation) -> Problem {
         let unit = simulation.residual_unit();
         let mut copy = simulation.clone();
         Problem {
@@ -201,7 +201,7 @@ fn name<S: Serializer>(method: &SolverMethod, serializer: S) -> Result<S::Ok, S:
 }
 
 /// The methods of these names, each once; the scene's own method has its parameters, others have the defaults.
-pub fn methods(scene: &Scene, names: Option<&[String]>) -> Vec<SolverMethod> {
+pub fn methods(scene: &MeasuredScene, names: Option<&[String]>) -> Vec<SolverMethod> {
     let own = scene.solver.method;
     let wanted = |method: &SolverMethod| names.is_none_or(|names| names.iter().any(|name| name == method.name()));
     let all = SolverMethod::ALL.into_iter().filter(wanted);
@@ -214,7 +214,7 @@ pub fn methods(scene: &Scene, names: Option<&[String]>) -> Vec<SolverMethod> {
 /// # Errors
 /// [`MeasureError::Interrupted`].
 pub fn measure(
-    scene: &Scene,
+    scene: &MeasuredScene,
     simulation: &Simulation,
     wanted: Vec<SolverMethod>,
     effort: Effort,

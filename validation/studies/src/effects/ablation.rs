@@ -4,7 +4,7 @@ use makadam::effects::CATALOGUE;
 use makadam_compare::codes::Makadam;
 use makadam_compare::compare::{Announce, MeasuredRun, Runs};
 use makadam_compare::study::{RunCache, RunError, run_jobs};
-use makadam_frames::plan::{Expectation, Scene};
+use makadam_frames::plan::{Expectation, MeasuredScene};
 use makadam_measure::statistics::{Ensemble, Equivalence, Outcome, equivalence};
 use serde::Serialize;
 use std::path::Path;
@@ -13,7 +13,7 @@ use std::time::Duration;
 /// Runs of an ablation.
 pub struct Plan<'a> {
     /// Scene.
-    pub scene: &'a Scene,
+    pub scene: &'a MeasuredScene,
     /// Its file.
     pub scene_file: &'a Path,
     /// Seeds of each variation.
@@ -187,11 +187,11 @@ pub struct Variation {
     /// Change in words.
     pub change: String,
     /// The scene.
-    pub scene: Scene,
+    pub scene: MeasuredScene,
 }
 
 /// Every effect of the scene turned off, and those turned on that are tried where there is none.
-pub fn variations(scene: &Scene) -> Vec<Variation> {
+pub fn variations(scene: &MeasuredScene) -> Vec<Variation> {
     let mut base = scene.clone();
     // An accuracy would choose another step for another scene; here only the effect may differ.
     base.accuracy = None;

@@ -6,7 +6,7 @@ use makadam::effects::EffectSet;
 use makadam::effects::catalogue::{Effect, FRICTION, RESTITUTION, ROLLING, TWISTING};
 use makadam::scene::{NormalLaw, Precision};
 use makadam::{Balance, Simulation};
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_measure::statistics::median;
 use serde::Serialize;
 use std::time::Instant;
@@ -53,7 +53,7 @@ impl Look {
 }
 
 /// Lists effects that are declared without a use, and absent ones that the numbers suggest.
-pub fn warnings(scene: &Scene, look: Option<&Look>) -> Vec<String> {
+pub fn warnings(scene: &MeasuredScene, look: Option<&Look>) -> Vec<String> {
     let mut warnings = Vec::new();
     let used = |name: &str| {
         let of_grains = scene.grain.iter().any(|grain| grain.material == name)
@@ -107,7 +107,7 @@ pub struct Called {
 }
 
 /// All effects, in the order in which a step meets them. `text` is the scene file's.
-pub fn called(scene: &Scene, text: &str) -> Vec<Called> {
+pub fn called(scene: &MeasuredScene, text: &str) -> Vec<Called> {
     let called = CATALOGUE.iter().map(|effect| match effect.called_by(scene) {
         Ok(call) => Called { effect: effect.name, on: true, why: call.why, line: call.place.line(text) },
         Err(without) => Called { effect: effect.name, on: false, why: without.into(), line: None },

@@ -14,7 +14,7 @@ pub use look::{Called, Costs, Look, called, warnings};
 
 use makadam_compare::study::{Answer, Cell, Document, Report, Section, Table, cells};
 use makadam_frames::output::JSON_VERSION;
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_frames::provenance::Provenance;
 use makadam_view::draw::numbers::{Rounding, plural};
 use serde::Serialize;
@@ -41,7 +41,7 @@ pub struct Study {
 impl Study {
     /// Joins the measurements of a scene, whose file has this text, with its effects and warnings.
     pub fn new(
-        scene: &Scene,
+        scene: &MeasuredScene,
         text: &str,
         (look, costs): (Option<Look>, Option<Costs>),
         ablation: Option<Ablation>,

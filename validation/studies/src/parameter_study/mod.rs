@@ -11,7 +11,7 @@ use makadam_compare::compare::{Announce, Harvest, Runs};
 use makadam_compare::scenes::{self, Change, SceneError};
 use makadam_compare::study::{RunCache, RunError, run_jobs};
 use makadam_frames::output::{FolderLock, LockError};
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_frames::provenance::scene_hash;
 use makadam_frames::recording::Noticed;
 use makadam_measure::observables::Measurement;
@@ -156,7 +156,7 @@ pub struct Study {
 struct Prepared {
     values: Vec<String>,
     label: String,
-    scene: Scene,
+    scene: MeasuredScene,
 }
 
 impl Study {
@@ -166,7 +166,7 @@ impl Study {
     /// [`ParameterError`]: before anything runs if a combination is refused; later if runs cannot be stored or the user asks to stop.
     pub fn make(
         plan: &Plan<'_>,
-        scene: &Scene,
+        scene: &MeasuredScene,
         provenance: BTreeMap<String, String>,
         shown: Vec<String>,
     ) -> Result<Study, ParameterError> {
@@ -262,7 +262,7 @@ fn means(runs: &[Run]) -> BTreeMap<String, Ensemble> {
 ///
 /// The tables of an earlier study may be replaced only by those of a study that contains it: the same scene and keys, every
 /// combination and every seed. `plan.again` lifts that.
-pub fn take(plan: &Plan<'_>, scene: &Scene) -> Result<FolderLock, ParameterError> {
+pub fn take(plan: &Plan<'_>, scene: &MeasuredScene) -> Result<FolderLock, ParameterError> {
     let lock = FolderLock::take(plan.folder).map_err(|error| match error {
         LockError::Write(error) => ParameterError::Run(error.into()),
         taken @ LockError::Taken { .. } => ParameterError::Usage(taken.to_string()),
@@ -284,7 +284,7 @@ fn read(folder: &Path) -> Option<serde_json::Value> {
 }
 
 /// Part of an earlier study that the planned one does not contain, in words.
-fn difference(earlier: &serde_json::Value, plan: &Plan<'_>, scene: &Scene) -> Option<String> {
+fn difference(earlier: &serde_json::Value, plan: &Plan<'_>, scene: &MeasuredScene) -> Option<String> {
     let words = |list: &serde_json::Value| -> Vec<String> {
         list.as_array().into_iter().flatten().filter_map(|word| word.as_str().map(String::from)).collect()
     };

@@ -4,7 +4,7 @@ use super::check::Settings;
 use super::{ProblemFile, compressed_columns, parse, solution};
 use makadam::problem::LocalProblem;
 use makadam::scene::SceneError;
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use nalgebra::Vector3;
 use serde::Deserialize;
 use serde_json::json;
@@ -138,8 +138,8 @@ pub const RECORDED: [Recorded; 4] = [
 
 impl Recorded {
     /// The scene whose step it is.
-    pub fn scene(&self) -> Result<Scene, SceneError> {
-        Scene::parse(self.scene)
+    pub fn scene(&self) -> Result<MeasuredScene, SceneError> {
+        MeasuredScene::parse(self.scene)
     }
 
     /// The problem.

@@ -7,7 +7,7 @@ use makadam_compare::compare::{Announce, MeasuredRun, Runs, Share};
 use makadam_compare::scenes::in_file;
 use makadam_compare::study::{Key, RunCache, RunError};
 use makadam_frames::output::file_stem;
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_frames::provenance::{Build, command_line, machine, scene_hash};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
@@ -28,7 +28,7 @@ pub type Progress = Arc<dyn Fn(&str, f64) + Send + Sync>;
 /// A plan and what it is carried out on.
 pub struct Campaign<'a> {
     /// The scene as its file says it.
-    pub scene: &'a Scene,
+    pub scene: &'a MeasuredScene,
     /// Its file.
     pub scene_file: &'a Path,
     /// Configurations to run.
@@ -304,7 +304,7 @@ impl KeptRun {
 /// The key of a seed's run: scene, knobs, seed, the code and its version (which holds the [key of the build](makadam::BUILD)
 /// where the code is Makadam), the key of the sources that measure, and the processor, since a wall time of another one is another
 /// number.
-pub fn run_key(scene: &Scene, configuration: &Configuration, version: &str, seed: u64, processor: &str) -> Key {
+pub fn run_key(scene: &MeasuredScene, configuration: &Configuration, version: &str, seed: u64, processor: &str) -> Key {
     let scene = configuration.scene(scene);
     let knobs = serde_json::to_string(configuration).expect("a configuration holds only numbers and plain text");
     let name = format!("{}-{}-s{seed}", file_stem(&scene.name), configuration.code.to_lowercase());
@@ -324,7 +324,7 @@ const SWEEP: f64 = 0.17;
 const OPEN_ENDED: u32 = 20;
 
 struct Costs<'a> {
-    scene: &'a Scene,
+    scene: &'a MeasuredScene,
     grains: f64,
     /// Rayleigh step at the scene's stiffness, s.
     rayleigh_step: f64,

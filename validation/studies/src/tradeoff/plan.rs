@@ -2,7 +2,7 @@
 //! those of a scene.
 
 use makadam::scene::{Precision, SolverMethod, SolverSettings, Stop};
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_view::draw::numbers::compact;
 use serde::{Deserialize, Serialize};
 
@@ -40,7 +40,7 @@ pub enum Knobs {
 
 impl Configuration {
     /// The scene as this configuration runs it, its stiffness scaled.
-    pub fn scene(&self, scene: &Scene) -> Scene {
+    pub fn scene(&self, scene: &MeasuredScene) -> MeasuredScene {
         let mut scene = scene.with_stiffness_factor(self.stiffness_factor);
         if let Knobs::Solver { settings, .. } = &self.knobs {
             scene.solver = settings.clone();
@@ -256,7 +256,7 @@ pub struct Plan {
 impl Plan {
     /// The plan for a scene, with few configurations if `quick`: `codes` by name, `factors` on every Young's modulus. Makadam's references
     /// are a part of it whether or not Makadam is among the codes, and so is the scene's own stiffness.
-    pub fn new(scene: &Scene, quick: bool, codes: &[&str], factors: &[f64]) -> Plan {
+    pub fn new(scene: &MeasuredScene, quick: bool, codes: &[&str], factors: &[f64]) -> Plan {
         let extent = if quick { &QUICK } else { &FULL };
         let mut plan = Plan { configurations: Vec::new(), refinements: Vec::new() };
         let mut factors: Vec<f64> = std::iter::once(1.0).chain(factors.iter().copied()).collect();

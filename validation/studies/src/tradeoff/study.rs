@@ -6,7 +6,7 @@ use super::plan::{Plan, Refinement};
 use super::report::findings;
 use super::rows::{Bound, Convergence, Deviation, Fastest, Point, Reference, Values, Varied};
 use makadam_frames::output::JSON_VERSION;
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_measure::statistics::{Ensemble, mean, median, standard_error};
 use rand_chacha::ChaCha8Rng;
 use rand_core::{RngCore, SeedableRng};
@@ -59,7 +59,7 @@ pub struct Study {
 
 impl Study {
     /// Puts runs into rows.
-    pub fn new(scene: &Scene, plan: &Plan, outcome: &Outcome, mut terms: Terms) -> Study {
+    pub fn new(scene: &MeasuredScene, plan: &Plan, outcome: &Outcome, mut terms: Terms) -> Study {
         let names = observables(scene, plan, outcome, &terms.bounds);
         terms.bounds.retain(|bound| names.iter().any(|(name, _)| *name == bound.observable));
         let table = Table { scene, plan, outcome, names: &names, terms: &terms };
@@ -111,7 +111,7 @@ impl Study {
 }
 
 /// Names and units of what is compared: what the scene compares and what is bounded, as far as a reference has it.
-fn observables(scene: &Scene, plan: &Plan, outcome: &Outcome, bounds: &[Bound]) -> Vec<(String, String)> {
+fn observables(scene: &MeasuredScene, plan: &Plan, outcome: &Outcome, bounds: &[Bound]) -> Vec<(String, String)> {
     let mut names: Vec<(String, String)> = Vec::new();
     let finest = plan.refinements.iter().flat_map(|refinement| &outcome.runs[refinement.grids[2]]);
     for measurement in finest.flat_map(|kept| &kept.run.measurements) {
@@ -131,7 +131,7 @@ fn observables(scene: &Scene, plan: &Plan, outcome: &Outcome, bounds: &[Bound]) 
 
 /// Everything that rows are made from.
 struct Table<'a> {
-    scene: &'a Scene,
+    scene: &'a MeasuredScene,
     plan: &'a Plan,
     outcome: &'a Outcome,
     /// Observables and their units.

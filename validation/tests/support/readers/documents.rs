@@ -4,7 +4,7 @@ use makadam::Simulation;
 use makadam::snapshot::{Contact, DrivenWall, Particle, Partner, Snapshot};
 use makadam_compare::compare::MeasuredRun;
 use makadam_compare::study::{Key, sealed};
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_frames::provenance::Build;
 use makadam_frames::recording::Recording;
 use makadam_measure::observables::Measurement;
@@ -213,9 +213,9 @@ fn text(head: &str, rest: &str) -> String {
 }
 
 /// A scene from its walls and grains.
-pub fn scene(rest: &str) -> Scene {
+pub fn scene(rest: &str) -> MeasuredScene {
     let text = text("", rest);
-    Scene::parse(&text).unwrap_or_else(|error| panic!("{error}\n{text}"))
+    MeasuredScene::parse(&text).unwrap_or_else(|error| panic!("{error}\n{text}"))
 }
 
 /// Scenes.

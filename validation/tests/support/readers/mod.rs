@@ -14,7 +14,7 @@ use makadam_compare::codes::{lammps, yade};
 use makadam_compare::compare::Reference;
 use makadam_compare::study::unseal;
 use makadam_frames::import::{Manifest, StatedColumns, Tables, assemble, parse};
-use makadam_frames::plan::{Scene, physics_hash};
+use makadam_frames::plan::{MeasuredScene, physics_hash};
 use makadam_frames::recording::Recording;
 use makadam_measure::observables::{force_distribution, measure, series};
 use makadam_studies::tradeoff::KeptRun;
@@ -52,7 +52,7 @@ pub fn named(name: &str) -> &'static Reader {
     READERS.iter().find(|reader| reader.name == name).unwrap_or_else(|| panic!("no reader {name}"))
 }
 
-static WALLED: LazyLock<Scene> = LazyLock::new(|| documents::scene(WALLED_SCENE));
+static WALLED: LazyLock<MeasuredScene> = LazyLock::new(|| documents::scene(WALLED_SCENE));
 
 /// Steps that an accepted scene or checkpoint takes.
 const STEPS: usize = 3;
@@ -67,7 +67,7 @@ fn refused(message: &str) -> bool {
 fn scene(bytes: &[u8]) -> bool {
     let Ok(text) = std::str::from_utf8(bytes) else { return false };
     let file = Path::new("fuzzed.toml");
-    let scene = match Scene::parse(text) {
+    let scene = match MeasuredScene::parse(text) {
         Ok(scene) => scene,
         Err(error) => {
             let message = error.in_file(file, Some(text)).to_string();
@@ -86,7 +86,7 @@ fn scene(bytes: &[u8]) -> bool {
 }
 
 /// Returns true if a scene can be placed and stepped in a moment.
-fn is_small(scene: &Scene) -> bool {
+fn is_small(scene: &MeasuredScene) -> bool {
     let sites = scene.population.iter().map(|population| {
         let pitch = 2.0 * population.radius.bounds().1 * population.spacing;
         match &population.region {
@@ -116,7 +116,7 @@ fn steps_stay_finite(simulation: &mut Simulation) {
 
 /// A checkpoint as it is, and once more with length and checksum made to fit, so that damage gets past the envelope.
 fn checkpoint(bytes: &[u8]) -> bool {
-    static SMALL: LazyLock<Scene> = LazyLock::new(|| documents::scene(SMALL_SCENE));
+    static SMALL: LazyLock<MeasuredScene> = LazyLock::new(|| documents::scene(SMALL_SCENE));
     let small = &*SMALL;
     let fitted = fitted(&documents::checkpoints().swap_remove(0), bytes);
     let mut accepted = false;
@@ -154,7 +154,8 @@ fn recording(bytes: &[u8]) -> bool {
 }
 
 fn recording_as_it_is(bytes: &[u8]) -> bool {
-    static SCENES: LazyLock<[Scene; 3]> = LazyLock::new(|| [WALLED_SCENE, HEAP_SCENE, BED_SCENE].map(documents::scene));
+    static SCENES: LazyLock<[MeasuredScene; 3]> =
+        LazyLock::new(|| [WALLED_SCENE, HEAP_SCENE, BED_SCENE].map(documents::scene));
     match Recording::parse(bytes) {
         Ok(recording) => {
             recording.frames.iter().for_each(documents::check_contacts);

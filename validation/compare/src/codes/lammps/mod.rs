@@ -17,7 +17,7 @@ use super::input::{AXES, Face, MotionPhase, Palette, Plan, closed_faces};
 use super::process::{Program, installed};
 use super::{Code, CodeError, HERTZ_MINDLIN, Job, Purpose, supported_start};
 use makadam::scene::{ContactCoefficients, Grain, Material, Motion, Shape, Wall};
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_frames::recording::Recording;
 use minijinja::{Value, context};
 use nalgebra::{Unit, Vector3};
@@ -304,7 +304,7 @@ impl Tilt {
 }
 
 /// Lines of a deck: the variables that state the poses of the walls, and the regions of the surfaces.
-pub(super) fn lines(scene: &Scene, surfaces: &[Surface], plan: &Plan) -> Vec<String> {
+pub(super) fn lines(scene: &MeasuredScene, surfaces: &[Surface], plan: &Plan) -> Vec<String> {
     let walls = scene.wall.iter().enumerate();
     let mut lines: Vec<String> = walls.flat_map(|(number, wall)| variables(number, &wall.motion, plan)).collect();
     for (number, surface) in surfaces.iter().enumerate() {

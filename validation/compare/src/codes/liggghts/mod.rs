@@ -16,7 +16,7 @@ use super::{Code, CodeError, HERTZ_MINDLIN, Job, Purpose, supported_start};
 use makadam::scene::{Domain, Grain, Motion, Shape};
 use makadam::snapshot::Snapshot;
 use makadam_frames::output::mesh::{COARSE, FINE, Mesh, wall_mesh};
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_frames::recording::Recording;
 use minijinja::{Value, context};
 use nalgebra::Vector3;
@@ -102,7 +102,13 @@ fn write_input(job: &Job<'_>) -> Result<(Plan, Turn), CodeError> {
 ///
 /// # Errors
 /// Limit of LIGGGHTS.
-fn deck(scene: &Scene, grains: &[Grain], walls: &Walls, plan: &Plan, palette: &Palette<'_>) -> Result<String, String> {
+fn deck(
+    scene: &MeasuredScene,
+    grains: &[Grain],
+    walls: &Walls,
+    plan: &Plan,
+    palette: &Palette<'_>,
+) -> Result<String, String> {
     let entries = || (0..palette.len()).flat_map(|a| (0..palette.len()).map(move |b| (a, b)));
     // Walls never touch each other; the numbers of such a pair have no effect.
     let pairs: Vec<_> = entries().map(|(a, b)| palette.coefficients(a, b)).collect();
@@ -147,7 +153,7 @@ fn tables(walls: bool) -> Vec<Value> {
 }
 
 /// Returns the runs between the times at which walls start or stop or frames become denser.
-fn pieces(scene: &Scene, walls: &Walls, plan: &Plan) -> Vec<Value> {
+fn pieces(scene: &MeasuredScene, walls: &Walls, plan: &Plan) -> Vec<Value> {
     let mut dumping = 0;
     let ends = plan.fine_from == plan.steps;
     let boundaries = plan.boundaries(scene);
@@ -221,7 +227,7 @@ pub(super) struct Turn(bool);
 
 impl Turn {
     /// The turn with which most cylinders of a scene that turn are primitives.
-    pub fn of(scene: &Scene) -> Turn {
+    pub fn of(scene: &MeasuredScene) -> Turn {
         let about = |wanted: usize| {
             let turning = scene.wall.iter().filter(|wall| matches!(wall.shape, Shape::Cylinder { .. }));
             let axes = turning.filter_map(|wall| match &wall.motion {
@@ -243,7 +249,7 @@ impl Turn {
     }
 
     /// The scene in these coordinates; its populations stay, since its grains are given.
-    pub fn scene(self, scene: &Scene) -> Scene {
+    pub fn scene(self, scene: &MeasuredScene) -> MeasuredScene {
         let mut turned = scene.clone();
         turned.gravity = self.forth(scene.gravity);
         let Domain { min, max, .. } = &scene.domain;
@@ -330,7 +336,7 @@ pub(super) struct Walls {
 
 impl Walls {
     /// Meshes alone for measuring; for timing, what is fastest with the same physics.
-    pub fn new(scene: &Scene, grains: &[Grain], purpose: Purpose) -> Walls {
+    pub fn new(scene: &MeasuredScene, grains: &[Grain], purpose: Purpose) -> Walls {
         let smallest = grains.iter().map(|grain| grain.radius).fold(f64::INFINITY, f64::min);
         let (fineness, found) = match purpose {
             Purpose::Measuring => (FINE, vec![Vec::new(); scene.wall.len()]),

@@ -13,7 +13,7 @@ mod files;
 use super::{CodeRuns, FinalState, MeasuredRun, Source, Timing, distinct};
 use crate::scenes;
 pub use files::ReferenceError;
-use makadam_frames::plan::{Scene, physics_hash};
+use makadam_frames::plan::{MeasuredScene, physics_hash};
 use makadam_measure::observables::{ForceDistribution, Series};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
@@ -62,7 +62,7 @@ impl Reference {
 
     /// Returns the recorded runs of a code on the present scene, if there are any. Runs of the scene before a change are discarded, and
     /// missing seeds below the last one have failed.
-    pub fn code_on(&self, code: &str, scene: &Scene) -> Option<CodeRuns> {
+    pub fn code_on(&self, code: &str, scene: &MeasuredScene) -> Option<CodeRuns> {
         let recorded = self.code(code)?;
         if self.is_current(code, scene) == Some(false) {
             let discarded =
@@ -105,7 +105,7 @@ impl Reference {
     }
 
     /// Returns true if the runs of a code were made on the present scene; `None` without runs.
-    pub fn is_current(&self, code: &str, scene: &Scene) -> Option<bool> {
+    pub fn is_current(&self, code: &str, scene: &MeasuredScene) -> Option<bool> {
         let now = physics_hash(scene);
         let mut runs = self.of(code).peekable();
         runs.peek()?;
@@ -113,7 +113,7 @@ impl Reference {
     }
 
     /// Lists the reasons for which the recorded runs of a code are out of date, given its present law of contacts.
-    pub fn out_of_date(&self, code: &str, contact_law: &str, scene: &Scene) -> Vec<String> {
+    pub fn out_of_date(&self, code: &str, contact_law: &str, scene: &MeasuredScene) -> Vec<String> {
         let mut reasons = Vec::new();
         if self.is_current(code, scene) == Some(false) {
             reasons.push(format!("the scene has changed since {code} was recorded: record anew with --record"));

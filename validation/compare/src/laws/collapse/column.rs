@@ -4,7 +4,7 @@ use super::super::Case;
 use super::law;
 use crate::sketch::{GRAVITY, SPACING, Sketch};
 use makadam::scene::{Motion, Reaction, Region, Shape};
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use std::f64::consts::{PI, SQRT_2};
 
 /// Mean diameter of the grains, m.
@@ -87,7 +87,7 @@ fn release(height: f64) -> f64 {
 
 /// A tube of some radius, filled to some height (m), that is lifted off at a speed (m/s); the plane under it reaches as far as
 /// told (m).
-fn lifted([radius, height]: [f64; 2], part: Part, lift: f64, reach: f64, until: f64) -> Scene {
+fn lifted([radius, height]: [f64; 2], part: Part, lift: f64, reach: f64, until: f64) -> MeasuredScene {
     let grain = 0.5 * DIAMETER;
     let volume = 4.0 / 3.0 * PI * grain.powi(3) * (1.0 + SPREAD * SPREAD);
     let count = (part.share() * SOLID * PI * radius * radius * height / volume).round() as usize;

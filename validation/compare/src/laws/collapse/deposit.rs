@@ -4,7 +4,7 @@ use super::column::{DIAMETER, Part};
 use crate::sketch::GRAVITY;
 use makadam::snapshot::{Particle, Snapshot};
 use makadam_frames::neighbours::close_pairs;
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_measure::observables::setting::{Properties, Setting};
 use makadam_measure::observables::static_angle;
 use makadam_measure::observables::static_angle::HeapFields;
@@ -129,7 +129,7 @@ pub(super) fn holding(frame: &Snapshot, share: f64) -> f64 {
 }
 
 /// Inclination of a heap's flank ([`static_angle`]), degrees; not a number where there is none.
-pub(super) fn angle_of_repose(scene: &Scene, frame: &Snapshot) -> f64 {
+pub(super) fn angle_of_repose(scene: &MeasuredScene, frame: &Snapshot) -> f64 {
     let properties = Properties::new(scene);
     let setting = Setting::new(&properties, frame);
     let Ok(fields) = HeapFields::new(&setting, &[frame][..]);

@@ -10,7 +10,7 @@ use crate::report::{StudySection, StudyTest};
 use makadam_compare::scenes;
 use makadam_compare::study::{File, RunCache, RunError};
 use makadam_frames::output::WriteError;
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_view::draw::figure::Figure;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -118,7 +118,7 @@ impl Place<'_> {
 struct Named {
     name: &'static str,
     file: PathBuf,
-    scene: Scene,
+    scene: MeasuredScene,
 }
 
 impl Named {

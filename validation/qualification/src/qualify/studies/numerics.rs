@@ -8,7 +8,7 @@ pub use makadam_compare::compare::{FEW_SEEDS, MeasuredRun, Runs};
 use makadam_compare::prepared::{Start, StartError, start};
 use makadam_compare::study::{Document, Key, RunError};
 use makadam_frames::execution::Execution;
-use makadam_frames::plan::Scene;
+use makadam_frames::plan::MeasuredScene;
 use makadam_frames::provenance::{Provenance, account, machine};
 use makadam_frames::stepping::{Stepping, steps_in};
 use makadam_measure::statistics::Ensemble;
@@ -216,7 +216,7 @@ struct OwnSettings<'a> {
     place: Place<'a>,
     named: Named,
     /// The scene, and its reference.
-    versions: [Scene; 2],
+    versions: [MeasuredScene; 2],
     /// The reference's settings in words.
     reference: String,
     seeds: u64,
@@ -297,7 +297,7 @@ impl<'a> OwnSettings<'a> {
     fn tests(&self) -> Result<Vec<StudyTest>, RunError> {
         let (mut pairs, mut failure) = (Vec::new(), None);
         for seed in 1..=self.seeds {
-            let mut of = |version: &Scene| match self.take(version, seed) {
+            let mut of = |version: &MeasuredScene| match self.take(version, seed) {
                 Ok(run) => Ok(Some(run)),
                 Err(error) if error.ends_all() => Err(error),
                 Err(error) => {
@@ -332,11 +332,11 @@ impl<'a> OwnSettings<'a> {
         }
     }
 
-    fn take(&self, version: &Scene, seed: u64) -> Result<MeasuredRun, RunError> {
+    fn take(&self, version: &MeasuredScene, seed: u64) -> Result<MeasuredRun, RunError> {
         Ok(self.runs(version, seed).take(self.place.cache, &Makadam, seed)?.run)
     }
 
-    fn runs<'s>(&'s self, version: &'s Scene, seed: u64) -> Runs<'s> {
+    fn runs<'s>(&'s self, version: &'s MeasuredScene, seed: u64) -> Runs<'s> {
         self.place.settings.measuring(version, &self.named.file, seed)
     }
 }
