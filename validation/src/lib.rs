@@ -1,7 +1,7 @@
 //! The command `makadam`, over the libraries below it.
 //!
 //! ```text
-//! solver -> frames -> measure -> judge -> lab -> qualification -> command
+//! solver -> frames -> measure -> compare -> studies -> qualification -> command
 //!                 \-> view ---/
 //! ```
 

@@ -342,28 +342,43 @@ pub struct Output {
     pub formats: Vec<FrameFormat>,
 }
 
-/// A format of frames for other programs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum FrameFormat {
-    /// ParaView: one file per frame, and a script that opens them.
-    Vtp,
-    /// ParaView: one file for all frames of grains, contacts or walls.
-    Vtkhdf,
-    /// OVITO and HOOMD-blue: grains over time.
-    Gsd,
+/// Evaluates a macro with the table of formats: variant, module of [`export`](crate::export) and name in scenes and commands, program.
+/// A new format is a line here and the module.
+macro_rules! with_frame_formats {
+    ($table:ident) => {
+        $table! {
+            Vtp vtp "ParaView: one file per frame, and a script that opens them.",
+            Vtkhdf vtkhdf "ParaView: one file for all frames of grains, contacts or walls.",
+            Gsd gsd "OVITO and HOOMD-blue: grains over time.",
+        }
+    };
 }
 
-impl FrameFormat {
-    /// Returns the name in commands and scenes.
-    pub fn name(self) -> &'static str {
-        match self {
-            FrameFormat::Vtp => "vtp",
-            FrameFormat::Vtkhdf => "vtkhdf",
-            FrameFormat::Gsd => "gsd",
+macro_rules! declare_formats {
+    ($($variant:ident $module:ident $program:literal,)*) => {
+        /// A format of frames for other programs.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+        #[serde(rename_all = "kebab-case")]
+        pub enum FrameFormat {
+            $(#[doc = $program] $variant,)*
         }
-    }
+
+        impl FrameFormat {
+            /// All formats.
+            pub const ALL: [FrameFormat; [$($program),*].len()] = [$(FrameFormat::$variant),*];
+
+            /// Returns the name in commands and scenes.
+            pub fn name(self) -> &'static str {
+                match self {
+                    $(FrameFormat::$variant => stringify!($module),)*
+                }
+            }
+        }
+    };
 }
+
+with_frame_formats!(declare_formats);
+pub(crate) use with_frame_formats;
 
 impl Default for Output {
     fn default() -> Self {

@@ -6,7 +6,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use makadam_compare::codes::{CodeName, Job, Purpose};
 use makadam_compare::scenes::Change;
-use makadam_frames::export::{FORMATS, Written, write};
+use makadam_frames::export::{Written, write};
 use makadam_frames::output::file_stem;
 use makadam_frames::plan::FrameFormat;
 use makadam_frames::run_frames::RunFrames;
@@ -19,8 +19,8 @@ pub(super) struct ExportArguments {
     /// Folder of a run, or the name of one below results; with --for, a scene.
     #[arg(value_name = "RUN or SCENE")]
     pub what: String,
-    /// Format of the frames of a run: VTP or VTKHDF for ParaView, GSD for OVITO.
-    #[arg(long, value_parser = one_of(FORMATS, FrameFormat::name), required_unless_present = "code")]
+    /// Format of the frames of a run: vtp and vtkhdf for ParaView, gsd for OVITO, as `[output] formats` of a scene.
+    #[arg(long, value_parser = one_of(FrameFormat::ALL, FrameFormat::name), required_unless_present = "code")]
     pub format: Option<FrameFormat>,
     /// Code for which a scene is written: deck or driver, grains, meshes of walls.
     #[arg(long = "for", id = "code", value_parser = another_code(), value_name = "CODE", conflicts_with = "format")]

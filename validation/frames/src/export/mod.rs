@@ -1,4 +1,5 @@
-//! Frames of a run in the formats of other programs. A format is one file of this module and one entry of [`FrameFormat`].
+//! Frames of a run in the formats of other programs. A format is a file of this module and a line of the table in
+//! `plan.rs`.
 
 mod gsd;
 mod vtkhdf;
@@ -7,13 +8,10 @@ pub(crate) mod vtp;
 pub(crate) use vtkhdf::FIRST_ID;
 
 use crate::output::{WriteError, create_folder};
-use crate::plan::FrameFormat;
+use crate::plan::{FrameFormat, with_frame_formats};
 use crate::run_frames::{RunFolderError, RunFrames};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-
-/// The formats.
-pub const FORMATS: [FrameFormat; 3] = [FrameFormat::Vtp, FrameFormat::Vtkhdf, FrameFormat::Gsd];
 
 /// A file that was written.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -34,12 +32,15 @@ pub fn write(
     folder: &Path,
     progress: &dyn Fn(f64),
 ) -> Result<Vec<Written>, ExportError> {
-    create_folder(folder)?;
-    match format {
-        FrameFormat::Vtp => vtp::write(run, folder, progress),
-        FrameFormat::Vtkhdf => vtkhdf::write(run, folder, progress),
-        FrameFormat::Gsd => gsd::write(run, folder, progress),
+    macro_rules! write_as {
+        ($($variant:ident $module:ident $program:literal,)*) => {
+            match format {
+                $(FrameFormat::$variant => $module::write(run, folder, progress),)*
+            }
+        };
     }
+    create_folder(folder)?;
+    with_frame_formats!(write_as)
 }
 
 /// Passes over frames by their numbers; reports the fraction that is done.
