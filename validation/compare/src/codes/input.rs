@@ -1,4 +1,4 @@
-//! What reference codes are told: the run as steps, numbered materials, walls as surfaces that codes have of their own, meshes.
+//! Input of reference codes: the run as steps, numbered materials, walls as surfaces that codes have of their own, meshes.
 //!
 //! Planes across an axis of coordinates and cylinders along one are endless in codes that have them. So a wall is one only where no grain can
 //! come to where the scene's wall has ended: a plane has no end, the faces of a box have none for grains that are inside, and a cylinder has

@@ -73,7 +73,7 @@ impl<'a> Runs<'a> {
         }
     }
 
-    /// The same runs of other seeds.
+    /// Returns the same runs of other seeds.
     pub fn of_seeds(&self, seeds: &[u64]) -> Runs<'a> {
         Runs { seeds: seeds.to_vec(), ..self.clone() }
     }

@@ -28,14 +28,12 @@ const SCENE: &str = r#"
 
 #[test]
 fn hashes_are_those_of_recorded_results() {
-    let hash = |more: &str| {
-        scene_hash(
-            &MeasuredScene::parse(&SCENE.replace("[material.glass]", &format!("{more}\n[material.glass]"))).unwrap(),
-        )
-    };
-    assert_eq!(format!("{:016x}", hash("")), "5a631b7a1c620ec7");
-    let prepared = "prepare = { duration = 0.01, step = 1e-3 }\noutput = { contacts = false }";
-    assert_eq!(format!("{:016x}", hash(prepared)), "b60b48bd5237d136");
-    assert_ne!(hash("accuracy = { relative = 0.1 }"), hash(""));
-    assert_eq!(hash("watch = { on_escape = \"ignore\" }"), hash(""));
+    let hash = |place: &str, text: &str| scene_hash(&MeasuredScene::parse(&SCENE.replace(place, text)).unwrap());
+    let plain = scene_hash(&MeasuredScene::parse(SCENE).unwrap());
+    assert_eq!(format!("{plain:016x}"), "5a631b7a1c620ec7");
+    let prepared = "prepare = { duration = 0.01, step = 1e-3 }\noutput = { contacts = false }\n[material.glass]";
+    assert_eq!(format!("{:016x}", hash("[material.glass]", prepared)), "b60b48bd5237d136");
+    let accurate = hash("[solver]\n        step = 1e-3", "[accuracy]\n        relative = 0.1");
+    assert_ne!(accurate, hash("[solver]\n        step = 1e-3", ""));
+    assert_eq!(hash("[material.glass]", "watch = { on_escape = \"ignore\" }\n[material.glass]"), plain);
 }
