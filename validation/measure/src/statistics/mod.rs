@@ -5,7 +5,7 @@
 //! [`prediction_interval`].
 //!
 //! ```
-//! use crate::statistics::{Ensemble, Outcome, equivalence};
+//! use makadam_measure::statistics::{Ensemble, Outcome, equivalence};
 //!
 //! let [makadam, yade] = [[0.596, 0.598, 0.595, 0.597], [0.597, 0.598, 0.596, 0.599]].map(|seeds| Ensemble::of(&seeds).unwrap());
 //! let verdict = equivalence(&makadam, &yade, Some(0.006), 2);
