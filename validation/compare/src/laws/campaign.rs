@@ -36,7 +36,7 @@ impl Case {
     }
 
     /// Returns the case with the restitution threshold of recorded rows.
-    pub(super) fn as_recorded(mut self) -> Case {
+    pub(super) fn with_recorded_threshold(mut self) -> Case {
         self.scene.solver.restitution_threshold = Some(RECORDED_THRESHOLD);
         self
     }
