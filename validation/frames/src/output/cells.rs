@@ -42,7 +42,7 @@ pub(crate) fn without_formulas(table: Vec<u8>) -> Vec<u8> {
     writer.into_inner().unwrap_or(table)
 }
 
-/// A cell as it was before [`without_formulas`].
+/// A cell as it was before `without_formulas`.
 pub fn as_meant(cell: &str) -> &str {
     cell.strip_prefix('\'').filter(|cell| is_formula(cell)).unwrap_or(cell)
 }

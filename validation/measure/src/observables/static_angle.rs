@@ -172,7 +172,7 @@ pub struct HeapFields {
 
 impl HeapFields {
     /// Averages the frames, of which there is at least one. The inner error says why there is no mean: the heap has no axis, or grains lie
-    /// so far apart that it would take more cells than [`effort::most`].
+    /// so far apart that it would take more cells than `effort::most`.
     pub fn new<F: Frames + ?Sized>(setting: &Setting<'_>, frames: &F) -> Result<Result<Self, String>, F::Error> {
         let (count, cell) = (frames.count(), 0.5 * setting.diameter);
         let mut heap = Err(String::new());
