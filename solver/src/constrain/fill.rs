@@ -245,7 +245,7 @@ impl<E: Effects> Kernel for FillTorques<'_, E> {
     }
 }
 
-/// Has the torques of eight contacts start from what these can bear of the last step's.
+/// Sets the torques of eight contacts to those of the last step, projected onto what the contacts bear now.
 #[inline(always)]
 fn start<L: Lanes, E: Effects>(torques: &mut TorqueLanes, contact: &Contact<L, E>) {
     let mut torque = TermState::<L, E::Torque<L>>::angular(torques, L::load);

@@ -279,10 +279,12 @@ impl<'a> WallsAt<'a> {
         })
     }
 
-    /// The contact of a grain with the face of a number in a step (s), given its centre (m) and velocity at the start (m/s), its radius
-    /// (m) and what gravity adds to its velocity (m/s): the distance from its centre to the face, or to the plane that touches the face
-    /// where a grain too fast for the step meets it (m); the unit normal towards it; whether it is a swept contact; and the wall's
-    /// velocity there, what that has gained without a jump, and the drift that it contains where the wall turns, m/s.
+    /// Contact of a grain with a face in a step.
+    ///
+    /// Input: number of the face; centre (m) and velocity (m/s) of the grain at the start; its radius (m); the step (s); the change of
+    /// velocity by gravity (m/s). Output: distance from the centre to the face (m), or to its tangent plane at the impact of a grain
+    /// too fast for the step; unit normal towards the face; true for a swept contact; velocity of the wall there, its change without a
+    /// jump, and its part from the drift of a turning wall, m/s.
     #[inline]
     pub fn contact(
         &self,

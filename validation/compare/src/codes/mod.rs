@@ -69,8 +69,7 @@ pub trait Code: Sync {
     fn name(&self) -> &'static str;
     /// Its version, or `None` if it is not installed.
     fn version(&self) -> Option<String>;
-    /// The law of its contacts as it is told here; empty where the code has one of its own alone. Runs under one are not mixed with runs
-    /// under another.
+    /// Contact law in the input of the code; empty where the code has a single law. Runs with different laws are never mixed.
     fn contact_law(&self) -> &'static str {
         ""
     }

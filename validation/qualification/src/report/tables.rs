@@ -21,7 +21,7 @@ pub(super) fn rounding<'a>(rows: impl Iterator<Item = &'a Row> + Clone) -> Round
     };
     let margin = largest(|row| row.margin.unwrap_or(0.0));
     let spread = largest(|row| row.standard_deviation.filter(|_| row.seeds > 1).unwrap_or(0.0));
-    Rounding::seeing(margin, spread, largest(|row| row.mean.unwrap_or(0.0)))
+    Rounding::for_values(margin, spread, largest(|row| row.mean.unwrap_or(0.0)))
 }
 
 /// Column of differences: the first code minus the second.

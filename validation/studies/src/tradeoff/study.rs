@@ -368,10 +368,10 @@ fn variations(points: &[Point]) -> Vec<Varied> {
     rows
 }
 
-/// Places of the points that no other one beats, from the cheapest to the most accurate.
+/// Indices of the points of the Pareto front, from the cheapest to the most accurate.
 ///
-/// A point is its wall time and its error. Errors below `floor`, the error of the reference itself, cannot be told
-/// apart and count as equal to it: the cheapest of them ends the front, not the luckiest.
+/// A point is a wall time and an error. Errors below `floor`, the error of the reference itself, count as equal to it: the cheapest
+/// of these points ends the front.
 pub fn pareto_front(points: &[[f64; 2]], floor: f64) -> Vec<usize> {
     let error = |place: &usize| points[*place][1].max(floor);
     let mut order: Vec<usize> =

@@ -13,9 +13,9 @@ pub enum Rounding {
 const PARTS_OF_MARGIN: f64 = 20.0;
 
 impl Rounding {
-    /// Rounding of values up to `value`: a twentieth of the margin is still seen; without a margin (0) two digits of the
-    /// largest spread; without a spread (0) three digits of the largest value.
-    pub fn seeing(margin: f64, spread: f64, value: f64) -> Rounding {
+    /// Rounding of values up to `value`: to a twentieth of the margin; without a margin (0) to two digits of the largest spread; without
+    /// a spread (0) to three digits of the largest value.
+    pub fn for_values(margin: f64, spread: f64, value: f64) -> Rounding {
         // A spread far below the value is rounding noise of a deterministic quantity, not a reason for more digits.
         let resolution = if margin > 0.0 {
             margin / PARTS_OF_MARGIN
