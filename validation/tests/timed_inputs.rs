@@ -202,6 +202,12 @@ fn decks_for_timing_have_primitives_where_walls_are_endless() {
         let measured = deck(name, Purpose::Measuring);
         assert!(!measured.contains("primitive") && measured.contains("walls.dump"), "{name}");
     }
+    // A second dump of a table would repeat the frame at which the interval changes, which readers refuse.
+    for purpose in [Purpose::Timing, Purpose::Measuring] {
+        let drum = deck("drum", purpose);
+        let found = ["dump grains all ", "dump_modify grains every ", "undump"].map(|words| count(&drum, words));
+        assert_eq!(found, [1, 1, 0], "{drum}");
+    }
     // The cylinder lies along z, where `shear` works, and is turned at the speed of the surface for a grain of the mean radius.
     let drum = deck("drum", Purpose::Timing);
     let words = drum.lines().find(|line| line.contains("zcylinder")).unwrap();
