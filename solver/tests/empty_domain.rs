@@ -116,3 +116,25 @@ fn single_precision_follows_fewer_boxes() {
     assert!(simulation.layout().contacts > 100, "the stream strikes the block");
     assert_eq!(resumed.state_hash(), simulation.state_hash());
 }
+
+#[test]
+fn empty_space_and_lone_grains_make_no_tasks() {
+    let tasks = |scene: &Scene| {
+        let mut simulation = start(scene);
+        steps(&mut simulation, CLOSED);
+        simulation.layout().plan.tasks().len()
+    };
+    let middle = [[0.0; 3]];
+    let tight = tasks(&lattice(cube(0.1), "", &middle, &[]));
+    // As finely divided as in a tight domain, and no more tasks where there is nothing.
+    for half in [0.5, 3.0, 1e3, 9e5] {
+        let found = tasks(&lattice(cube(half), "", &middle, &[]));
+        assert!((tight / 8..=8 * tight).contains(&found), "{half} m: {found} tasks for {tight}");
+    }
+    for count in [1, 100] {
+        let found = tasks(&lattice(cube(9e5), "", &middle, &lone(count)));
+        assert!((tight / 8..=8 * tight).contains(&found), "{count} escaped: {found} tasks for {tight}");
+    }
+    let two = tasks(&lattice(cube(9e5), "", &[[0.0; 3], [7e5, -3e5, 20.0]], &[]));
+    assert!((tight / 8..=16 * tight).contains(&two), "two blocks: {two} tasks for {tight}");
+}

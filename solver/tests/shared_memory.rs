@@ -1,6 +1,6 @@
 //! Memory that tasks share: the source file itself is compiled into these tests, since no scene can ask for a part that is not there.
 
-#[allow(dead_code)]
+#[allow(dead_code, reason = "the tests use a part of the file")]
 #[path = "../src/schedule/shares.rs"]
 mod shares;
 

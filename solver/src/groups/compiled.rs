@@ -107,7 +107,7 @@ macro_rules! with_pairs {
 
 pub(crate) use with_pairs;
 
-/// Whoever lays groups out and whoever sweeps them go by the same effects.
+/// Reason for which no other layout can occur: set-up and sweeps use the same effects.
 const LAID_OUT: &str = "lane groups were laid out for the effects of the sweep";
 
 /// Makes a kind of lane groups that of one variant of [`PairGroups`].
@@ -152,7 +152,7 @@ impl PairGroups {
         self.len() == 0
     }
 
-    /// The groups with room for friction and springs, whether they have any or not: for who reads them once in a while.
+    /// Copies of the groups with room for friction and springs, whether they have any or not, for occasional reading.
     pub fn iter(&self) -> impl Iterator<Item = PairGroup<SpringLanes>> + '_ {
         (0..self.len()).map(|number| with_pairs!(self, groups => groups[number].with_all()))
     }

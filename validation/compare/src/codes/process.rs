@@ -429,7 +429,7 @@ impl RunFolder {
     /// The files of a pattern, in the order of their names.
     ///
     /// # Errors
-    /// Where there are none, or one that is not of this run, in words.
+    /// A sentence, if the pattern names no file or a file that is not of this run.
     pub fn files(&self, pattern: &str) -> Result<Vec<PathBuf>, String> {
         let whole = Path::new(&glob::Pattern::escape(&self.path.display().to_string())).join(pattern);
         let paths = glob::glob(&whole.display().to_string()).map_err(|error| error.to_string())?;
@@ -474,7 +474,7 @@ impl RunFolder {
 /// Checks that a pattern names files below the folder of a run.
 ///
 /// # Errors
-/// Why not, and the remedy.
+/// A sentence with the reason and the remedy, if it leads out of the folder or is no pattern.
 pub(super) fn check_pattern(pattern: &str) -> Result<(), String> {
     let remedy = "name files below the folder in which the command runs, such as out/*.csv";
     let leads_out =

@@ -219,7 +219,7 @@ fn given(path: &Path) -> Option<Given> {
 /// Reads a file, whether it lies on a disk or in the program.
 ///
 /// # Errors
-/// What the system says; [`ErrorKind::NotFound`] for what the program does not hold.
+/// The error of the system, or [`ErrorKind::NotFound`] for a path into the program that it does not hold.
 pub fn read(path: &Path) -> std::io::Result<Vec<u8>> {
     if let Some(given) = given(path) {
         return Ok(given.text.into_bytes());

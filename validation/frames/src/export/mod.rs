@@ -46,7 +46,7 @@ pub fn write(
 /// Passes over frames by their numbers; reports the fraction that is done.
 ///
 /// # Errors
-/// Those of `work`, and [`ExportError::Interrupted`].
+/// An error of `work`, or [`ExportError::Interrupted`].
 fn for_each(
     numbers: Range<usize>,
     progress: &dyn Fn(f64),

@@ -86,11 +86,10 @@ impl Column {
         Column { name: name.into(), number, width, values }
     }
 
-    /// Coordinates, in single precision as everything else, unless that would shift points by more than a thousandth of what has to be
-    /// told apart (m).
-    pub fn coordinates(name: &str, values: Vec<f64>, told_apart: f64) -> Column {
+    /// Coordinates (m), in single precision unless that would shift points by more than a thousandth of a `resolution` (m).
+    pub fn coordinates(name: &str, values: Vec<f64>, resolution: f64) -> Column {
         let farthest = values.iter().fold(0.0, |farthest: f64, coordinate| farthest.max(coordinate.abs()));
-        let is_single = farthest * f64::from(f32::EPSILON) <= 1e-3 * told_apart;
+        let is_single = farthest * f64::from(f32::EPSILON) <= 1e-3 * resolution;
         Column::new(name, (if is_single { Number::Float32 } else { Number::Float64 }, 3), values)
     }
 
