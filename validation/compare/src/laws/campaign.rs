@@ -17,9 +17,6 @@ use std::time::Instant;
 /// Named numbers; SI units unless the name says otherwise.
 pub type Values = BTreeMap<String, f64>;
 
-/// Restitution threshold of the recorded rows of collapse and chute (m/s). By the scales of grains of 10 mm it would be 0.0501.
-const RECORDED_THRESHOLD: f64 = 0.05;
-
 /// One simulation of a law, before a seed is chosen.
 pub struct Case {
     /// Name, unique within the law; a part of file names.
@@ -33,12 +30,6 @@ pub struct Case {
 impl Case {
     pub(crate) fn new<const N: usize>(scene: MeasuredScene, given: [(&str, f64); N]) -> Case {
         Case { name: scene.name.clone(), scene, given: values(given) }
-    }
-
-    /// Returns the case with the restitution threshold of recorded rows.
-    pub(super) fn with_recorded_threshold(mut self) -> Case {
-        self.scene.solver.restitution_threshold = Some(RECORDED_THRESHOLD);
-        self
     }
 
     /// Returns a chosen value.

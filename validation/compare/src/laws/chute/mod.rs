@@ -229,7 +229,7 @@ fn case(angle: f64, layer: Layer, coarseness: f64) -> Case {
         .with(|scene| scene.domain.periodic = vec![Periodic::X, Periodic::Y]);
     let given =
         [("angle", angle), ("depth", layer.depth), ("coarseness", coarseness), ("from", from), ("until", until)];
-    Case::new(scene.scene(), given).with_recorded_threshold()
+    Case::new(scene.scene(), given)
 }
 
 /// Rows of the spheres that the bed is made of, along and across: about 1.2 diameters apart.

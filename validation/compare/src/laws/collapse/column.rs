@@ -66,7 +66,7 @@ pub(super) fn case(radius_in_diameters: f64, aspect: f64, part: Part) -> Case {
     scene.name = format!("collapse-{aspect}-r{radius_in_diameters}{suffix}");
     scene.description = format!("{words} of aspect ratio {aspect} on a rough plane, whose tube is lifted off.");
     let given = [("radius", radius), ("nominal_aspect", aspect), ("release", release), ("share", part.share())];
-    Case::new(scene, given).with_recorded_threshold()
+    Case::new(scene, given)
 }
 
 /// A heap for the angle of repose of these grains, from a tube of eight diameters in radius, filled to four times that and lifted slowly.
@@ -77,7 +77,7 @@ pub(super) fn heap() -> Case {
     let mut scene = lifted([radius, height], Part::Whole, HEAP.0, 5.0 * radius, until);
     scene.name = "heap".into();
     scene.description = "The grains of the collapsing columns, as a heap.".into();
-    Case::new(scene, []).with_recorded_threshold()
+    Case::new(scene, [])
 }
 
 /// Time at which a tube filled to a height (m) begins to rise, s.
