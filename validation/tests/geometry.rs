@@ -3,7 +3,7 @@
 use approx::assert_abs_diff_eq;
 use makadam::snapshot::{DrivenWall, Snapshot};
 use makadam_frames::plan::MeasuredScene;
-use makadam_measure::observables::contour::{area, contours, encloses, outline, segments, squared_distance};
+use makadam_measure::observables::contour::{Loop, area, contours, crosses, outline, segments, squared_distance};
 use makadam_measure::observables::field::Field;
 use makadam_measure::observables::line::{Line, clip};
 use makadam_measure::observables::walls::PlacedWalls;
@@ -20,6 +20,11 @@ fn field(value: impl Fn(f64, f64) -> f64) -> Field {
         }
     }
     field
+}
+
+/// Returns true if a closed line encloses a point.
+fn encloses(line: &Loop, point: [f64; 2]) -> bool {
+    segments(line).filter(|segment| crosses(*segment, point)).count() % 2 == 1
 }
 
 #[test]

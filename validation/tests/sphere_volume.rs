@@ -144,7 +144,7 @@ proptest! {
     #[test]
     fn a_field_keeps_the_volume(x in -0.5..0.5_f64, y in -0.5..0.5_f64, radius in 0.02..0.4_f64) {
         let mut field = Field::new([-1.0; 2], [1.0; 2], 0.1, 10_000).unwrap();
-        field.add_sphere([x, y], radius, 1.0);
+        field.add_spheres(&[([x, y], radius)], 1.0);
         prop_assert!((field.values.iter().sum::<f64>() - sphere(radius)).abs() < 1e-12);
         prop_assert!(field.values.iter().all(|value| *value > -1e-14));
         // Each cell is the same volume as that of a box without ends.

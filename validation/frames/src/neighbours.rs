@@ -36,28 +36,23 @@ pub fn close_pairs(grains: &[Particle], reach: f64) -> Vec<Pair> {
     let cells: Vec<usize> = places.iter().map(|place| flat(cell_of(place))).collect();
     cells.iter().for_each(|&cell| start[cell + 1] += 1);
     (1..start.len()).for_each(|cell| start[cell] += start[cell - 1]);
-    let (mut sorted, mut fill) = (vec![0; grains.len()], start.clone());
+    let (mut sorted, mut fill) = (vec![(0, Vector3::zeros(), 0.0); grains.len()], start.clone());
     for (grain, &cell) in cells.iter().enumerate() {
-        sorted[fill[cell]] = grain;
+        sorted[fill[cell]] = (grain, places[grain], grains[grain].radius);
         fill[cell] += 1;
     }
 
     let mut pairs = Vec::with_capacity(4 * grains.len());
     for (first, place) in places.iter().enumerate() {
-        let cell = cell_of(place);
-        let (from, to) =
-            (cell.map(|c| c.saturating_sub(1)), (cell.add_scalar(1)).inf(&dims.add_scalar(0).map(|d| d - 1)));
+        let (cell, radius) = (cell_of(place), grains[first].radius);
+        let (from, to) = (cell.map(|c| c.saturating_sub(1)), cell.add_scalar(1).inf(&dims.map(|d| d - 1)));
         for z in from.z..=to.z {
             for y in from.y..=to.y {
                 let row = flat(Vector3::new(from.x, y, z))..=flat(Vector3::new(to.x, y, z));
-                for &second in &sorted[start[*row.start()]..start[*row.end() + 1]] {
-                    if second <= first {
-                        continue;
-                    }
-                    let touch = grains[first].radius + grains[second].radius;
-                    let square = (places[second] - place).norm_squared();
-                    if square < (touch + reach).powi(2) {
-                        pairs.push(Pair { first, second, gap: square.sqrt() - touch });
+                for (second, other, other_radius) in &sorted[start[*row.start()]..start[*row.end() + 1]] {
+                    let (touch, square) = (radius + other_radius, (other - place).norm_squared());
+                    if *second > first && square < (touch + reach).powi(2) {
+                        pairs.push(Pair { first, second: *second, gap: square.sqrt() - touch });
                     }
                 }
             }

@@ -41,12 +41,13 @@ fn stored_frames_measure_as_frames_in_memory() {
         let mut written = StoreWriter::create(&file, &scene).unwrap();
         let mut measured = MeasuredFrames::begin(folder.path(), &scene).unwrap();
         assert_eq!(measured.own.is_some(), interval.is_some());
+        let properties = Properties::new(&scene);
         let push = |written: &mut StoreWriter, measured: &mut MeasuredFrames, frames: &[Snapshot]| {
             for frame in frames {
                 if interval.is_none() {
                     written.append(frame).unwrap();
                 }
-                measured.push(&scene, frame.clone()).unwrap();
+                measured.push(&properties, frame.clone()).unwrap();
             }
         };
         push(&mut written, &mut measured, &frames[..3]);
@@ -57,7 +58,7 @@ fn stored_frames_measure_as_frames_in_memory() {
         assert_eq!(measured.measure(&scene, &written).unwrap().unwrap(), expected);
         drop((written, measured));
         let mut written = StoreWriter::resume(&file, marks.0).unwrap();
-        let mut measured = MeasuredFrames::resume(folder.path(), marks.1).unwrap();
+        let mut measured = MeasuredFrames::resume(folder.path(), &scene, marks.1, &written).unwrap();
         assert_eq!(measured.measure(&scene, &written).unwrap().unwrap(), in_memory(&scene, &frames[..9]));
         push(&mut written, &mut measured, &frames[9..]);
         assert_eq!(measured.measure(&scene, &written).unwrap().unwrap(), expected);
@@ -73,8 +74,12 @@ fn without_a_first_time_the_last_frame_is_measured() {
     scene.measure.from = None;
     let written = StoreWriter::create(&folder.path().join(RunFiles::FRAMES), &scene).unwrap();
     let mut measured = MeasuredFrames::begin(folder.path(), &scene).unwrap();
-    frames.iter().for_each(|frame| measured.push(&scene, frame.clone()).unwrap());
-    let resumed = MeasuredFrames::resume(folder.path(), measured.mark()).unwrap();
+    for frame in &frames {
+        let alone = measured.push(&Properties::new(&scene), frame.clone()).unwrap();
+        let Ok(expected) = measure_frames(&scene, &[frame][..]);
+        assert_eq!(Some(alone), expected);
+    }
+    let resumed = MeasuredFrames::resume(folder.path(), &scene, measured.mark(), &written).unwrap();
     let Ok(expected) = measure_frames(&scene, &[&frames[frames.len() - 1]][..]);
     assert_eq!(resumed.measure(&scene, &written).unwrap(), expected);
 }

@@ -32,13 +32,14 @@ use std::fs::{File, OpenOptions};
 use std::io::{Error, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
+use xxhash_rust::xxh3::xxh3_64;
 
 /// First bytes of a file; the last one is the version of the format.
-const MARK: [u8; 8] = *b"makadam\x0d";
+const MARK: [u8; 8] = *b"makadam\x0f";
 
 /// Checkpoint of a simulation in which grains have come or gone, walls are moved by the caller, the candidate list holds more than what was
 /// near when it was built, or the ledger has something from outside or in tangential springs: what that is follows the state.
-const MARK_OF_ALTERED: [u8; 8] = *b"makadam\x0e";
+const MARK_OF_ALTERED: [u8; 8] = *b"makadam\x10";
 
 /// Reason for which a checkpoint could not be written or read.
 #[derive(Debug, thiserror::Error)]
@@ -95,7 +96,7 @@ impl Simulation {
     }
 }
 
-/// Bytes before the body: a mark of eight bytes, the length of the body and its checksum.
+/// Bytes before the body: a mark of eight bytes, the length of the body and its checksum (XXH3, 64 bits).
 const HEAD: usize = 24;
 
 /// Puts a mark, the length and the checksum before a body. The last byte of a mark is the version of what follows.
@@ -103,7 +104,7 @@ pub fn seal(mark: [u8; 8], body: &[u8]) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(HEAD + body.len());
     bytes.extend(mark);
     bytes.extend((body.len() as u64).to_le_bytes());
-    bytes.extend(checksum(body).to_le_bytes());
+    bytes.extend(xxh3_64(body).to_le_bytes());
     bytes.extend(body);
     bytes
 }
@@ -127,13 +128,13 @@ pub fn open(mark: [u8; 8], bytes: &[u8]) -> Result<&[u8], String> {
     if length != body.len() as u64 {
         return Err(format!("is cut off: it holds {} of {length} bytes", body.len()));
     }
-    if number(16) != checksum(body) {
+    if number(16) != xxh3_64(body) {
         return Err("is damaged: its checksum does not fit".into());
     }
     Ok(body)
 }
 
-/// FNV-1a, 64 bits (G. Fowler, L. C. Noll, K.-P. Vo).
+/// Hash of a text or a state by which it is known: FNV-1a, 64 bits (G. Fowler, L. C. Noll, K.-P. Vo).
 pub fn checksum(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3))
 }

@@ -9,16 +9,16 @@
 use crate::output::{WriteError, open_to_grow};
 use crate::plan::MeasuredScene;
 use makadam::checkpoint::{open, seal};
-use makadam::snapshot::Snapshot;
+use makadam::snapshot::{Contact, DrivenWall, Origin, Particle, Snapshot};
 use serde::{Deserialize, Serialize};
 use std::fs::{File, OpenOptions};
 use std::io::{BufReader, Error, ErrorKind, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 /// Magic bytes of the record of the scene; the last one is the version of the format.
-const SCENE: [u8; 8] = *b"mkd-scn\x01";
+const SCENE: [u8; 8] = *b"mkd-scn\x02";
 /// Magic bytes of the record of a frame; the last one is the version of the format.
-const FRAME: [u8; 8] = *b"mkd-frm\x04";
+const FRAME: [u8; 8] = *b"mkd-frm\x05";
 
 /// Bytes before the body of a record.
 const HEAD: u64 = 24;
@@ -106,7 +106,9 @@ impl StoreWriter {
     /// # Errors
     /// [`WriteError`] if the system refuses; the frames before it stay readable.
     pub fn append(&mut self, frame: &Snapshot) -> Result<(), WriteError> {
-        let body = postcard::to_stdvec(frame).expect("a frame holds only numbers and lists");
+        let Snapshot { time, particles, contacts, driven_walls, origins } = frame;
+        let parts: (Grains<_, _, _>, _) = ((*time, particles, driven_walls, origins), contacts);
+        let body = postcard::to_stdvec(&parts).expect("a frame holds only numbers and lists");
         let record = seal(FRAME, &body);
         let start = self.store.bytes();
         // A failed write may have left a part of a record.
@@ -205,23 +207,61 @@ impl Store {
         numbers.into_iter().try_for_each(|number| self.read_from(&mut file, number).map(|frame| look(&frame)))
     }
 
+    /// Reads frames without their contacts, by their numbers in ascending order.
+    ///
+    /// # Errors
+    /// The problem, in words that follow the name of the file.
+    pub fn visit_grains(
+        &self,
+        numbers: impl Iterator<Item = usize>,
+        look: &mut dyn FnMut(&Snapshot),
+    ) -> Result<(), String> {
+        let mut file = self.reader()?;
+        numbers.into_iter().try_for_each(|number| {
+            let bytes = self.bytes_of(&mut file, number)?;
+            let (grains, _) = postcard::take_from_bytes(open(FRAME, &bytes)?).map_err(unfit)?;
+            look(&frame_of(grains, Vec::new()));
+            Ok(())
+        })
+    }
+
     fn reader(&self) -> Result<BufReader<File>, String> {
         File::open(&self.path).map(BufReader::new).map_err(unread)
     }
 
     fn read_from(&self, file: &mut BufReader<File>, number: usize) -> Result<Snapshot, String> {
+        let bytes = self.bytes_of(file, number)?;
+        let (grains, contacts) = postcard::from_bytes(open(FRAME, &bytes)?).map_err(unfit)?;
+        Ok(frame_of(grains, contacts))
+    }
+
+    /// Reads the record of a frame.
+    fn bytes_of(&self, file: &mut BufReader<File>, number: usize) -> Result<Vec<u8>, String> {
         let entry = &self.entries[number];
         let ahead = entry.start as i64 - file.stream_position().map_err(unread)? as i64;
         file.seek_relative(ahead).map_err(unread)?;
         let mut bytes = Vec::with_capacity(entry.length as usize);
         file.take(entry.length).read_to_end(&mut bytes).map_err(unread)?;
-        let body = open(FRAME, &bytes)?;
-        postcard::from_bytes(body).map_err(|error| format!("does not hold what it should ({error})"))
+        Ok(bytes)
     }
 
     fn bytes(&self) -> u64 {
         self.entries.last().map_or(self.head, Entry::end)
     }
+}
+
+/// First part of a record of a frame: time, grains, driven walls, identities. The contacts follow.
+type Grains<P, W, O> = (f64, P, W, O);
+
+fn frame_of(
+    (time, particles, driven_walls, origins): Grains<Vec<Particle>, Vec<DrivenWall>, Vec<Origin>>,
+    contacts: Vec<Contact>,
+) -> Snapshot {
+    Snapshot { time, particles, contacts, driven_walls, origins }
+}
+
+fn unfit(error: postcard::Error) -> String {
+    format!("does not hold what it should ({error})")
 }
 
 fn unread(error: Error) -> String {
@@ -235,7 +275,7 @@ fn read_entry(file: &mut File, start: u64, size: u64) -> Result<Option<Entry>, S
     let mut bytes = vec![0; 13.min((length - HEAD) as usize)];
     file.read_exact(&mut bytes).map_err(unread)?;
     let begin: Result<((f64, u32), _), _> = postcard::take_from_bytes(&bytes);
-    let ((time, grains), _) = begin.map_err(|error| format!("does not hold what it should ({error})"))?;
+    let ((time, grains), _) = begin.map_err(unfit)?;
     Ok(Some(Entry { start, length, time, grains }))
 }
 

@@ -15,38 +15,50 @@ use std::ops::Range;
 /// Diameter of the circle over the drum's.
 const CIRCLE_OVER_DRUM: f64 = 0.2;
 
-/// Solid fraction in a drum's cross-section, averaged over the measured frames and over blocks of them.
-pub struct BedFields {
-    /// Frames of each block of time; one block where there are too few frames for more.
+/// Reason for no [`MeanField`].
+pub const NO_MEAN_FIELD: &str = "grains are too small for the drum, or too unlike in size";
+
+/// Free surface of the bed in the mean of all frames, and in the means of blocks of them.
+pub struct BedSurfaces {
+    /// Frames of each block of time; none where there are too few frames for blocks.
     pub blocks: Vec<Range<usize>>,
-    /// Mean field of each block.
-    pub fields: Vec<Field>,
-    /// Mean field of all frames.
-    pub whole: Field,
+    /// Surface in each block; absent where the bed has none.
+    pub parts: Vec<Option<BedSurface>>,
+    /// Surface in all frames; absent where the bed has none.
+    pub whole: Option<BedSurface>,
 }
 
-impl BedFields {
-    /// Averages the frames, of which there is at least one; absent where a block has no [`MeanField`].
+impl BedSurfaces {
+    /// Finds the surfaces in frames, of which there is at least one; absent where a block has no [`MeanField`].
     pub fn new<F: Frames + ?Sized>(setting: &Setting<'_>, drum: &Drum, frames: &F) -> Result<Option<Self>, F::Error> {
         let all = frames.count();
-        let count = block_count(all).unwrap_or(1);
+        let mean_of = |range: Range<usize>| {
+            let mut mean = MeanField::new(setting, drum, frames.grains(range.clone()));
+            frames.visit_grains(range, &mut |frame| mean.add(frame)).map(|()| mean.finish())
+        };
+        let surface_of = |field: &Field| surface(setting, drum, &outline(field)?);
+        let Some(count) = block_count(all) else {
+            let found = |field: Field| BedSurfaces::of_frames(surface_of(&field));
+            return Ok(mean_of(0..all)?.map(found));
+        };
         let border = |block: usize| block * all / count;
         let blocks: Vec<Range<usize>> = (0..count).map(|block| border(block)..border(block + 1)).collect();
-        let mut fields = Vec::with_capacity(count);
+        let (mut parts, mut whole) = (Vec::with_capacity(count), None);
         for block in &blocks {
-            let mut mean = MeanField::new(setting, drum, frames.grains(block.clone()));
-            frames.visit(block.clone(), &mut |frame| mean.add(frame))?;
-            let Some(field) = mean.finish() else { return Ok(None) };
-            fields.push(field);
+            let Some(mut field) = mean_of(block.clone())? else { return Ok(None) };
+            parts.push(surface_of(&field));
+            field.scale(block.len() as f64 / all as f64);
+            match &mut whole {
+                None => whole = Some(field),
+                Some(whole) => whole.add(&field),
+            }
         }
-        let mut whole = fields[0].clone();
-        whole.scale(0.0);
-        for (block, field) in blocks.iter().zip(&fields) {
-            let mut part = field.clone();
-            part.scale(block.len() as f64 / all as f64);
-            whole.add(&part);
-        }
-        Ok(Some(Self { blocks, fields, whole }))
+        Ok(Some(Self { blocks, parts, whole: whole.as_ref().and_then(surface_of) }))
+    }
+
+    /// The surface of too few frames for blocks.
+    pub fn of_frames(whole: Option<BedSurface>) -> Self {
+        Self { blocks: Vec::new(), parts: Vec::new(), whole }
     }
 }
 
@@ -99,9 +111,8 @@ impl<'a> MeanField<'a> {
             self.field = None;
             return;
         };
-        for grain in &frame.particles {
-            field.add_sphere(place(grain), grain.radius, self.volume);
-        }
+        let spheres: Vec<_> = frame.particles.iter().map(|grain| (place(grain), grain.radius)).collect();
+        field.add_spheres(&spheres, self.volume);
         (self.left, self.frames) = (left, self.frames + 1);
     }
 
@@ -114,12 +125,16 @@ impl<'a> MeanField<'a> {
     }
 }
 
-/// The surface of the bed in a field; absent where the bed has none.
-pub fn surface(setting: &Setting<'_>, drum: &Drum, field: &Field) -> Option<BedSurface> {
-    let outline = contour::outline(field, 0.5 * field.largest())?;
+/// The outline of the bed in a field, at half of its largest value; absent where there is no bed.
+pub fn outline(field: &Field) -> Option<Loop> {
+    contour::outline(field, 0.5 * field.largest())
+}
+
+/// The surface of a bed of this outline; absent where the bed has none.
+pub fn surface(setting: &Setting<'_>, drum: &Drum, outline: &Loop) -> Option<BedSurface> {
     let inside = drum.radius - 1.5 * setting.diameter;
     let free: Vec<Segment> =
-        contour::segments(&outline).filter(|[a, b]| a[0].hypot(a[1]) < inside && b[0].hypot(b[1]) < inside).collect();
+        contour::segments(outline).filter(|[a, b]| a[0].hypot(a[1]) < inside && b[0].hypot(b[1]) < inside).collect();
     let mut line = Line::fit(free.iter().copied())?;
     // The middle half depends on the line, and the line on the middle half: a few rounds settle both.
     for _ in 0..5 {
@@ -132,7 +147,7 @@ pub fn surface(setting: &Setting<'_>, drum: &Drum, field: &Field) -> Option<BedS
         line = Line::fit(pieces)?;
     }
     let centre = line.foot([0.0; 2]);
-    let crossings = circle_crossings(&outline, centre, 0.5 * CIRCLE_OVER_DRUM * 2.0 * drum.radius);
+    let crossings = circle_crossings(outline, centre, 0.5 * CIRCLE_OVER_DRUM * 2.0 * drum.radius);
     // A bubble or a splash may cross the circle as well: take the crossing nearest to the line on either side.
     let middle = Line { point: centre, ..line };
     let nearest = |side: f64| {

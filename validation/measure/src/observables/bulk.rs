@@ -10,7 +10,6 @@
 //! A bulk region must hold no hole: a bed of another form (a slope, a block that stands free, a funnel) has none of these
 //! surfaces, and no bulk.
 
-use super::bed_surface::MeanField;
 use super::contour::{self, Loop, Segment};
 use super::drum::Drum;
 use super::effort;
@@ -18,7 +17,8 @@ use super::field::mean_within;
 use super::holes::hole;
 use super::setting::Setting;
 use super::sphere_volume::half_space;
-use super::static_angle::{HeapFields, HeapFrame};
+use super::static_angle::HeapFrame;
+use super::view::View;
 use super::walls::PlacedWalls;
 use makadam::snapshot::{Particle, Snapshot};
 use nalgebra::Vector3;
@@ -34,6 +34,8 @@ const HAIR: f64 = 1e-9;
 pub struct Bulk {
     /// Distance kept from walls and from the free surface, m.
     pub inset: f64,
+    /// Which grains lie in it, in the order of the frame's table.
+    pub inside: Vec<bool>,
     /// Distance by which points on the border count as inside, m.
     hair: f64,
     surface: FreeSurface,
@@ -44,71 +46,79 @@ enum FreeSurface {
     None,
     /// A level one: the direction up, and the height along it, m.
     Level(Vector3<f64>, f64),
-    /// In a drum: outline of the bed in the cross-section, and its free pieces.
-    Drum(Drum, Loop, Vec<Segment>),
-    /// Of a heap: outline in (r, z), and its free pieces.
-    Heap(HeapFrame, Loop, Vec<Segment>),
+    /// In a drum: outline of the bed in the cross-section.
+    Drum(Drum, Outline),
+    /// Of a heap: outline in (r, z).
+    Heap(HeapFrame, Outline),
 }
 
 impl Bulk {
     /// Finds the free surface of a frame, and how far inside it the bulk begins.
-    pub fn of(setting: &Setting<'_>, frame: &Snapshot, walls: &PlacedWalls) -> Result<Bulk, String> {
+    pub fn of(view: &View<'_>) -> Result<Bulk, String> {
+        let (setting, frame) = (view.setting, view.frame);
         if frame.particles.is_empty() {
             return Err("there are no grains".into());
         }
         let Some(up) = setting.up else {
-            return Bulk::below(FreeSurface::None, setting, frame, walls)
+            return Bulk::below(FreeSurface::None, view)
                 .map_err(|why| format!("{why}: without gravity, grains have to fill the room between the walls"));
         };
         if let Some(drum) = &setting.drum {
-            return Bulk::below(in_drum(setting, drum, frame)?, setting, frame, walls);
+            return Bulk::below(in_drum(view, drum)?, view);
         }
-        let level = level(setting, up, frame).and_then(|level| Bulk::below(level, setting, frame, walls));
+        let level = level(setting, up, frame).and_then(|level| Bulk::below(level, view));
         let heap = |why: String| {
-            let heap = heap(setting, frame).and_then(|heap| Bulk::below(heap, setting, frame, walls));
+            let heap = heap(view).and_then(|heap| Bulk::below(heap, view));
             heap.map_err(|heap| format!("the bed is neither level between walls ({why}) nor a round heap ({heap})"))
         };
         level.or_else(heap)
     }
 
     /// The bulk below a surface, as deep as there are grains for.
-    fn below(
-        surface: FreeSurface,
-        setting: &Setting<'_>,
-        frame: &Snapshot,
-        walls: &PlacedWalls,
-    ) -> Result<Bulk, String> {
-        let mut bulk = Bulk { inset: 2.0 * setting.diameter, hair: HAIR * setting.diameter, surface };
-        let mut inside = bulk.grains(frame, walls);
-        if inside.len() < FEWEST {
+    fn below(surface: FreeSurface, view: &View<'_>) -> Result<Bulk, String> {
+        let (setting, grains) = (view.setting, &view.frame.particles);
+        let mut bulk =
+            Bulk { inset: 2.0 * setting.diameter, inside: Vec::new(), hair: HAIR * setting.diameter, surface };
+        let count = |inside: &[bool]| inside.iter().filter(|inside| **inside).count();
+        bulk.inside = bulk.find(view);
+        if count(&bulk.inside) < FEWEST {
             bulk.inset = setting.diameter;
-            inside = bulk.grains(frame, walls);
+            bulk.inside = bulk.find(view);
         }
-        if inside.is_empty() {
+        if count(&bulk.inside) == 0 {
             return Err("no grain lies a mean diameter inside walls and free surface".into());
         }
         // The outline of the bed in a drum is that of its field, which has no holes at all.
-        match bulk.surface {
-            FreeSurface::Drum(..) => Ok(bulk),
-            _ => match hole(setting, frame, &inside, &|point| bulk.contains(walls, point))? {
-                None => Ok(bulk),
-                Some(place) => {
-                    let [x, y, z] = place.map(|metres| format!("{metres:.4}")).into();
-                    Err(format!("no grain lies near ({x}, {y}, {z}) m, inside its bulk"))
-                }
-            },
+        if let FreeSurface::Drum(..) = bulk.surface {
+            return Ok(bulk);
+        }
+        let inside = grains.iter().zip(&bulk.inside).filter(|(_, inside)| **inside);
+        let inside: Vec<&Particle> = inside.map(|(grain, _)| grain).collect();
+        match hole(setting, view.frame, &inside, &|point| bulk.contains(&view.walls, point))? {
+            None => Ok(bulk),
+            Some(place) => {
+                let [x, y, z] = place.map(|metres| format!("{metres:.4}")).into();
+                Err(format!("no grain lies near ({x}, {y}, {z}) m, inside its bulk"))
+            }
         }
     }
 
-    /// Grains whose centres lie in the bulk.
-    fn grains<'f>(&self, frame: &'f Snapshot, walls: &PlacedWalls) -> Vec<&'f Particle> {
-        frame.particles.iter().filter(|grain| self.contains(walls, &grain.position.into())).collect()
+    /// Finds the grains whose centres lie in the bulk.
+    fn find(&self, view: &View<'_>) -> Vec<bool> {
+        let is_inside = |(grain, distance): (&Particle, &f64)| {
+            *distance >= self.inset - self.hair && self.is_covered(&grain.position.into())
+        };
+        view.frame.particles.iter().zip(view.wall_distances()).map(is_inside).collect()
     }
 
     /// Returns true for a point in the bulk.
     pub fn contains(&self, walls: &PlacedWalls, point: &Vector3<f64>) -> bool {
-        let inset = self.inset - self.hair;
-        walls.distance(point) >= inset && self.surface.covers(point, inset)
+        walls.distance(point) >= self.inset - self.hair && self.is_covered(point)
+    }
+
+    /// Returns true for a point that lies deep enough below the free surface.
+    pub fn is_covered(&self, point: &Vector3<f64>) -> bool {
+        self.surface.covers(point, self.inset - self.hair)
     }
 
     /// Height of the free surface along the direction up, m, where it is level.
@@ -123,39 +133,77 @@ impl Bulk {
 impl FreeSurface {
     /// Returns true for a point at least `inset` (m) below the surface.
     fn covers(&self, point: &Vector3<f64>, inset: f64) -> bool {
-        let deep = |outline: &Loop, free: &[Segment], point: [f64; 2]| {
-            let far = |piece: &Segment| contour::squared_distance(piece, point) >= inset * inset;
-            free.iter().all(far) && contour::encloses(outline, point)
-        };
         match self {
             FreeSurface::None => true,
             FreeSurface::Level(up, height) => point.dot(up) <= height - inset,
-            FreeSurface::Drum(drum, outline, free) => deep(outline, free, drum.section(point)),
-            FreeSurface::Heap(heap, outline, free) => deep(outline, free, heap.meridian(point)),
+            FreeSurface::Drum(drum, outline) => outline.covers(drum.section(point), inset),
+            FreeSurface::Heap(heap, outline) => outline.covers(heap.meridian(point), inset),
         }
     }
 }
 
-fn pieces(outline: &Loop, free: impl Fn([f64; 2]) -> bool) -> Vec<Segment> {
-    contour::segments(outline).filter(|[a, b]| free(*a) && free(*b)).collect()
+/// Outline of a bed in a plane, in runs of consecutive pieces: most points are far from most runs.
+struct Outline(Vec<Run>);
+
+/// Pieces of an outline that follow each other, and the circle about them.
+struct Run {
+    /// Each with a mark whether it is a part of the free surface.
+    pieces: Vec<(Segment, bool)>,
+    centre: [f64; 2],
+    radius: f64,
 }
 
-fn in_drum(setting: &Setting<'_>, drum: &Drum, frame: &Snapshot) -> Result<FreeSurface, String> {
-    let mut mean = MeanField::new(setting, drum, frame.particles.len());
-    mean.add(frame);
-    let field = mean.finish().ok_or("grains are too small for the drum, or too unlike in size")?;
-    let outline = contour::outline(&field, 0.5 * field.largest()).ok_or("there is no bed in the drum")?;
-    let free = pieces(&outline, |point| point[0].hypot(point[1]) < drum.radius - setting.diameter);
-    Ok(FreeSurface::Drum(drum.clone(), outline, free))
+impl Outline {
+    /// Pieces in a run.
+    const LENGTH: usize = 8;
+
+    /// An outline whose points are part of the free surface where `is_free` says so.
+    fn new(outline: &Loop, is_free: impl Fn([f64; 2]) -> bool) -> Outline {
+        let pieces: Vec<_> = contour::segments(outline).map(|[a, b]| ([a, b], is_free(a) && is_free(b))).collect();
+        let run = |pieces: &[(Segment, bool)]| {
+            let corners = || pieces.iter().flat_map(|(piece, _)| piece);
+            let centre =
+                [0, 1].map(|axis| corners().map(|corner| corner[axis]).sum::<f64>() / corners().count() as f64);
+            let radius = corners().map(|[x, y]| (x - centre[0]).hypot(y - centre[1])).fold(0.0, f64::max);
+            // Rounding must not make a run look farther than it is.
+            Run { pieces: pieces.into(), centre, radius: (1.0 + 1e-9) * radius }
+        };
+        Outline(pieces.chunks(Outline::LENGTH).map(run).collect())
+    }
+
+    /// Returns true for a point inside the outline, at least `inset` (m) from its free pieces.
+    fn covers(&self, point: [f64; 2], inset: f64) -> bool {
+        let mut crossings = 0;
+        for Run { pieces, centre, radius } in &self.0 {
+            let [x, y] = [point[0] - centre[0], point[1] - centre[1]];
+            if x * x + y * y < (inset + radius).powi(2)
+                && pieces
+                    .iter()
+                    .any(|(piece, is_free)| *is_free && contour::squared_distance(piece, point) < inset * inset)
+            {
+                return false;
+            }
+            if y.abs() <= *radius {
+                crossings += pieces.iter().filter(|(piece, _)| contour::crosses(*piece, point)).count();
+            }
+        }
+        crossings % 2 == 1
+    }
 }
 
-fn heap(setting: &Setting<'_>, frame: &Snapshot) -> Result<FreeSurface, String> {
-    let Ok(fields) = HeapFields::new(setting, &[frame][..]);
-    let fields = fields?;
+fn in_drum(view: &View<'_>, drum: &Drum) -> Result<FreeSurface, String> {
+    let outline = view.outline(drum)?.ok_or("there is no bed in the drum")?;
+    let inside = drum.radius - view.setting.diameter;
+    let outline = Outline::new(outline, |point| point[0].hypot(point[1]) < inside);
+    Ok(FreeSurface::Drum(drum.clone(), outline))
+}
+
+fn heap(view: &View<'_>) -> Result<FreeSurface, String> {
+    let fields = view.heap()?;
     let outline = fields.outline().ok_or("it has no outline")?;
     let foot = outline.iter().map(|point| point[1]).fold(f64::INFINITY, f64::min);
-    let free = pieces(&outline, |point| point[1] > foot + setting.diameter);
-    Ok(FreeSurface::Heap(fields.heap, outline, free))
+    let outline = Outline::new(&outline, |point| point[1] > foot + view.setting.diameter);
+    Ok(FreeSurface::Heap(fields.heap, outline))
 }
 
 /// The level, along `up`, at which the solid volume a layer falls to half of what it is within the bed.

@@ -96,12 +96,10 @@ pub fn segments(line: &Loop) -> impl Iterator<Item = Segment> + '_ {
     (0..line.len()).map(|index| [line[index], line[(index + 1) % line.len()]])
 }
 
-/// Returns true if a closed line encloses a point.
-pub fn encloses(line: &Loop, point: [f64; 2]) -> bool {
-    let crosses = |[a, b]: Segment| {
-        (a[1] > point[1]) != (b[1] > point[1]) && point[0] < a[0] + (point[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
-    };
-    segments(line).filter(|segment| crosses(*segment)).count() % 2 == 1
+/// Returns true if a segment crosses the ray from a point towards larger first coordinates. A closed line that encloses the point has an
+/// odd number of such segments.
+pub fn crosses([a, b]: Segment, point: [f64; 2]) -> bool {
+    (a[1] > point[1]) != (b[1] > point[1]) && point[0] < a[0] + (point[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
 }
 
 /// Squared distance of a point from a segment, m2.

@@ -6,7 +6,7 @@
 use super::catalogue::{ALL_CONTACTS, Group, define};
 use super::measurement::Readings;
 use super::view::{TOUCHING, View};
-use makadam::snapshot::Partner;
+use makadam::snapshot::{Particle, Partner};
 use makadam_frames::plan::Observable;
 
 const SILBERT: &str = "Silbert, Soft Matter 6, 2918 (2010); Shundyak et al., Phys. Rev. E 75, 010301 (2007)";
@@ -84,8 +84,11 @@ fn held_grains(view: &View<'_>) -> Vec<bool> {
     let grains = &view.frame.particles;
     let needed = if view.setting.properties.frictional() { 2 } else { 4 };
     let reach = TOUCHING * view.setting.diameter;
-    let mut supports: Vec<usize> =
-        grains.iter().map(|grain| view.walls.within(&grain.position.into(), grain.radius + reach)).collect();
+    let walls = |(grain, distance): (&Particle, &f64)| match grain.radius + reach {
+        within if *distance < within => view.walls.within(&grain.position.into(), within),
+        _ => 0,
+    };
+    let mut supports: Vec<usize> = grains.iter().zip(view.wall_distances()).map(walls).collect();
     let mut touching = vec![Vec::new(); grains.len()];
     for pair in view.pairs() {
         supports[pair.first] += 1;

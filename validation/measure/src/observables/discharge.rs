@@ -164,7 +164,7 @@ pub fn measure<F: Frames + ?Sized>(
     let mut passed: Vec<[f64; 2]> = Vec::new();
     let mut side = None;
     let mut refused = None;
-    frames.each(&mut |frame| {
+    frames.visit_grains(0..frames.count(), &mut |frame| {
         let setting = Setting::new(properties, frame);
         let (placed, number) = (outlet.at(&setting, frame), passed.len());
         if *side.get_or_insert(placed.as_placed) != placed.as_placed {

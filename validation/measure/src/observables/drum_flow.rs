@@ -1,9 +1,8 @@
 //! Flow in a rotating drum: slip at the shell, the flowing layer, torque, mixing.
 
-use super::bed_surface::{BedFields, surface};
+use super::bed_surface::{BedSurface, BedSurfaces};
 use super::catalogue::{Group, VELOCITIES, WALL_CONTACTS, define};
 use super::drum::Drum;
-use super::field::Field;
 use super::frames::Frames;
 use super::line::Line;
 use super::measurement::{Measurement, Readings};
@@ -14,7 +13,6 @@ use crate::statistics::{mean, standard_error};
 use makadam::snapshot::{Partner, Snapshot};
 use makadam_frames::plan::{Observable, lasting_number};
 use nalgebra::Vector3;
-use std::collections::HashMap;
 
 pub(super) const GROUP: Group = Group {
     observable: Observable::DrumFlow,
@@ -105,20 +103,18 @@ fn speed_ratio(view: &View<'_>, drum: &Drum) -> Option<f64> {
     (!ratios.is_empty()).then(|| mean(&ratios))
 }
 
-/// Measures the flow over all frames, in which the drum turns in one sense; nothing without a drum.
+/// Measures the flow over all frames, in which the drum turns in one sense.
 pub fn measure_flow<F: Frames + ?Sized>(
     setting: &Setting<'_>,
-    bed: &BedFields,
+    drum: &Drum,
+    bed: &BedSurfaces,
     frames: &F,
 ) -> Result<Vec<Measurement>, F::Error> {
-    let Some(drum) = &setting.drum else {
-        return Ok(Vec::new());
-    };
-    let profile = |field: &Field| Some(Profile::new(setting, drum, surface(setting, drum, field)?.line));
+    let profile = |surface: &Option<BedSurface>| Some(Profile::new(setting, drum, surface.as_ref()?.line));
     let mut whole = profile(&bed.whole);
-    let mut parts: Vec<Option<Profile<'_>>> = bed.fields.iter().map(profile).collect();
+    let mut parts: Vec<Option<Profile<'_>>> = bed.parts.iter().map(profile).collect();
     let mut number = 0;
-    frames.each(&mut |frame| {
+    frames.visit_grains(0..frames.count(), &mut |frame| {
         let block = bed.blocks.iter().position(|block| block.contains(&number));
         number += 1;
         whole.iter_mut().chain(block.and_then(|block| parts[block].as_mut())).for_each(|profile| profile.add(frame));
@@ -133,17 +129,35 @@ pub fn measure_flow<F: Frames + ?Sized>(
     Ok(measurements)
 }
 
-/// Measures the mixing at the last frame of the grains on either side of their median across the drum at the first one; nothing without a
-/// drum.
-pub fn measure_mixing<F: Frames + ?Sized>(setting: &Setting<'_>, frames: &F) -> Result<Option<Measurement>, F::Error> {
-    let (Some(drum), count) = (&setting.drum, frames.count()) else {
-        return Ok(None);
-    };
-    let mut ends: Vec<Snapshot> = Vec::with_capacity(2);
-    for place in [0, count - 1] {
-        frames.visit(place..place + 1, &mut |frame| ends.push(frame.clone()))?;
-    }
-    let index = mixing_of_sides(setting, drum, &ends[0], &ends[1]);
+/// Measures the mixing at the last frame of the grains on either side of their median across the drum at the first one.
+pub fn measure_mixing<F: Frames + ?Sized>(
+    setting: &Setting<'_>,
+    drum: &Drum,
+    frames: &F,
+) -> Result<Option<Measurement>, F::Error> {
+    let count = frames.count();
+    // Identities and places across the drum at the first frame, in the order of identities.
+    let mut across: Vec<(u64, f64)> = Vec::new();
+    frames.visit_grains(0..1, &mut |first| {
+        let places = first.particles.iter();
+        across =
+            places.map(|grain| (lasting_number(first, grain.id), drum.section(&grain.position.into())[0])).collect();
+    })?;
+    across.sort_unstable_by_key(|(grain, _)| *grain);
+    let mut sorted: Vec<f64> = across.iter().map(|(_, place)| *place).collect();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let Some(&median) = sorted.get(sorted.len() / 2) else { return Ok(None) };
+    let mut index = None;
+    frames.visit_grains(count - 1..count, &mut |last| {
+        let places = last.particles.iter().map(|grain| {
+            let point = Vector3::from(grain.position);
+            let [x, y] = drum.section(&point);
+            let known = across.binary_search_by_key(&lasting_number(last, grain.id), |(grain, _)| *grain);
+            let is_marked = known.is_ok_and(|place| across[place].1 < median);
+            ([x, y, (point - drum.centre).dot(&drum.axis)], is_marked)
+        });
+        index = lacey_index(places, MIXING_CELL * setting.diameter);
+    })?;
     Ok(index.map(|index| Measurement::of("lacey_mixing_index", index, None, count)))
 }
 
@@ -195,20 +209,4 @@ impl<'a> Profile<'a> {
         let depth = shallow + (deep - shallow) * fast / (fast - slow);
         Some((depth / self.setting.diameter, profile[0].1))
     }
-}
-
-fn mixing_of_sides(setting: &Setting<'_>, drum: &Drum, first: &Snapshot, last: &Snapshot) -> Option<f64> {
-    let across: HashMap<u64, f64> = (first.particles.iter())
-        .map(|grain| (lasting_number(first, grain.id), drum.section(&grain.position.into())[0]))
-        .collect();
-    let mut sorted: Vec<f64> = across.values().copied().collect();
-    sorted.sort_by(f64::total_cmp);
-    let median = *sorted.get(sorted.len() / 2)?;
-    let places = last.particles.iter().map(|grain| {
-        let point = Vector3::from(grain.position);
-        let [x, y] = drum.section(&point);
-        let dyed = across.get(&lasting_number(last, grain.id)).is_some_and(|place| *place < median);
-        ([x, y, (point - drum.centre).dot(&drum.axis)], dyed)
-    });
-    lacey_index(places, MIXING_CELL * setting.diameter)
 }

@@ -10,11 +10,11 @@
 //! two points a fifth of the drum apart is about twice as noisy as the fitted line; it feels the S-shape of a fast
 //! surface less.
 
-use super::bed_surface::{BedFields, BedSurface, MeanField, surface};
+use super::bed_surface::{BedSurface, BedSurfaces, MeanField, outline, surface};
 use super::catalogue::{Group, define, nothing_of_a_frame};
 use super::field::Field;
 use super::measurement::Measurement;
-use super::setting::{Properties, Setting};
+use super::setting::{Properties, Setting, is_one_direction};
 use crate::statistics::standard_error;
 use makadam::snapshot::Snapshot;
 use makadam_frames::plan::Observable;
@@ -42,14 +42,13 @@ pub(super) const GROUP: Group = Group {
 /// Frames averaged, centred, into one point of the angle over time.
 const WINDOW: usize = 5;
 
-/// Both angles over `frames` measured frames, degrees; nothing where there is no drum or no surface.
-pub fn measure(setting: &Setting<'_>, bed: &BedFields, frames: usize) -> Vec<Measurement> {
-    let of = |field: &Field| surface(setting, setting.drum.as_ref()?, field);
-    let Some(whole) = of(&bed.whole) else {
+/// Both angles over `frames` measured frames, degrees; nothing where there is no surface.
+pub fn measure(bed: &BedSurfaces, frames: usize) -> Vec<Measurement> {
+    let Some(whole) = &bed.whole else {
         return Vec::new();
     };
-    let parts: Vec<BedSurface> = bed.fields.iter().filter_map(of).collect();
-    let error = |angle: fn(&BedSurface) -> f64| standard_error(&parts.iter().map(angle).collect::<Vec<f64>>());
+    let parts = || bed.parts.iter().flatten();
+    let error = |angle: fn(&BedSurface) -> f64| standard_error(&parts().map(angle).collect::<Vec<f64>>());
     vec![
         Measurement::of("dynamic_angle_of_repose", whole.circle_angle, error(|part| part.circle_angle), frames),
         Measurement::of("surface_line_angle", whole.line_angle, error(|part| part.line_angle), frames),
@@ -63,7 +62,7 @@ pub fn measure(setting: &Setting<'_>, bed: &BedFields, frames: usize) -> Vec<Mea
 pub fn over_time(properties: &Properties<'_>, frames: &[Snapshot]) -> Vec<(f64, f64)> {
     let settings: Vec<Setting<'_>> = frames.iter().map(|frame| Setting::new(properties, frame)).collect();
     let Some(setting) = settings.first() else { return Vec::new() };
-    if !settings.iter().all(|other| setting.has_up_of(other)) {
+    if !settings.iter().all(|other| is_one_direction(setting.up, other.up)) {
         return Vec::new();
     }
     let field = |(frame, own): (&Snapshot, &Setting<'_>)| {
@@ -75,14 +74,15 @@ pub fn over_time(properties: &Properties<'_>, frames: &[Snapshot]) -> Vec<(f64, 
     let at = |index: usize| {
         let reach = (WINDOW / 2).min(index).min(frames.len() - 1 - index);
         let about = index - reach..=index + reach;
-        if !settings[about.clone()].iter().all(|other| settings[index].turns_as(other)) {
+        let sense = settings[index].sense();
+        if sense == 0.0 || settings[about.clone()].iter().any(|other| other.sense() != sense) {
             return None;
         }
         let mut field = fields[index - reach].clone()?;
         for more in &fields[about][1..] {
             field.add(more.as_ref()?);
         }
-        let surface = surface(setting, settings[index].drum.as_ref()?, &field)?;
+        let surface = surface(setting, settings[index].drum.as_ref()?, &outline(&field)?)?;
         Some((frames[index].time, surface.circle_angle))
     };
     (0..frames.len()).filter_map(at).collect()

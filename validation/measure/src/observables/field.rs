@@ -1,6 +1,7 @@
 //! Solid fraction on a grid of square cells in a plane.
 
-use super::sphere_volume::quadrant;
+use super::sphere_volume::{half_space, quadrant};
+use makadam::lanes::{Available, Eight, Kernel, LANES, Lanes};
 
 /// Part of a cell that an extent may exceed a whole number of cells by: rounding makes less.
 const ROUNDING: f64 = 1e-6;
@@ -52,30 +53,10 @@ impl Field {
         [self.origin[0] + (column as f64 + 0.5) * self.cell, self.origin[1] + (row as f64 + 0.5) * self.cell]
     }
 
-    /// Adds a sphere's exact volume, divided by `volume` (m3), to the cells that it reaches, each cell being a
-    /// prism without ends. `centre` is the sphere's centre in the plane, m.
-    pub fn add_sphere(&mut self, centre: [f64; 2], radius: f64, volume: f64) {
-        let [(left, right), (bottom, top)] = self.reach(centre, radius);
-        if left > right || bottom > top {
-            return;
-        }
-        let line = |axis: usize, index: isize| (self.origin[axis] + index as f64 * self.cell - centre[axis]) / radius;
-        // A cell is a difference of quadrants whose corners are the grid's nodes; nodes are shared by four cells.
-        let node = |column: isize, row: isize| quadrant(line(0, column), line(1, row));
-        let share = radius.powi(3) / volume;
-        let mut below: Vec<f64> = (left..=right + 1).map(|column| node(column, bottom)).collect();
-        for row in bottom..=top {
-            let mut here = node(left, row + 1);
-            let mut under = below[0];
-            below[0] = here;
-            for column in left..=right {
-                let next = node(column + 1, row + 1);
-                let slot = &mut below[(column + 1 - left) as usize];
-                let inside = under - *slot - here + next;
-                (under, here, *slot) = (*slot, next, next);
-                self.values[row as usize * self.columns + column as usize] += share * inside;
-            }
-        }
+    /// Adds the exact volumes of spheres, divided by `volume` (m3), to the cells that they reach, each cell being a prism without ends.
+    /// Spheres are given by their centres in the plane and their radii, m.
+    pub fn add_spheres(&mut self, spheres: &[([f64; 2], f64)], volume: f64) {
+        Available::detect().run(Spheres { field: self, spheres, volume });
     }
 
     /// First and last column, and first and last row, that a sphere reaches; a last one before the first where it reaches none.
@@ -124,6 +105,67 @@ impl Field {
     /// Largest value.
     pub fn largest(&self) -> f64 {
         self.values.iter().copied().fold(0.0, f64::max)
+    }
+}
+
+/// Addition of spheres to a field.
+struct Spheres<'a> {
+    field: &'a mut Field,
+    spheres: &'a [([f64; 2], f64)],
+    volume: f64,
+}
+
+impl Kernel for Spheres<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Spheres { field, spheres, volume } = self;
+        let (cell, origin, columns) = (field.cell, field.origin, field.columns);
+        // Quadrants whose corners are nodes of a row of the grid, and of the row below.
+        let (mut here, mut below, mut lines): (Vec<Eight>, Vec<Eight>, Vec<Eight>) = Default::default();
+        for &(centre, radius) in spheres {
+            let [(left, right), (bottom, top)] = field.reach(centre, radius);
+            if left > right || bottom > top {
+                continue;
+            }
+            let line = |axis: usize, index: isize| (origin[axis] + index as f64 * cell - centre[axis]) / radius;
+            let (width, share) = ((right - left + 1) as usize, radius.powi(3) / volume);
+            let groups = (width + 1).div_ceil(LANES);
+            lines.clear();
+            lines.extend((0..groups).map(|group| {
+                let first = left + (group * LANES) as isize;
+                Eight(std::array::from_fn(|lane| line(0, first + lane as isize)))
+            }));
+            here.resize(groups, Eight::default());
+            below.resize(groups, Eight::default());
+            for row in bottom..=top + 1 {
+                let b = line(1, row);
+                for (a, nodes) in lines.iter().zip(&mut here) {
+                    let a = L::load(a);
+                    // Rows beyond the sphere need no quadrant.
+                    let beyond = if b >= 1.0 {
+                        L::zero()
+                    } else if b <= -1.0 {
+                        half_space(a)
+                    } else {
+                        quadrant(a, L::splat(b))
+                    };
+                    beyond.store(nodes);
+                }
+                if row > bottom {
+                    // A cell is a difference of quadrants; nodes are shared by four cells.
+                    let node = |nodes: &[Eight], place: usize| nodes[place / LANES].0[place % LANES];
+                    let start = (row - 1) as usize * columns + left as usize;
+                    let cells = &mut field.values[start..start + width];
+                    for (place, value) in cells.iter_mut().enumerate() {
+                        let part = |nodes: &[Eight]| node(nodes, place) - node(nodes, place + 1);
+                        *value += share * (part(&below) - part(&here));
+                    }
+                }
+                std::mem::swap(&mut here, &mut below);
+            }
+        }
     }
 }
 

@@ -26,6 +26,14 @@ pub trait Frames {
     /// Where a frame cannot be shown; those before it have been.
     fn visit(&self, range: Range<usize>, look: &mut dyn FnMut(&Snapshot)) -> Result<(), Self::Error>;
 
+    /// Shows some of the frames, one after the other; their contacts may be left out.
+    ///
+    /// # Errors
+    /// As [`Frames::visit`].
+    fn visit_grains(&self, range: Range<usize>, look: &mut dyn FnMut(&Snapshot)) -> Result<(), Self::Error> {
+        self.visit(range, look)
+    }
+
     /// Shows all frames.
     fn each(&self, look: &mut dyn FnMut(&Snapshot)) -> Result<(), Self::Error> {
         self.visit(0..self.count(), look)
@@ -59,10 +67,14 @@ impl<F: Frames + ?Sized> Frames for Wrapped<'_, F> {
     fn visit(&self, range: Range<usize>, look: &mut dyn FnMut(&Snapshot)) -> Result<(), F::Error> {
         self.frames.visit(range, &mut |frame| look(&wrapped(self.domain, frame)))
     }
+
+    fn visit_grains(&self, range: Range<usize>, look: &mut dyn FnMut(&Snapshot)) -> Result<(), F::Error> {
+        self.frames.visit_grains(range, &mut |frame| look(&wrapped(self.domain, frame)))
+    }
 }
 
 /// A frame with its grains inside the domain along periodic axes.
-fn wrapped<'f>(domain: &Domain, frame: &'f Snapshot) -> Cow<'f, Snapshot> {
+pub(super) fn wrapped<'f>(domain: &Domain, frame: &'f Snapshot) -> Cow<'f, Snapshot> {
     let is_out = |grain: &Particle| {
         let mut axes = domain.periodic.iter().map(|axis| axis.number());
         axes.any(|axis| !(domain.min[axis]..domain.max[axis]).contains(&grain.position[axis]))

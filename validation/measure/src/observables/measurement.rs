@@ -85,18 +85,28 @@ impl Readings {
         }
     }
 
+    /// Appends the readings of later frames.
+    pub fn append(&mut self, later: Readings) {
+        for (name, unit, mut values) in later.0 {
+            match self.0.iter_mut().find(|(known, its_unit, _)| *known == name && *its_unit == unit) {
+                Some((_, _, known)) => known.append(&mut values),
+                None => self.0.push((name, unit, values)),
+            }
+        }
+    }
+
     /// One measurement per observable: the mean with its standard error over blocks of time, or the maximum.
-    pub fn averages(self) -> impl Iterator<Item = Measurement> {
-        self.0.into_iter().map(|(name, unit, values)| {
+    pub fn averages(&self) -> impl Iterator<Item = Measurement> {
+        self.0.iter().map(|(name, unit, values)| {
             let frames = values.len();
             let (value, standard_error) = match definition(name).is_some_and(|definition| definition.largest) {
-                true => (values.into_iter().fold(f64::NEG_INFINITY, f64::max), None),
+                true => (values.iter().copied().fold(f64::NEG_INFINITY, f64::max), None),
                 false => {
-                    let average = block_average(&values);
+                    let average = block_average(values);
                     (average.mean, average.standard_error)
                 }
             };
-            Measurement { observable: name.into(), unit: unit.into(), value, standard_error, frames }
+            Measurement { observable: (*name).into(), unit: (*unit).into(), value, standard_error, frames }
         })
     }
 }

@@ -70,13 +70,15 @@ pub use force_distribution::{ForceDistribution, ForcePool, force_distribution};
 pub use measurement::{Measured, Measurement, Series};
 pub use possible::{Unmeasured, impossible, unmeasured};
 
-use bed_surface::BedFields;
+use bed_surface::{BedSurfaces, NO_MEAN_FIELD, surface};
 use catalogue::GROUPS;
+use contour::Loop;
 use frames::{Frames, Wrapped};
 use makadam::snapshot::Snapshot;
 use makadam_frames::plan::{MeasuredScene, Observable};
 use makadam_frames::recording::Recording;
 use measurement::Readings;
+use nalgebra::Vector3;
 use setting::{Properties, Setting};
 use static_angle::HeapFields;
 use view::View;
@@ -102,83 +104,166 @@ pub fn measured_in(scene: &MeasuredScene, recording: &Recording) -> Measured {
 /// `effort::most` cells) is left out of the list; none is NaN. A quantity of single frames depends on nothing but the frame and the
 /// scene: its value over several frames is the mean of what [`measure_frames`] gives of each.
 pub fn measure_frames<F: Frames + ?Sized>(scene: &MeasuredScene, frames: &F) -> Result<Option<Measured>, F::Error> {
-    let (frames, properties) = (Wrapped::new(frames, &scene.domain), Properties::new(scene));
-    let Some(span) = Span::new(&properties, &frames)? else {
-        return Ok(None);
-    };
-    let mut measured = Measured::default();
-    span.measure(&frames, &mut measured)?;
+    let properties = Properties::new(scene);
+    Meter::of_frames(&properties, frames)?.finish(&properties, frames)
+}
 
-    let mut readings = Readings::default();
-    frames.each(&mut |frame| {
-        let setting = Setting::new(&properties, frame);
-        let view = View::new(&setting, frame);
-        for &group in &scene.measure.observables {
+/// Readings of frames, collected one frame after the other.
+#[derive(Default)]
+pub struct Meter {
+    readings: Readings,
+    refusals: Measured,
+    /// Facts of the first frame; absent before it.
+    span: Option<SpanFacts>,
+}
+
+/// What all frames of a span have in common.
+struct SpanFacts {
+    /// Direction against gravity in the first frame.
+    up: Option<Vector3<f64>>,
+    /// Sense of rotation of the drum in the first frame; 0 where it does not turn, or where there is none.
+    sense: f64,
+    /// True if all frames have that direction.
+    is_steady: bool,
+    /// True if the drum turns in all frames, in that sense.
+    is_turning: bool,
+}
+
+impl Meter {
+    /// Reads frames.
+    ///
+    /// # Errors
+    /// That of a frame that cannot be shown.
+    pub fn of_frames<F: Frames + ?Sized>(properties: &Properties<'_>, frames: &F) -> Result<Meter, F::Error> {
+        let mut meter = Meter::default();
+        Wrapped::new(frames, &properties.scene.domain).each(&mut |frame| {
+            let setting = Setting::new(properties, frame);
+            meter.append(Meter::of(&View::new(&setting, frame)));
+        })?;
+        Ok(meter)
+    }
+
+    /// Reads a frame.
+    fn of(view: &View<'_>) -> Meter {
+        let (mut readings, mut refusals) = (Readings::default(), Measured::default());
+        for &group in &view.setting.scene().measure.observables {
             let registered = GROUPS.iter().find(|registered| registered.observable == group);
-            if let Some(Err(reason)) = registered.map(|registered| (registered.read)(&view, &mut readings)) {
-                measured.refuse(group, &reason);
+            if let Some(Err(reason)) = registered.map(|registered| (registered.read)(view, &mut readings)) {
+                refusals.refuse(group, &reason);
             }
         }
-    })?;
-    measured.measurements.extend(readings.averages());
-    Ok(Some(measured))
+        let (up, sense) = (view.setting.up, view.setting.sense());
+        Meter { readings, refusals, span: Some(SpanFacts { up, sense, is_steady: true, is_turning: sense != 0.0 }) }
+    }
+
+    /// Reads a frame, and returns what it gives by itself: [`measure_frames`] of this frame alone.
+    pub fn read(properties: &Properties<'_>, frame: &Snapshot) -> (Meter, Measured) {
+        let frame = frames::wrapped(&properties.scene.domain, frame);
+        let setting = Setting::new(properties, &frame);
+        let view = View::new(&setting, &frame);
+        let meter = Meter::of(&view);
+        let Ok(alone) = meter.finish_with(&setting, &[&*frame][..], Some(&view));
+        (meter, alone)
+    }
+
+    /// Appends the readings of later frames.
+    pub fn append(&mut self, later: Meter) {
+        self.readings.append(later.readings);
+        for (group, why) in &later.refusals.refusals {
+            self.refusals.refuse(*group, why);
+        }
+        match (&mut self.span, later.span) {
+            (Some(span), Some(later)) => {
+                span.is_steady &= later.is_steady && setting::is_one_direction(span.up, later.up);
+                span.is_turning &= later.is_turning && span.sense == later.sense;
+            }
+            (span, later) => *span = later,
+        }
+    }
+
+    /// Measures the frames that were read; `None` if there is none.
+    ///
+    /// # Errors
+    /// That of a frame that cannot be shown.
+    pub fn finish<F: Frames + ?Sized>(
+        &self,
+        properties: &Properties<'_>,
+        frames: &F,
+    ) -> Result<Option<Measured>, F::Error> {
+        let frames = Wrapped::new(frames, &properties.scene.domain);
+        let mut setting: Option<Setting<'_>> = None;
+        let first = 0..frames.count().min(1);
+        frames.visit_grains(first, &mut |first| setting = Some(Setting::new(properties, first)))?;
+        setting.map(|setting| self.finish_with(&setting, &frames, None)).transpose()
+    }
+
+    /// Measures the frames that were read, given the setting of the first one; `view` is that of a single frame.
+    fn finish_with<F: Frames + ?Sized>(
+        &self,
+        setting: &Setting<'_>,
+        frames: &F,
+        view: Option<&View<'_>>,
+    ) -> Result<Measured, F::Error> {
+        let mut measured = Measured::default();
+        let span = Span {
+            setting,
+            is_steady: self.span.as_ref().is_none_or(|span| span.is_steady),
+            is_turning: self.span.as_ref().is_some_and(|span| span.is_turning),
+            view,
+        };
+        span.measure(frames, &mut measured)?;
+        measured.measurements.extend(self.readings.averages());
+        for (group, why) in &self.refusals.refusals {
+            measured.refuse(*group, why);
+        }
+        Ok(measured)
+    }
 }
 
 /// All measured frames together: quantities that rest on fields averaged over time, or on how grains got on.
 struct Span<'a> {
     /// That of the first frame.
-    setting: Setting<'a>,
-    /// True if all frames have the direction of gravity of the first one.
-    steady: bool,
-    /// True if the drum turns in all frames, in the sense of the first one.
-    turning: bool,
+    setting: &'a Setting<'a>,
+    is_steady: bool,
+    is_turning: bool,
+    /// View of the frame, if it is a single one; it has the fields at hand.
+    view: Option<&'a View<'a>>,
 }
 
-impl<'a> Span<'a> {
-    /// Looks at gravity and the drum in all frames; absent if there is none.
-    fn new<F: Frames>(properties: &'a Properties<'a>, frames: &F) -> Result<Option<Self>, F::Error> {
-        let mut setting: Option<Setting<'a>> = None;
-        frames.visit(0..frames.count().min(1), &mut |first| setting = Some(Setting::new(properties, first)))?;
-        let Some(setting) = setting else { return Ok(None) };
-        let (mut steady, mut turning) = (true, true);
-        if properties.gravity_changes() || setting.drum.is_some() {
-            frames.each(&mut |frame| {
-                let other = Setting::new(properties, frame);
-                steady &= setting.has_up_of(&other);
-                turning &= setting.turns_as(&other);
-            })?;
-        }
-        Ok(Some(Self { setting, steady, turning }))
-    }
-
-    fn measure<F: Frames>(&self, frames: &F, measured: &mut Measured) -> Result<(), F::Error> {
+impl Span<'_> {
+    fn measure<F: Frames + ?Sized>(&self, frames: &F, measured: &mut Measured) -> Result<(), F::Error> {
         const UNSTEADY: &str = "the direction of gravity changes over the measured frames";
         const NOT_ONE_SENSE: &str = "the drum does not turn in one sense in all measured frames";
-        let setting = &self.setting;
+        let setting = self.setting;
         let asks = |group: &Observable| setting.scene().measure.observables.contains(group);
         let of_bed = [Observable::DynamicAngleOfRepose, Observable::DrumFlow];
-        for group in of_bed.iter().chain([&Observable::StaticAngleOfRepose]).filter(|group| asks(group) && !self.steady)
-        {
-            measured.refuse(*group, UNSTEADY);
+        for group in of_bed.iter().chain([&Observable::StaticAngleOfRepose]).filter(|group| asks(group)) {
+            if !self.is_steady {
+                measured.refuse(*group, UNSTEADY);
+            }
         }
-        if let Some(drum) = setting.drum.as_ref().filter(|_| self.steady && of_bed.iter().any(asks)) {
-            let fields = if self.turning { Some(BedFields::new(setting, drum, frames)?) } else { None };
+        if let Some(drum) = setting.drum.as_ref().filter(|_| self.is_steady && of_bed.iter().any(asks)) {
+            let fields = match (self.is_turning, self.view) {
+                (false, _) => Err(NOT_ONE_SENSE),
+                (true, None) => BedSurfaces::new(setting, drum, frames)?.ok_or(NO_MEAN_FIELD),
+                (true, Some(view)) => {
+                    let surface = |outline: Option<&Loop>| surface(setting, drum, outline?);
+                    view.outline(drum).map(|outline| BedSurfaces::of_frames(surface(outline)))
+                }
+            };
             match fields {
-                None => of_bed.iter().for_each(|group| measured.refuse(*group, NOT_ONE_SENSE)),
-                Some(None) => of_bed.iter().for_each(|group| {
-                    measured.refuse(*group, "grains are too small for the drum, or too unlike in size");
-                }),
-                Some(Some(bed)) => {
+                Err(why) => of_bed.iter().for_each(|group| measured.refuse(*group, why)),
+                Ok(bed) => {
                     if asks(&Observable::DynamicAngleOfRepose) {
-                        measured.measurements.extend(dynamic_angle::measure(setting, &bed, frames.count()));
+                        measured.measurements.extend(dynamic_angle::measure(&bed, frames.count()));
                     }
                     if asks(&Observable::DrumFlow) {
-                        measured.measurements.extend(drum_flow::measure_flow(setting, &bed, frames)?);
+                        measured.measurements.extend(drum_flow::measure_flow(setting, drum, &bed, frames)?);
                     }
                 }
             }
             if asks(&Observable::DrumFlow) {
-                measured.measurements.extend(drum_flow::measure_mixing(setting, frames)?);
+                measured.measurements.extend(drum_flow::measure_mixing(setting, drum, frames)?);
             }
         }
         if asks(&Observable::Discharge) {
@@ -187,12 +272,13 @@ impl<'a> Span<'a> {
                 Err(why) => measured.refuse(Observable::Discharge, &why),
             }
         }
-        if asks(&Observable::StaticAngleOfRepose) && self.steady {
-            match HeapFields::new(setting, frames)? {
-                Ok(heap) => match static_angle::measure(setting, &heap) {
-                    Ok(found) => measured.measurements.extend(found),
-                    Err(why) => measured.refuse(Observable::StaticAngleOfRepose, why),
-                },
+        if asks(&Observable::StaticAngleOfRepose) && self.is_steady {
+            let found = match self.view {
+                Some(view) => view.heap().map_err(String::from).and_then(|heap| static_angle::measure(setting, heap)),
+                None => HeapFields::new(setting, frames)?.and_then(|heap| static_angle::measure(setting, &heap)),
+            };
+            match found {
+                Ok(found) => measured.measurements.extend(found),
                 Err(why) => measured.refuse(Observable::StaticAngleOfRepose, &why),
             }
         }

@@ -45,6 +45,14 @@ impl<'a> Properties<'a> {
     }
 }
 
+/// Returns true if two directions against gravity are the same to a millionth of a radian, or both absent.
+pub fn is_one_direction(one: Option<Vector3<f64>>, other: Option<Vector3<f64>>) -> bool {
+    match (one, other) {
+        (Some(one), Some(other)) => (one - other).norm() < SAME_DIRECTION,
+        (one, other) => one.is_none() && other.is_none(),
+    }
+}
+
 /// A scene at the time of a frame, as measures of that frame see it.
 pub struct Setting<'a> {
     /// The scene, and what follows from it alone.
@@ -84,18 +92,9 @@ impl<'a> Setting<'a> {
         0.5 * (Vector3::from(domain.min) + Vector3::from(domain.max))
     }
 
-    /// Reports whether "up" is the same in another frame, to a millionth of a radian.
-    pub fn has_up_of(&self, other: &Setting<'_>) -> bool {
-        match (self.up, other.up) {
-            (Some(one), Some(other)) => (one - other).norm() < SAME_DIRECTION,
-            (one, other) => one.is_none() && other.is_none(),
-        }
-    }
-
-    /// Returns true if the drum turns, and in the same sense in another frame.
-    pub fn turns_as(&self, other: &Setting<'_>) -> bool {
-        let sense = |setting: &Setting<'_>| setting.drum.as_ref().map_or(0.0, Drum::sense);
-        sense(self) != 0.0 && sense(self) == sense(other)
+    /// Sense of rotation of the drum: 1, -1, or 0 where it does not turn, or where there is none.
+    pub fn sense(&self) -> f64 {
+        self.drum.as_ref().map_or(0.0, Drum::sense)
     }
 
     /// Mass of a grain of the frame, kg.

@@ -60,6 +60,7 @@ const SAME_AXIS: f64 = 0.01;
 const POINTS: usize = 8;
 
 /// The axis of a heap and its foot.
+#[derive(Clone, Copy)]
 pub struct HeapFrame {
     origin: Vector3<f64>,
     across: [Vector3<f64>; 2],
@@ -150,7 +151,7 @@ fn median_along(frame: &Snapshot, axis: &Vector3<f64>) -> f64 {
 }
 
 /// Measures angle (degrees) and height (m) of a heap.
-pub fn measure(setting: &Setting<'_>, fields: &HeapFields) -> Result<Vec<Measurement>, &'static str> {
+pub fn measure(setting: &Setting<'_>, fields: &HeapFields) -> Result<Vec<Measurement>, String> {
     let outline = fields.outline().ok_or("the grains form no heap")?;
     let angle = flank_angle(&outline, setting.diameter)
         .ok_or("the heap is lower or narrower than two mean diameters, or walls hold its flanks upright")?;
@@ -176,7 +177,7 @@ impl HeapFields {
     pub fn new<F: Frames + ?Sized>(setting: &Setting<'_>, frames: &F) -> Result<Result<Self, String>, F::Error> {
         let (count, cell) = (frames.count(), 0.5 * setting.diameter);
         let mut heap = Err(String::new());
-        frames.visit(count - 1..count, &mut |last| heap = HeapFrame::new(setting, last))?;
+        frames.visit_grains(count - 1..count, &mut |last| heap = HeapFrame::new(setting, last))?;
         let heap = match heap {
             Ok(heap) => heap,
             Err(why) => return Ok(Err(why)),
@@ -185,7 +186,7 @@ impl HeapFields {
         let grains = frames.grains(0..count);
         let mut highest = 0.0_f64;
         let reach = ranked((grains * 9 / 10) as u64, |look| {
-            frames.each(&mut |frame| {
+            frames.visit_grains(0..count, &mut |frame| {
                 for grain in &frame.particles {
                     let [distance, up] = heap.meridian(&Vector3::from(grain.position));
                     highest = highest.max(up);
@@ -202,7 +203,7 @@ impl HeapFields {
         };
         let mut fields = Self { heap, sectors: vec![field; SECTORS], frames: count };
         let ball = unit_ball();
-        frames.each(&mut |frame| fields.add(frame, &ball))?;
+        frames.visit_grains(0..count, &mut |frame| fields.add(frame, &ball))?;
         Ok(Ok(fields))
     }
 

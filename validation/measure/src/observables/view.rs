@@ -1,7 +1,11 @@
 //! One frame, with what several measures need of it worked out once.
 
+use super::bed_surface::{MeanField, NO_MEAN_FIELD, outline};
 use super::bulk::Bulk;
+use super::contour::Loop;
+use super::drum::Drum;
 use super::setting::Setting;
+use super::static_angle::HeapFields;
 use super::walls::PlacedWalls;
 use makadam::snapshot::{Contact, Particle, Partner, Snapshot};
 use makadam_frames::neighbours::{Pair, close_pairs_in};
@@ -19,22 +23,56 @@ pub struct View<'a> {
     pub frame: &'a Snapshot,
     /// The walls, where they are at the frame's time.
     pub walls: PlacedWalls,
+    outline: OnceCell<Result<Option<Loop>, &'static str>>,
+    heap: OnceCell<Result<HeapFields, String>>,
     bulk: OnceCell<Result<Bulk, String>>,
     pairs: OnceCell<Vec<Pair>>,
-    in_bulk: OnceCell<Vec<bool>>,
+    wall_distances: OnceCell<Vec<f64>>,
 }
 
 impl<'a> View<'a> {
     /// A view of a frame.
     pub fn new(setting: &'a Setting<'a>, frame: &'a Snapshot) -> Self {
-        let walls = PlacedWalls::at(setting.scene(), frame);
-        let (bulk, pairs, in_bulk) = (OnceCell::new(), OnceCell::new(), OnceCell::new());
-        Self { setting, frame, walls, bulk, pairs, in_bulk }
+        Self {
+            setting,
+            frame,
+            walls: PlacedWalls::at(setting.scene(), frame),
+            outline: OnceCell::new(),
+            heap: OnceCell::new(),
+            bulk: OnceCell::new(),
+            pairs: OnceCell::new(),
+            wall_distances: OnceCell::new(),
+        }
+    }
+
+    /// Distances of the grains' centres from the nearest wall or periodic end, m, in the order of the frame's table.
+    pub fn wall_distances(&self) -> &[f64] {
+        let distance = |grain: &Particle| self.walls.distance(&grain.position.into());
+        self.wall_distances.get_or_init(|| self.frame.particles.iter().map(distance).collect())
+    }
+
+    /// Outline of the bed in the cross-section of the drum; absent where there is no bed. The error says why it is not known.
+    pub fn outline(&self, drum: &Drum) -> Result<Option<&Loop>, &'static str> {
+        let found = self.outline.get_or_init(|| {
+            let mut mean = MeanField::new(self.setting, drum, self.frame.particles.len());
+            mean.add(self.frame);
+            mean.finish().map(|field| outline(&field)).ok_or(NO_MEAN_FIELD)
+        });
+        found.as_ref().map(Option::as_ref).map_err(|why| *why)
+    }
+
+    /// Fields of the heap.
+    pub fn heap(&self) -> Result<&HeapFields, &str> {
+        let fields = || {
+            let Ok(fields) = HeapFields::new(self.setting, &[self.frame][..]);
+            fields
+        };
+        self.heap.get_or_init(fields).as_ref().map_err(String::as_str)
     }
 
     /// The bulk of the frame's bed.
     pub fn bulk(&self) -> Result<&Bulk, &str> {
-        self.bulk.get_or_init(|| Bulk::of(self.setting, self.frame, &self.walls)).as_ref().map_err(String::as_str)
+        self.bulk.get_or_init(|| Bulk::of(self)).as_ref().map_err(String::as_str)
     }
 
     /// Pairs of grains whose gap is below 1% of the mean diameter, across periodic ends too.
@@ -46,11 +84,7 @@ impl<'a> View<'a> {
 
     /// Which grains lie in the bulk, in the order of the frame's table; none where there is no bulk.
     pub fn in_bulk(&self) -> &[bool] {
-        self.in_bulk.get_or_init(|| {
-            let inside =
-                |grain: &Particle| self.bulk().is_ok_and(|bulk| bulk.contains(&self.walls, &grain.position.into()));
-            self.frame.particles.iter().map(inside).collect()
-        })
+        self.bulk().map_or(&[], |bulk| &bulk.inside)
     }
 
     /// Contacts between grains that push (a soft code may also pull) and whose point lies in the bulk.
@@ -87,6 +121,18 @@ impl<'a> View<'a> {
             let point = period.wrapped(&(from + arm * share), &domain.min.into());
             return bulk.contains(&self.walls, &point);
         }
-        self.in_bulk()[first] && self.in_bulk()[second] || bulk.contains(&self.walls, &from.lerp(&to, share))
+        if self.in_bulk()[first] && self.in_bulk()[second] {
+            return true;
+        }
+        // The walls are no nearer and no farther than the distance from a grain's centre allows.
+        let (distance, step) = (self.wall_distances()[first], share * arm.norm());
+        if distance + step < (1.0 - 1e-6) * bulk.inset {
+            return false;
+        }
+        let point = from.lerp(&to, share);
+        match distance - step > bulk.inset {
+            true => bulk.is_covered(&point),
+            false => bulk.contains(&self.walls, &point),
+        }
     }
 }

@@ -1,7 +1,7 @@
-//! The frames of a run that are measured at its end: on disk, so that memory does not grow with them.
+//! The measured frames of a run: each is read once, when it comes; what rests on all of them is measured at the end.
 //!
-//! They are the frames of the run's store where the scene writes and measures at the same times, with contacts; else a second store holds
-//! them, which is removed after the measurement.
+//! For that they are on disk, so that memory does not grow with them: in the run's store where the scene writes and measures at the same
+//! times, with contacts; else in a second store, which is removed after the measurement.
 
 use crate::commands::Failure;
 use makadam::snapshot::Snapshot;
@@ -9,9 +9,11 @@ use makadam_frames::output::{RunFiles, WriteError};
 use makadam_frames::plan::MeasuredScene;
 use makadam_frames::run_frames::{Store, StoreMark, StoreWriter};
 pub use makadam_measure::observables::frames::Frames;
-use makadam_measure::observables::{self, measure_frames, unmeasured};
+use makadam_measure::observables::setting::Properties;
+use makadam_measure::observables::{Measured, Meter, measure_frames, unmeasured};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::io::{Error, ErrorKind};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -20,6 +22,8 @@ pub(super) struct MeasuredFrames {
     path: PathBuf,
     /// Frames that the run's store does not hold; absent where it holds all.
     own: Option<StoreWriter>,
+    /// Readings of the frames so far.
+    meter: Meter,
     /// The last frame, where it alone is measured.
     last: Option<Snapshot>,
 }
@@ -42,29 +46,44 @@ impl MeasuredFrames {
     pub fn begin(output: &Path, scene: &MeasuredScene) -> Result<MeasuredFrames, WriteError> {
         let path = output.join(RunFiles::MEASURED);
         let own = needs_own_store(scene).then(|| StoreWriter::create(&path, scene)).transpose()?;
-        Ok(MeasuredFrames { path, own, last: None })
+        Ok(MeasuredFrames { path, own, meter: Meter::default(), last: None })
     }
 
-    /// Resumes after the frames of a checkpoint.
+    /// Resumes after the frames of a checkpoint, which are read again; `written` are the frames of the run's store.
     ///
     /// # Errors
     /// [`WriteError`] if they are not there as they were written.
-    pub fn resume(output: &Path, mark: Mark) -> Result<MeasuredFrames, WriteError> {
+    pub fn resume(
+        output: &Path,
+        scene: &MeasuredScene,
+        mark: Mark,
+        written: &StoreWriter,
+    ) -> Result<MeasuredFrames, WriteError> {
         let path = output.join(RunFiles::MEASURED);
         let own = mark.own.map(|mark| StoreWriter::resume(&path, mark)).transpose()?;
-        Ok(MeasuredFrames { path, own, last: mark.last })
+        let mut meter = Meter::default();
+        if scene.measure.from.is_some() {
+            let store = own.as_ref().unwrap_or(written).store();
+            meter = Meter::of_frames(&Properties::new(scene), &StoredFrames::of(scene, store))
+                .map_err(|problem| WriteError::new(store.path(), Error::new(ErrorKind::InvalidData, problem)))?;
+        }
+        Ok(MeasuredFrames { path, own, meter, last: mark.last })
     }
 
-    /// Takes a frame that is due to be measured.
-    pub fn push(&mut self, scene: &MeasuredScene, frame: Snapshot) -> Result<(), WriteError> {
+    /// Takes a frame that is due to be measured, and returns what it gives by itself.
+    pub fn push(&mut self, properties: &Properties<'_>, frame: Snapshot) -> Result<Measured, WriteError> {
+        let scene = properties.scene;
+        let (read, alone) = match frame.particles.is_empty() {
+            true => Default::default(),
+            false => Meter::read(properties, &frame),
+        };
         if scene.measure.from.is_none() {
             self.last = Some(frame);
-            return Ok(());
+        } else if is_measured(scene, frame.time, frame.particles.len()) {
+            self.meter.append(read);
+            self.own.as_mut().map_or(Ok(()), |own| own.append(&frame))?;
         }
-        match &mut self.own {
-            Some(own) if is_measured(scene, frame.time, frame.particles.len()) => own.append(&frame),
-            _ => Ok(()),
-        }
+        Ok(alone)
     }
 
     /// Flushes all frames to the disk, before a checkpoint that knows them.
@@ -79,18 +98,14 @@ impl MeasuredFrames {
 
     /// Measures the frames from `scene.measure.from` on, or the last one where the scene gives no such time; `None` if the run has not
     /// reached it. `written` are the frames of the run's store.
-    pub fn measure(
-        &self,
-        scene: &MeasuredScene,
-        written: &StoreWriter,
-    ) -> Result<Option<observables::Measured>, Failure> {
+    pub fn measure(&self, scene: &MeasuredScene, written: &StoreWriter) -> Result<Option<Measured>, Failure> {
         if scene.measure.from.is_none() {
             let last: Vec<&Snapshot> = self.last.iter().filter(|last| !last.particles.is_empty()).collect();
             let Ok(measured) = measure_frames(scene, &last[..]);
             return Ok(measured);
         }
         let store = self.own.as_ref().unwrap_or(written).store();
-        let measured = measure_frames(scene, &StoredFrames::of(scene, store));
+        let measured = self.meter.finish(&Properties::new(scene), &StoredFrames::of(scene, store));
         measured
             .map_err(|problem| Failure::Running(format!("{} {problem}: nothing is measured", store.path().display())))
     }
@@ -140,18 +155,22 @@ impl Frames for StoredFrames<'_> {
     fn visit(&self, range: Range<usize>, look: &mut dyn FnMut(&Snapshot)) -> Result<(), String> {
         self.store.visit(self.numbers[range].iter().copied(), look)
     }
+
+    fn visit_grains(&self, range: Range<usize>, look: &mut dyn FnMut(&Snapshot)) -> Result<(), String> {
+        self.store.visit_grains(self.numbers[range].iter().copied(), look)
+    }
 }
 
 /// Numbers of a run, as `run.json` holds them.
 #[derive(Default, Serialize)]
 pub(super) struct Measurements {
-    pub observables: BTreeMap<String, Measured>,
+    pub observables: BTreeMap<String, Value>,
     pub not_measured: Option<String>,
     pub without_value: BTreeMap<String, String>,
 }
 
 #[derive(Serialize)]
-pub(super) struct Measured {
+pub(super) struct Value {
     pub value: f64,
     pub standard_error: Option<f64>,
     pub unit: String,
@@ -187,7 +206,7 @@ impl Measurements {
         let without = unmeasured(scene, &[], &measured).into_iter();
         let finite = measured.measurements.into_iter().filter(|one| one.value.is_finite());
         let observables = finite.map(|one| {
-            (one.observable, Measured { value: one.value, standard_error: one.standard_error, unit: one.unit })
+            (one.observable, Value { value: one.value, standard_error: one.standard_error, unit: one.unit })
         });
         Ok(Measurements {
             observables: observables.collect(),
@@ -195,14 +214,6 @@ impl Measurements {
             without_value: without.map(|one| (one.observable.to_string(), one.reason)).collect(),
         })
     }
-}
-
-/// Measures a single frame.
-pub(super) fn instant(scene: &MeasuredScene, frame: &Snapshot) -> Vec<(String, f64)> {
-    let filled: Vec<&Snapshot> = [frame].into_iter().filter(|frame| !frame.particles.is_empty()).collect();
-    let Ok(measured) = measure_frames(scene, &filled[..]);
-    let measured = measured.into_iter().flat_map(|measured| measured.measurements);
-    measured.filter(|one| one.value.is_finite()).map(|one| (one.observable, one.value)).collect()
 }
 
 #[cfg(test)]

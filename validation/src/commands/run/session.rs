@@ -95,8 +95,9 @@ impl<'a> Session<'a> {
     /// Resumes a run.
     pub fn resume(plan: Plan<'a>, simulation: Simulation, mut progress: Progress) -> Result<Session<'a>, Failure> {
         let checkpoint = CheckpointFile::inside(&plan.output);
-        let measured = MeasuredFrames::resume(&plan.output, std::mem::take(&mut progress.measured))?;
         let frames = StoreWriter::resume(&plan.output.join(RunFiles::FRAMES), progress.frames)?;
+        let mark = std::mem::take(&mut progress.measured);
+        let measured = MeasuredFrames::resume(&plan.output, plan.scene, mark, &frames)?;
         let table = TimeTable::go_on(&plan.output.join(RunFiles::TABLE), progress.table.clone())?;
         progress.continued_at.push(progress.steps);
         announce(&plan, &simulation, &progress)?;

@@ -3,7 +3,7 @@
 //! The run hands over a frame and continues. One frame is on its way at a time, which bounds the memory; a run with the next one waits.
 //! A failure of the thread is reported with the next order.
 
-use super::measured::{Mark, MeasuredFrames, instant};
+use super::measured::{Mark, MeasuredFrames};
 use super::progress::Progress;
 use crate::commands::Failure;
 use makadam::checkpoint::sync_folder;
@@ -11,6 +11,7 @@ use makadam::snapshot::Snapshot;
 use makadam_frames::output::{TableWritten, TimeTable, WriteError};
 use makadam_frames::plan::MeasuredScene;
 use makadam_frames::run_frames::{StoreMark, StoreWriter};
+use makadam_measure::observables::setting::Properties;
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
 use std::thread::JoinHandle;
@@ -40,9 +41,10 @@ impl Outputs {
     /// Writes a frame, or a row of the table (the given cells, then what is measured of the frame), or both.
     fn take(
         &mut self,
-        scene: &MeasuredScene,
+        properties: &Properties<'_>,
         FrameToWrite { mut frame, written, row }: FrameToWrite,
     ) -> Result<(), Failure> {
+        let scene = properties.scene;
         if written {
             let has_contacts = scene.output.as_ref().is_none_or(|output| output.contacts);
             let hidden = if has_contacts { Vec::new() } else { std::mem::take(&mut frame.contacts) };
@@ -53,18 +55,19 @@ impl Outputs {
         }
         let Some(mut cells) = row else { return Ok(()) };
         let known = cells.len();
-        let measured = instant(scene, &frame).into_iter();
+        let driven_walls = frame.driven_walls.clone();
+        let measured = self.measured.push(properties, frame)?.measurements.into_iter();
+        let measured = measured.map(|one| (one.observable, one.value));
         let unknown: Vec<_> =
             measured.filter(|(name, _)| cells[..known].iter().all(|(cell, _)| cell != name)).collect();
         cells.extend(unknown);
         cells.retain(|(_, value)| value.is_finite());
-        for driven in &frame.driven_walls {
+        for driven in &driven_walls {
             let name = &scene.wall[driven.wall as usize].name;
             cells.push((format!("{name}_displacement"), driven.displacement));
             cells.push((format!("{name}_rate"), driven.rate));
         }
-        self.table.push(cells)?;
-        Ok(self.measured.push(scene, frame)?)
+        Ok(self.table.push(cells)?)
     }
 
     fn marks(&self) -> Marks {
@@ -195,10 +198,11 @@ fn work(
     orders: &Receiver<Order>,
     under_way: &Receiver<()>,
 ) -> (Outputs, Result<(), Failure>) {
+    let properties = Properties::new(scene);
     loop {
         let Ok(order) = orders.recv() else { return (outputs, Ok(())) };
         let done = match order {
-            Order::Frame(frame) => outputs.take(scene, *frame).inspect(|()| {
+            Order::Frame(frame) => outputs.take(&properties, *frame).inspect(|()| {
                 let _ = under_way.try_recv();
             }),
             Order::Marks { on_disk, answer } => {
