@@ -171,8 +171,6 @@ fn tests_are_there_for_machines() {
     qualification.outside_spread = vec!["packing: a live run lies <outside>".into()];
     let folder = tempfile::tempdir().expect("a temporary folder");
     let page_file = write(&qualification, folder.path()).expect("a report");
-    let junit = fs::read_to_string(folder.path().join("junit.xml")).expect("the tests");
-    assert!(junit.contains("failures=\"2\"") && junit.contains("&lt;outside&gt;"), "{junit}");
     let json = fs::read(page_file.with_file_name("report.json")).expect("the data");
     assert_eq!(serde_json::from_slice::<ReportDocument>(&json).expect("a report").qualification, qualification);
 }

@@ -3,7 +3,7 @@
 //! ```text
 //! Qualification ─> verdict ─┐
 //! Comparison ─> tables      ├─> page ──> report.html
-//!            ─> figures     │   ──────> report.json, tests.json, rows.csv, junit.xml
+//!            ─> figures     │   ──────> report.json, tests.json, rows.csv
 //!            ─> pictures    │   ──────> series.csv, forces.csv, grains.csv
 //! StudySection ─> table     ┘   ──────> the files of each study
 //! ```
@@ -45,7 +45,7 @@ pub struct ReportDocument {
     pub qualification: Qualification,
 }
 
-/// Writes `report.html`, `report.json`, `tests.json`, `rows.csv`, `junit.xml`, the CSV files that the figures link to and the files
+/// Writes `report.html`, `report.json`, `tests.json`, `rows.csv`, the CSV files that the figures link to and the files
 /// of studies into a folder, which is made if it is missing, and returns the path of the page.
 ///
 /// All of them are complete on disk under temporary names before the first is renamed: an earlier report stays whole if this one fails.
@@ -62,7 +62,6 @@ pub fn write(qualification: &Qualification, folder: &Path) -> Result<PathBuf, Do
         ("report.html".to_string(), page::render(qualification)?.into_bytes()),
         ("report.json".to_string(), serde_json::to_vec(&document)?),
         ("tests.json".to_string(), baseline::tests_json(qualification)?.into_bytes()),
-        ("junit.xml".to_string(), baseline::junit(qualification)?.into_bytes()),
     ];
     files.extend(files_of(qualification)?);
     files.extend(qualification.studies.iter().flat_map(|study| study.files.clone()));

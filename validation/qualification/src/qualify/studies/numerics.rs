@@ -1,15 +1,15 @@
-//! Studies of the numerics: contact problems by several solvers, convergence of methods, accuracy against time.
+//! Studies of the numerics: contact problems by several solvers, convergence of methods, accuracy of settings.
 
 use super::{Item, Job, Named, Part, Place, QualifyError, Solved, named, unless_fatal, weight};
 use crate::report::{StudyOutcome, StudyTest};
 use makadam::{BUILD, Simulation};
-use makadam_compare::codes::{Code, Makadam};
-pub use makadam_compare::compare::{FEW_SEEDS, MeasuredRun, Runs};
+use makadam_compare::codes::Makadam;
+pub use makadam_compare::compare::{MeasuredRun, Runs};
 use makadam_compare::prepared::{Start, StartError, start};
 use makadam_compare::study::{Document, Key, RunError};
 use makadam_frames::execution::Execution;
 use makadam_frames::plan::MeasuredScene;
-use makadam_frames::provenance::{Provenance, account, machine};
+use makadam_frames::provenance::{Provenance, machine};
 use makadam_frames::stepping::{Stepping, steps_in};
 use makadam_measure::statistics::Ensemble;
 use makadam_studies::convergence::{Curve, Effort, TOLERANCES, measure, methods};
@@ -17,9 +17,9 @@ use makadam_studies::problem::{
     self, AGREEMENT, Answer, Check, FromSiconos, Method, ProblemFile, RECORDED, Recorded, SICONOS, pose,
     siconos_version,
 };
-use makadam_studies::tradeoff::{Bound, Campaign, Outcome, Plan, QUICK_TIME_LIMIT, Study, Terms};
+use makadam_studies::tradeoff::{Bound, Plan};
 use makadam_view::draw::numbers::Rounding;
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Seed of the scenes whose contact problems are posed.
@@ -188,30 +188,19 @@ fn method_test(scene: &str, curve: &Curve, unit: &str) -> StudyTest {
     test.with_exception(known.map(|(.., reason)| *reason))
 }
 
-/// Accuracy against time: few settings of Makadam, timed one after the other, alone on the machine; and the settings of the scenes against
-/// their converged references, side by side.
+/// The settings of the scenes against their converged references, over as many seeds as it takes to tell.
 pub(super) fn tradeoff<'a>(scenes: &[(&'static str, u64)], place: Place<'a>) -> Result<Part<'a>, QualifyError> {
     let item = |&(name, seeds): &(&'static str, u64)| {
         let own = Arc::new(OwnSettings::new(Named::open(name, place)?, seeds, place));
-        let timed = own.clone();
-        let timed = Job {
-            identity: format!("tradeoff {name}"),
-            weight: 0.0,
-            alone: true,
-            work: Box::new(move || timed.time()),
-        };
-        let jobs = [timed].into_iter().chain(OwnSettings::jobs(&own)).collect();
-        Ok(Item { jobs, solved: Box::new(move || own.solved()) })
+        Ok(Item { jobs: OwnSettings::jobs(&own), solved: Box::new(move || own.solved()) })
     };
-    let scope = format!(
-        "Makadam at few settings, {FEW_SEEDS} seeds each, against its own converged reference: timed one after the other on one core, alone on \
-         the machine. The settings that the scenes come with are judged with as many seeds as it takes to tell."
-    );
+    let scope = "The settings that the scenes come with, against the converged reference of `makadam tradeoff`, with as many seeds as it takes \
+                 to tell.";
     let items = scenes.iter().map(item).collect::<Result<_, QualifyError>>()?;
-    Ok(Part::new("tradeoff", "What accuracy costs", scope, items))
+    Ok(Part::new("tradeoff", "Accuracy of the settings of scenes", scope, items))
 }
 
-/// A scene with the settings of its file, and with those of its converged reference, over as many seeds as it takes to tell.
+/// A scene with the settings of its file, and with those of its converged reference.
 struct OwnSettings<'a> {
     place: Place<'a>,
     named: Named,
@@ -220,41 +209,15 @@ struct OwnSettings<'a> {
     /// The reference's settings in words.
     reference: String,
     seeds: u64,
-    /// Few settings of Makadam.
-    plan: Plan,
-    /// These settings, timed alone on the machine.
-    timed: OnceLock<Outcome>,
 }
 
 impl<'a> OwnSettings<'a> {
     fn new(named: Named, seeds: u64, place: Place<'a>) -> OwnSettings<'a> {
-        let plan = Plan::new(&named.scene, true, &["Makadam"], &[1.0]);
+        let plan = Plan::new(&named.scene, &["Makadam"], &[1.0]);
         let finest = plan.refinement(1.0).map(|refinement| &plan.configurations[refinement.grids[2]]);
         let finest = finest.expect("a plan has a reference at the scene's stiffness");
         let (versions, reference) = ([named.scene.clone(), finest.scene(&named.scene)], finest.setting());
-        OwnSettings { place, named, versions, reference, seeds, plan, timed: OnceLock::new() }
-    }
-
-    /// Times few settings of Makadam.
-    fn time(&self) -> Result<(), RunError> {
-        let Named { name, file, scene } = &self.named;
-        let codes: [Box<dyn Code>; 1] = [Box::new(Makadam)];
-        let campaign = Campaign {
-            scene,
-            scene_file: file,
-            plan: &self.plan,
-            seeds: FEW_SEEDS,
-            codes: &codes,
-            time_limit: QUICK_TIME_LIMIT,
-            cache: &self.place.open(&format!("tradeoff/{name}"))?,
-            progress: Arc::new(|_, _| {}),
-        };
-        let outcome = campaign.carry_out()?;
-        if outcome.interrupted {
-            return Err(RunError::Interrupted);
-        }
-        self.timed.get_or_init(|| outcome);
-        Ok(())
+        OwnSettings { place, named, versions, reference, seeds }
     }
 
     fn jobs(own: &Arc<OwnSettings<'a>>) -> Vec<Job<'a>> {
@@ -271,30 +234,8 @@ impl<'a> OwnSettings<'a> {
         runs.map(job).collect()
     }
 
-    fn solved(&self) -> Result<Solved, RunError> {
-        let Named { name, scene, .. } = &self.named;
-        let outcome = self.timed.get().expect("it was run alone on the machine");
-        let terms = Terms {
-            quick: true,
-            seeds: FEW_SEEDS,
-            bounds: Bound::usual(),
-            time_limit: QUICK_TIME_LIMIT,
-            provenance: account(1, &[scene]),
-        };
-        let study = Study::new(scene, &self.plan, outcome, terms);
-        Ok(Solved {
-            runs: outcome.runs.iter().flatten().count(),
-            wall_seconds: outcome.runs.iter().flatten().map(|kept| kept.run.wall_seconds).sum::<f64>(),
-            tests: self.tests()?,
-            notes: study.findings.iter().map(|finding| format!("{name}: {finding}")).collect(),
-            figures: study.figures(),
-            files: named("tradeoff", name, study.tables()?),
-            ..Solved::default()
-        })
-    }
-
     /// Returns a test for each bounded observable of the scene, from finished runs.
-    fn tests(&self) -> Result<Vec<StudyTest>, RunError> {
+    fn solved(&self) -> Result<Solved, RunError> {
         let (mut pairs, mut failure) = (Vec::new(), None);
         for seed in 1..=self.seeds {
             let mut of = |version: &MeasuredScene| match self.take(version, seed) {
@@ -309,7 +250,13 @@ impl<'a> OwnSettings<'a> {
         }
         let is_compared = |bound: &Bound| self.versions[0].compare.iter().any(|one| one.observable == bound.observable);
         let bounds = Bound::usual().into_iter().filter(is_compared);
-        Ok(bounds.map(|bound| self.test(&bound, &pairs, failure.clone())).collect())
+        let ended = || pairs.iter().flatten().flatten();
+        Ok(Solved {
+            runs: ended().count(),
+            wall_seconds: ended().map(|run| run.wall_seconds).sum(),
+            tests: bounds.map(|bound| self.test(&bound, &pairs, failure.clone())).collect(),
+            ..Solved::default()
+        })
     }
 
     /// Tests that the 90% interval of the deviation, seed by seed, lies within the bound.
