@@ -15,7 +15,6 @@ use makadam_measure::statistics::Ensemble;
 use makadam_studies::convergence::{Curve, Effort, TOLERANCES, measure, methods};
 use makadam_studies::problem::{
     self, AGREEMENT, Answer, Check, FromSiconos, Method, ProblemFile, RECORDED, Recorded, SICONOS, pose,
-    siconos_version,
 };
 use makadam_studies::tradeoff::{Bound, Plan};
 use makadam_view::draw::numbers::Rounding;
@@ -30,33 +29,27 @@ const PROBLEMS: &str = "contact-problems";
 /// The contact problem of one step by Makadam's sweeps, by two solvers apart from them, and by Siconos, a code of contact dynamics that shares
 /// no line with them.
 ///
-/// The problem is posed by this build. Siconos solves it where it is run; its recorded answers are to recorded problems, which Makadam's
-/// solvers then solve too.
+/// The problem is posed by this build. The recorded answers of Siconos are to recorded problems, which Makadam's solvers then solve too.
 pub(super) fn contact_problems(place: Place<'_>) -> Result<Part<'_>, QualifyError> {
-    // Version of Siconos, or the reason for which it is not run.
-    let siconos = Arc::new(match place.settings.live {
-        true => siconos_version().map_err(|error| format!("Siconos was not run: {error}.")),
-        false => Err("Siconos was not run: its answers are the recorded ones.".into()),
-    });
     let cache = Arc::new(place.open(PROBLEMS)?);
     let item = |recorded: &'static Recorded| {
         let weight = recorded.scene().map_or(0.0, |scene| weight(&scene));
-        let (siconos, cache) = (siconos.clone(), cache.clone());
+        let cache = cache.clone();
         Item::of(format!("contact problem {}", recorded.name), weight, false, move || {
-            let version = siconos.as_deref().unwrap_or("recorded");
-            let key = Key::new(recorded.name.into(), &[recorded.name, version, BUILD, makadam_compare::BUILD]);
-            cache.take(&key, || solve_problem(recorded, &siconos, place))
+            let key = Key::new(recorded.name.into(), &[recorded.name, BUILD, makadam_compare::BUILD]);
+            cache.take(&key, || solve_problem(recorded, place))
         })
     };
-    let scope = "The contact problem of one step of {items}, by the sweeps of the simulation, by Newton's method, by projected Gauss-Seidel on \
-                 plain data, which is the reference, and by Siconos: velocities side by side.";
-    let mut part = Part::new(PROBLEMS, "Contact problems", scope, RECORDED.iter().map(item).collect());
-    part.section.notes.extend(siconos.as_ref().as_ref().err().cloned());
-    Ok(part)
+    let scope = format!(
+        "The contact problem of one step of {}, by the sweeps of the simulation, by Newton's method, by projected Gauss-Seidel on plain data, \
+         which is the reference, and by Siconos {SICONOS}, whose answers are recorded: velocities side by side.",
+        RECORDED.each_ref().map(|recorded| recorded.name).join(", ")
+    );
+    Ok(Part::new(PROBLEMS, "Contact problems", scope, RECORDED.iter().map(item).collect()))
 }
 
-/// Poses the problem of a scene, and has it solved by every solver there is.
-fn solve_problem(recorded: &Recorded, siconos: &Result<String, String>, place: Place<'_>) -> Result<Solved, RunError> {
+/// Poses the problem of a scene, and has it and the recorded one solved by every solver there is.
+fn solve_problem(recorded: &Recorded, place: Place<'_>) -> Result<Solved, RunError> {
     let clock = Instant::now();
     let share = (place.settings.announce)(&format!("{} contact problem", recorded.name));
     let scene = recorded.scene().map_err(|error| no_problem(error.to_string()))?;
@@ -65,20 +58,16 @@ fn solve_problem(recorded: &Recorded, siconos: &Result<String, String>, place: P
     let settled = Stepping::new(steps, &*share).carry_out(&mut simulation, |_, _| {});
     settled.map_err(|_| RunError::Interrupted)?;
     let title = format!("{}, seed {SEED}, t = {} s", scene.name, simulation.time());
-    let posed = pose(&simulation, &title);
-    let (own, with_siconos, origin) = match siconos {
-        Ok(version) => (check(&posed, &FromSiconos::Run)?, None, format!("Siconos {version}, run live")),
-        Err(_) => {
-            let answers = FromSiconos::Recorded(recorded.siconos().map_err(no_problem)?);
-            let with_siconos = check(&recorded.problem().map_err(no_problem)?, &answers)?;
-            (check(&posed, &FromSiconos::Nothing)?, Some(with_siconos), format!("Siconos {SICONOS}, recorded"))
-        }
-    };
-    let mut tests = [Method::Direct, Method::Lanes].map(|method| problem_test(recorded, &own, method)).to_vec();
-    let with_siconos = problem_test(recorded, with_siconos.as_ref().unwrap_or(&own), Method::Siconos);
-    tests.push(StudyTest { remark: Some(origin), ..with_siconos });
-    let words = format!("{} ({} contacts)", recorded.name, own.contacts);
-    Ok(Solved { words, runs: 1, wall_seconds: clock.elapsed().as_secs_f64(), tests, ..Solved::default() })
+    let own = check(&pose(&simulation, &title), &FromSiconos::Nothing)?;
+    let answers = FromSiconos::Recorded(recorded.siconos().map_err(no_problem)?);
+    let with_siconos = check(&recorded.problem().map_err(no_problem)?, &answers)?;
+    let tests = [(&own, Method::Direct), (&own, Method::Lanes), (&with_siconos, Method::Siconos)];
+    Ok(Solved {
+        runs: 1,
+        wall_seconds: clock.elapsed().as_secs_f64(),
+        tests: tests.map(|(check, method)| problem_test(recorded, check, method)).into(),
+        ..Solved::default()
+    })
 }
 
 fn no_problem(problem: String) -> RunError {
