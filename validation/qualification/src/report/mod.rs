@@ -22,7 +22,7 @@ use makadam_compare::scenes;
 use makadam_compare::study::{Cell, DocumentError, File, Table, cells, write_together};
 use makadam_measure::statistics::Outcome;
 use nalgebra::Vector3;
-pub use qualification::{Qualification, Standing, StudyCount, StudyOutcome, StudySection, StudyTest, Verdict};
+pub use qualification::{Qualification, Standing, StudyOutcome, StudySection, StudyTest, Verdict};
 use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
 use serde::{Deserialize, Serialize};

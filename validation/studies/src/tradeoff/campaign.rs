@@ -111,8 +111,8 @@ impl Campaign<'_> {
     /// Returns one run, stored or made now.
     fn run(&self, place: usize, seed: u64) -> Result<MeasuredRun, RunError> {
         let configuration = &self.plan.configurations[place];
-        let named = |code: &&Box<dyn Code>| code.name() == configuration.code;
-        let code = self.codes.iter().find(named).ok_or(CodeError::Missing { code: "a code of the plan" })?;
+        let code = self.codes.iter().find(|code| code.name() == configuration.code);
+        let code = code.ok_or(CodeError::Missing { code: "a code of the plan" })?;
         let label = format!("{} {}, seed {seed}", configuration.code, configuration.setting());
         let time_limit = match self.plan.is_grid(place) {
             true => Duration::MAX,

@@ -158,7 +158,6 @@ fn solve_step(Named { name, file, scene }: &Named, place: Place<'_>) -> Result<S
         notes: study.findings.iter().map(|finding| format!("{name}: {finding}")).collect(),
         figures: study.figures(),
         files: named("convergence", name, study.tables()?),
-        ..Solved::default()
     })
 }
 
