@@ -162,18 +162,6 @@ fn a_damaged_file_is_kept_aside_and_run_again() {
 }
 
 #[test]
-fn a_run_beyond_the_limit_is_stopped_and_listed() {
-    let folder = tempfile::tempdir().unwrap();
-    let stopped = document(&tradeoff(folder.path(), "out").args(["--time-limit", "0.001"]).output().unwrap());
-    let points = stopped["points"].as_array().unwrap();
-    assert_eq!(points.len(), 3, "the three grids of the reference have no limit");
-    let notes = stopped["notes"].as_array().unwrap();
-    assert!(!notes.is_empty() && notes.iter().all(|note| note.as_str().unwrap().contains("failed with seed 1")));
-    let whole = document(&tradeoff(folder.path(), "out").output().unwrap());
-    assert_eq!(whole["points"].as_array().unwrap().len(), 3 + notes.len());
-}
-
-#[test]
 fn an_interruption_leaves_a_table_of_what_there_is() {
     let folder = tempfile::tempdir().unwrap();
     let child = start(folder.path(), "out", 3);
@@ -200,14 +188,14 @@ fn no_setting_within_the_bounds_is_told_by_the_exit_code() {
     assert_eq!(document(&output)["fastest"][0]["setting"], "0.25 ms × 20 sweeps");
 }
 
+/// A study of settings of LIGGGHTS, of which a script takes the place that does these commands in each run; folders of its runs are
+/// listed in a file.
 #[cfg(unix)]
-#[test]
-fn a_setting_that_fails_is_not_tried_with_further_seeds_and_is_told_once() {
-    let folder = tempfile::tempdir().unwrap();
-    let tried = folder.path().join("tried");
-    let (draft, fake) = (folder.path().join("draft"), folder.path().join("liggghts"));
+fn study_of_a_script(folder: &Path, commands: &str, more: &[&str]) -> (Value, usize) {
+    let tried = folder.join("tried");
+    let (draft, fake) = (folder.join("draft"), folder.join("liggghts"));
     let words = format!(
-        "#!/bin/sh\ncase \"$*\" in *-help*) echo 'LIGGGHTS (Version LIGGGHTS-PUBLIC 3.8.0, compiled)'; exit 0;; esac\npwd >> {}\necho 'it fell over'\nexit 1\n",
+        "#!/bin/sh\ncase \"$*\" in *-help*) echo 'LIGGGHTS (Version LIGGGHTS-PUBLIC 3.8.0, compiled)'; exit 0;; esac\npwd >> {}\n{commands}\n",
         tried.display()
     );
     std::fs::write(&draft, words).unwrap();
@@ -215,16 +203,34 @@ fn a_setting_that_fails_is_not_tried_with_further_seeds_and_is_told_once() {
     assert!(
         std::process::Command::new("install").args(["-m", "755"]).args([&draft, &fake]).status().unwrap().success()
     );
-    let mut command = makadam(folder.path());
+    let mut command = makadam(folder);
     command.env("MAKADAM_LIGGGHTS", fake).arg("tradeoff").arg(smoke());
-    command.args(["--codes", "liggghts", "--seeds", "2", "--json", "--output", "out"]);
+    command.args(["--codes", "liggghts", "--seeds", "2", "--json", "--output", "out"]).args(more);
     let study = document(&command.output().unwrap());
-    let settings = std::fs::read_to_string(tried).unwrap().lines().count();
+    (study, std::fs::read_to_string(tried).unwrap().lines().count())
+}
+
+#[cfg(unix)]
+#[test]
+fn a_setting_that_fails_is_not_tried_with_further_seeds_and_is_told_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let (study, settings) = study_of_a_script(folder.path(), "echo 'it fell over'\nexit 1", &[]);
     let told = study["notes"].as_array().unwrap();
     assert_eq!((settings, told.len()), (4, 4), "{told:?}");
     assert!(told.iter().all(|note| note.as_str().unwrap().contains("failed with seed 1")), "{told:?}");
     let page = std::fs::read_to_string(folder.path().join("out/tradeoff.html")).unwrap();
     assert!(page.find("All settings") < page.find("it fell over"), "tables come before what failed");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_run_beyond_the_limit_is_stopped_and_listed() {
+    let folder = tempfile::tempdir().unwrap();
+    let (study, settings) = study_of_a_script(folder.path(), "exec sleep 100", &["--time-limit", "0.5"]);
+    let told = study["notes"].as_array().unwrap();
+    assert_eq!((settings, told.len()), (4, 4), "{told:?}");
+    assert!(told.iter().all(|note| note.as_str().unwrap().contains("failed with seed 1")), "{told:?}");
+    assert_eq!(study["points"].as_array().unwrap().len(), 3, "the three grids of the reference");
 }
 
 #[test]

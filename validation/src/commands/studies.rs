@@ -167,7 +167,7 @@ pub(super) struct TradeoffArguments {
     /// angle of repose and 0.002 for packing_fraction.
     #[arg(long, value_name = "OBSERVABLE=VALUE", value_parser = bound)]
     pub bound: Vec<Bound>,
-    /// Wall time after which a run is stopped, s: its setting is listed, with neither a time nor an error.
+    /// Wall time after which a run of another code than Makadam is stopped, s: its setting is listed, with neither a time nor an error.
     #[arg(long, default_value_t = 900.0, value_parser = time_limit)]
     pub time_limit: f64,
     #[command(flatten)]

@@ -33,8 +33,6 @@ pub(super) struct Curve<'a> {
     pub(super) series: &'a Series,
     /// Times, s, and values, thinned where there are many.
     pub(super) points: Vec<[f64; 2]>,
-    /// The mean over the measured window, at the window's beginning and end, s.
-    pub(super) mean: Option<[[f64; 2]; 2]>,
 }
 
 fn points(series: &Series) -> impl Iterator<Item = (f64, f64)> {
@@ -44,18 +42,11 @@ fn points(series: &Series) -> impl Iterator<Item = (f64, f64)> {
 /// Returns the curves of an observable, one per run.
 pub(super) fn curves<'a>(comparison: &'a Comparison, observable: &str) -> Vec<Curve<'a>> {
     let all = comparison.series.iter().filter(|s| s.observable == observable && !s.time.is_empty());
-    let end = all.clone().flat_map(points).map(|(t, _)| t).filter(|t| t.is_finite()).fold(0.0, f64::max);
-    all.map(|series| {
+    let curve = |series: &'a Series| {
         let stride = series.time.len().div_ceil(MOST_POINTS);
-        let mean = comparison.scene.measure.from.and_then(|from| {
-            let window = points(series).filter(|&(t, v)| t >= from && v.is_finite()).map(|(_, v)| v);
-            let window: Vec<f64> = window.collect();
-            let mean = window.iter().sum::<f64>() / window.len() as f64;
-            (!window.is_empty()).then_some([[from, mean], [end, mean]])
-        });
-        Curve { series, points: points(series).step_by(stride).map(|(t, v)| [t, v]).collect(), mean }
-    })
-    .collect()
+        Curve { series, points: points(series).step_by(stride).map(|(t, v)| [t, v]).collect() }
+    };
+    all.map(curve).collect()
 }
 
 /// Returns the observables with a curve.
@@ -90,17 +81,9 @@ fn over_time(comparison: &Comparison, observable: &str) -> Option<Drawn> {
     if let Some(from) = from {
         plot.window(from, end, "measured window");
     }
-    for Curve { series, points, .. } in &all {
+    for Curve { series, points } in &all {
         let style = names::code_style(&series.code);
         plot.curve(&format!("{} curve thin", style.class), points.iter().copied());
-    }
-    // Means last, on top of the curves.
-    for Curve { series, mean, .. } in &all {
-        let Some([[from, mean], [end, _]]) = *mean else { continue };
-        let style = names::code_style(&series.code);
-        plot.curve(&format!("{} curve strong", style.class), [[from, mean], [end, mean]].into_iter());
-        let place = codes.iter().position(|&c| c == series.code).unwrap_or(0) as f64;
-        plot.marker(style, from + (end - from) * (0.15 + 0.2 * place), mean, 4.5);
     }
     let name = names::observable(observable);
     let mut seeds: Vec<u64> = all.iter().map(|curve| curve.series.seed).collect();
@@ -108,7 +91,7 @@ fn over_time(comparison: &Comparison, observable: &str) -> Option<Drawn> {
     seeds.dedup();
     let seeds: Vec<String> = seeds.iter().map(u64::to_string).collect();
     let window = match from {
-        Some(from) => format!("Thick lines are the means over the measured window, from {} s on.", compact(from)),
+        Some(from) => format!("The tables have the means over the measured window, from {} s on.", compact(from)),
         None => "Only the last frame enters the tables.".into(),
     };
     Some(Drawn {

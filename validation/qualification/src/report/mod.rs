@@ -80,7 +80,7 @@ const FILES: [(&str, &str, Rows); 4] = [
          interval90_high verdict_low verdict_high margin outcome seeds_needed missing",
         rows,
     ),
-    ("series", "scene observable code seed line time_s value", over_time),
+    ("series", "scene observable code seed time_s value", over_time),
     ("forces", "scene code force_over_mean density density_low density_high", distributions),
     ("grains", "scene code seed time_s grain x_m y_m z_m radius_m speed_m_s", grains),
 ];
@@ -123,17 +123,15 @@ fn rows(comparison: &Comparison) -> Vec<Vec<Cell>> {
     comparison.rows.iter().map(line).collect()
 }
 
-/// The curves of observables over time, then the two ends of the line of each mean.
+/// The curves of observables over time.
 fn over_time(comparison: &Comparison) -> Vec<Vec<Cell>> {
     let mut rows = Vec::new();
     for curve in figures::observables(comparison).into_iter().flat_map(|name| figures::curves(comparison, name)) {
         let run = curve.series;
-        let lines = [("run", &curve.points[..]), ("mean", curve.mean.as_ref().map_or(&[][..], |ends| &ends[..]))];
-        for (line, points) in lines {
-            rows.extend(points.iter().map(|&[time, value]| {
-                cells![&comparison.scene.name, &run.observable, &run.code, run.seed, line, time, value]
-            }));
-        }
+        let row = |&[time, value]: &[f64; 2]| {
+            cells![&comparison.scene.name, &run.observable, &run.code, run.seed, time, value]
+        };
+        rows.extend(curve.points.iter().map(row));
     }
     rows
 }

@@ -37,7 +37,7 @@ pub struct MeasuredRow {
     pub nanoseconds_per_contact_sweep: Option<f64>,
     /// Time per traced step, measured, s.
     pub traced_seconds: f64,
-    /// The same, replayed from the serial trace, s.
+    /// Time per traced step, replayed from the serial trace, s.
     pub replayed_seconds: Option<f64>,
     /// Replayed over measured, minus one, %.
     pub deviation_percent: Option<f64>,

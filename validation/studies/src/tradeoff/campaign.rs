@@ -21,7 +21,7 @@ pub struct Campaign<'a> {
     pub seeds: u64,
     /// The codes of the plan, Makadam among them.
     pub codes: &'a [Box<dyn Code>],
-    /// Wall time after which a run is stopped, s; the grids of references have none.
+    /// Wall time after which a run of another code than Makadam is stopped, s.
     pub time_limit: f64,
     /// Finished runs.
     pub cache: &'a RunCache,
@@ -114,16 +114,12 @@ impl Campaign<'_> {
         let code = self.codes.iter().find(|code| code.name() == configuration.code);
         let code = code.ok_or(CodeError::Missing { code: "a code of the plan" })?;
         let label = format!("{} {}, seed {seed}", configuration.code, configuration.setting());
-        let time_limit = match self.plan.is_grid(place) {
-            true => Duration::MAX,
-            false => Duration::from_secs_f64(self.time_limit),
-        };
         let (scene, announce) = (configuration.scene(self.scene), |_: &str| (self.announce)(&label));
         let runs = Runs {
             purpose: Purpose::Timing,
             rayleigh_fraction: configuration.rayleigh_fraction().unwrap_or_default(),
             stiffness_factor: configuration.stiffness_factor,
-            ..Runs::of_one_seed(&scene, self.scene_file, seed, time_limit, &announce)
+            ..Runs::of_one_seed(&scene, self.scene_file, seed, Duration::from_secs_f64(self.time_limit), &announce)
         };
         let mut run = runs.take_as(self.cache, code.as_ref(), seed, true)?.run;
         run.measurements.retain(|measurement| measurement.value.is_finite());

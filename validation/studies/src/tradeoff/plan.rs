@@ -99,7 +99,7 @@ struct Variation {
     change: fn(&mut SolverSettings),
     /// Steps over the scene's own, and iterations of a solve there, at the scene's stiffness.
     own: Grid,
-    /// Those at other stiffnesses.
+    /// Steps and iterations at other stiffnesses.
     elsewhere: Grid,
 }
 
@@ -254,7 +254,7 @@ impl Plan {
         self.refinements.iter().find(|refinement| refinement.stiffness_factor == stiffness_factor)
     }
 
-    /// True if a configuration is one of the three grids of a reference, which have no time limit.
+    /// True if a configuration is one of the three grids of a reference, of which every seed counts.
     pub fn is_grid(&self, place: usize) -> bool {
         self.refinements.iter().any(|refinement| refinement.grids.contains(&place))
     }

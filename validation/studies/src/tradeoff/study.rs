@@ -21,7 +21,7 @@ pub struct Terms {
     pub seeds: u64,
     /// Tolerated deviations.
     pub bounds: Vec<Bound>,
-    /// Wall time after which a run is stopped, s.
+    /// Wall time after which a run of another code than Makadam is stopped, s.
     pub time_limit: f64,
     /// Provenance, by name.
     pub provenance: BTreeMap<String, String>,
