@@ -1,4 +1,4 @@
-//! `makadam effects`: which effects a scene calls for and by which line, costs, warnings, ablation.
+//! `makadam effects`: which effects a scene calls for and by which line, costs, ablation.
 
 use crate::support::changed::changed;
 use crate::support::lines::line_of;
@@ -20,7 +20,7 @@ fn effect<'a>(study: &'a Value, name: &str) -> &'a Value {
 #[test]
 fn a_scene_tells_its_effects_their_lines_and_their_cost() {
     let folder = tempfile::tempdir().unwrap();
-    let study = study(folder.path(), &smoke(), &["--settle", "0.3", "--look", "0.1"]);
+    let study = study(folder.path(), &smoke(), &["--settle", "0.3"]);
     assert_eq!((study["version"].as_u64(), study["command"].as_str()), (Some(1), Some("effects")));
     let friction = effect(&study, "Coulomb friction");
     assert_eq!(friction["on"], true);
@@ -40,26 +40,8 @@ fn a_scene_tells_its_effects_their_lines_and_their_cost() {
     assert_eq!((bytes(4) - bytes(1), bytes(2) - bytes(1)), (40, 40));
     // Four of a tangential spring: its compliance and its bias.
     assert_eq!((bytes(5) - bytes(1), bytes(6) - bytes(4)), (32, 32));
-    assert!(study["look"]["lost"].as_f64().unwrap() > 0.0);
     assert_eq!(study["ablation"], Value::Null);
     assert!(folder.path().join("results/effects/smoke/effects.json").is_file());
-}
-
-#[test]
-fn what_is_declared_in_vain_is_told() {
-    let folder = tempfile::tempdir().unwrap();
-    let unused = "[material.dust]\ndensity = 2500.0\nyoungs_modulus = 1e7\npoisson_ratio = 0.3\nfriction = 0.5\n\
-                  restitution = 0.3\nrolling_friction = 0.1\n\n[measure]";
-    let scene = changed(folder.path(), "[measure]", unused);
-    let study = study(folder.path(), &scene, &["--settle", "0.2", "--look", "0.05"]);
-    let warnings: Vec<&str> = study["warnings"].as_array().unwrap().iter().map(|text| text.as_str().unwrap()).collect();
-    assert!(
-        warnings.iter().any(|text| text.contains("'dust'") && text.contains("compiled in all the same")),
-        "{warnings:?}"
-    );
-    assert!(warnings.iter().any(|text| text.contains("hardly matters")), "{warnings:?}");
-    let rolling = effect(&study, "rolling resistance");
-    assert_eq!(rolling["line"].as_u64().unwrap() as usize, line_of(&scene, "rolling_friction"));
 }
 
 #[test]
@@ -72,7 +54,7 @@ fn what_changes_in_time_or_with_speed_is_told_by_its_line() {
         ("wall motion", "vibrating"),
         ("driven walls", "force-driven"),
     ];
-    let plain = study(folder.path(), &smoke(), &["--settle", "0.05", "--look", "0.05"]);
+    let plain = study(folder.path(), &smoke(), &["--settle", "0.05"]);
     assert!(effects.iter().all(|(name, _)| effect(&plain, name)["on"] == false), "{plain}");
     let coefficients = "friction = 0.5\nkinetic_friction = 0.4\nrestitution_speed = 1.0\n";
     let scene = changed(folder.path(), "friction = 0.5\n", coefficients);
@@ -84,7 +66,7 @@ fn what_changes_in_time_or_with_speed_is_told_by_its_line() {
     let text = text.replacen("[[population]]", &format!("{motion}\n\n{lid}\n\n[[population]]"), 1);
     let changes = "gravity_changes = [{ time = 0.05, gravity = [0.0, 0.0, -12.0] }]";
     std::fs::write(&scene, format!("{changes}\n{text}")).unwrap();
-    let study = study(folder.path(), &scene, &["--settle", "0.05", "--look", "0.05"]);
+    let study = study(folder.path(), &scene, &["--settle", "0.05"]);
     for (name, word) in effects {
         let row = effect(&study, name);
         assert_eq!(
@@ -98,7 +80,7 @@ fn what_changes_in_time_or_with_speed_is_told_by_its_line() {
 #[test]
 fn ablation_says_which_observables_need_an_effect() {
     let folder = tempfile::tempdir().unwrap();
-    let arguments = ["--settle", "0.1", "--look", "0.05", "--ablate", "--seeds", "2"];
+    let arguments = ["--settle", "0.1", "--ablate", "--seeds", "2"];
     let first = study(folder.path(), &smoke(), &arguments);
     let rows = first["ablation"]["rows"].as_array().unwrap();
     for effect in ["Coulomb friction", "restitution", "rolling resistance", "twisting resistance"] {

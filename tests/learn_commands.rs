@@ -232,35 +232,6 @@ fn a_sweep_runs_every_combination_and_goes_on_from_what_is_kept() {
 }
 
 #[test]
-fn sweeps_keep_their_tables_apart() {
-    let folder = tempfile::tempdir().unwrap();
-    let smoke = smoke().display().to_string();
-    let sweep = |more: &[&str]| {
-        let set = ["--set", "duration=0.1", "--set", "measure.from=0.05", "--output", "out", "--quiet"];
-        outcome(folder.path(), &[&["sweep", &smoke], &set[..], more].concat())
-    };
-    let points = || std::fs::read_to_string(folder.path().join("out/points.csv")).unwrap();
-    let friction = ["--over", "material.grain.friction=0.1,0.6", "--seeds", "1"];
-    assert_eq!(sweep(&friction).0, 0);
-    let first = points();
-    for (more, words) in [
-        (vec!["--over", "solver.step=5e-4,1e-3", "--seeds", "1"], "over material.grain.friction"),
-        (vec!["--over", "material.grain.friction=0.1,0.3", "--seeds", "1"], "with material.grain.friction=0.6"),
-        ([&friction[..], &["--set", "material.grain.restitution=0.5"]].concat(), "another --set"),
-        ([&friction[..], &["--set", "seed=2"]].concat(), "another --set"),
-    ] {
-        let (code, _, errors) = sweep(&more);
-        assert!(code == 2 && errors.contains(words) && errors.contains("--output"), "{more:?}: {code}: {errors}");
-        assert_eq!(points(), first, "{more:?}");
-    }
-    // A sweep that contains the one in the folder may replace it, and any sweep that is told to.
-    assert_eq!(sweep(&["--over", "material.grain.friction=0.1,0.3,0.6", "--seeds", "2"]).0, 0);
-    assert_eq!(points().lines().count(), 4);
-    assert_eq!(sweep(&["--over", "solver.step=5e-4,1e-3", "--seeds", "1", "--restart"]).0, 0);
-    assert!(points().starts_with("solver.step,"));
-}
-
-#[test]
 fn unknown_words_are_answered_with_a_way_or_without_a_guess() {
     let folder = tempfile::tempdir().unwrap();
     for (change, code, words, never) in [

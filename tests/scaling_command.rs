@@ -33,11 +33,11 @@ fn a_small_scene_is_measured_and_replayed() {
             assert!(row[field].as_f64().unwrap() > 0.0, "{field} of {row}");
         }
     }
-    assert_eq!(study["checks"].as_array().unwrap().len(), measured.len());
+    assert!(measured.iter().all(|row| row["deviation_percent"].is_number()));
     let replayed = study["replayed"].as_array().unwrap();
     assert!(replayed.iter().all(|row| row["source"] == "replayed"));
     assert!(replayed.iter().any(|row| row["machine"] == "xeon-phi-3120" && row["workers"] == 228));
-    for name in ["measured.csv", "replayed.csv", "checks.csv", "machine.csv", "scaling.json", "scaling.html"] {
+    for name in ["measured.csv", "replayed.csv", "machine.csv", "scaling.json", "scaling.html"] {
         assert!(folder.path().join("out").join(name).is_file(), "{name}");
     }
 }

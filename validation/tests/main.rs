@@ -22,7 +22,6 @@ mod problem;
 mod report;
 mod report_files;
 mod report_studies;
-mod report_summary;
 mod report_unsettled;
 mod scaling;
 mod scene_hashes;

@@ -137,16 +137,12 @@ fn files_hold_the_numbers_that_figures_draw() {
     let number = |record: &BTreeMap<String, String>, column: &str| record[column].parse::<f64>().expect("a number");
     let [drum, packing, alone] = &qualification.comparisons[..] else { panic!("three scenes") };
 
-    // Every point of the curves, and the two ends of each mean.
-    let series = all("series.csv");
-    let runs: Vec<_> = series.iter().filter(|record| record["line"] == "run").collect();
+    // Every point of the curves.
+    let runs = all("series.csv");
     let points: Vec<_> = [drum, packing, alone].into_iter().flat_map(|c| &c.series).collect();
     assert!(points.iter().all(|s| s.time.len() <= 600), "none of them is thinned");
     assert_eq!(runs.len(), points.iter().map(|s| s.time.len()).sum::<usize>());
-    assert_eq!((number(runs[0], "time_s"), number(runs[0], "value")), (points[0].time[0], points[0].value[0]));
-    let measured = points.iter().filter(|s| s.observable == points[0].observable).count();
-    let means: Vec<_> = series.iter().filter(|record| record["line"] == "mean").collect();
-    assert!(means.len() >= 2 * measured && number(means[0], "time_s") == drum.scene.measure.from.expect("a window"));
+    assert_eq!((number(&runs[0], "time_s"), number(&runs[0], "value")), (points[0].time[0], points[0].value[0]));
 
     // The bins of each code with the counting error, and the curve of the literature.
     let forces = all("forces.csv");
@@ -171,8 +167,6 @@ fn tests_are_there_for_machines() {
     qualification.outside_spread = vec!["packing: a live run lies <outside>".into()];
     let folder = tempfile::tempdir().expect("a temporary folder");
     let page_file = write(&qualification, folder.path()).expect("a report");
-    let junit = fs::read_to_string(folder.path().join("junit.xml")).expect("the tests");
-    assert!(junit.contains("failures=\"2\"") && junit.contains("&lt;outside&gt;"), "{junit}");
     let json = fs::read(page_file.with_file_name("report.json")).expect("the data");
     assert_eq!(serde_json::from_slice::<ReportDocument>(&json).expect("a report").qualification, qualification);
 }

@@ -57,7 +57,7 @@ pub(super) struct CompareArguments {
     pub time_limit: f64,
     #[command(flatten)]
     pub jobs: JobArguments,
-    /// Folder for report.html, report.json, rows.csv, junit.xml, and the CSV files that figures link to; if absent, nothing is written.
+    /// Folder for report.html, report.json, rows.csv, and the CSV files that figures link to; if absent, nothing is written.
     #[arg(short, long)]
     pub output: Option<PathBuf>,
     /// Print the comparison as JSON.

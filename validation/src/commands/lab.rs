@@ -106,9 +106,6 @@ pub(super) struct ScalingArguments {
     /// Timed steps of each repetition.
     #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u64).range(1..))]
     pub steps: u64,
-    /// Number of these steps, from the first, that are traced and replayed.
-    #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u64).range(1..))]
-    pub traced_steps: u64,
     /// Number of repetitions of all measurements, in turn.
     #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u64).range(1..=1000))]
     pub repetitions: u64,
@@ -127,12 +124,6 @@ pub(super) fn scaling(arguments: &ScalingArguments, console: &Console) -> Result
     refuse_time_budget(&scene)?;
     let cores = cores();
     let plan = plan(arguments, cores);
-    if plan.traced_steps < arguments.traced_steps {
-        console.note(&format!(
-            "{} steps are traced, because there are no more, not {}",
-            plan.traced_steps, arguments.traced_steps
-        ));
-    }
     let most = plan.threads.iter().copied().max().unwrap_or(1);
     if most > cores {
         console.warn(&format!("more threads than the {cores} available cores: such times are not meaningful"));
@@ -157,6 +148,9 @@ pub(super) fn scaling(arguments: &ScalingArguments, console: &Console) -> Result
     }
 }
 
+/// Number of timed steps, from the first, that are traced and replayed.
+const TRACED_STEPS: u64 = 10;
+
 /// Returns the measured configurations: by default 1, 2, 4, ... threads and all cores, with every instruction set.
 fn plan(arguments: &ScalingArguments, cores: usize) -> scaling::Plan {
     let mut threads: Vec<usize> = match &arguments.threads_list {
@@ -172,7 +166,7 @@ fn plan(arguments: &ScalingArguments, cores: usize) -> scaling::Plan {
         instruction_sets: InstructionSet::ALL.into_iter().filter(is_measured).collect(),
         threads,
         steps: arguments.steps,
-        traced_steps: arguments.traced_steps.min(arguments.steps),
+        traced_steps: arguments.steps.min(TRACED_STEPS),
         repetitions: arguments.repetitions as usize,
     }
 }

@@ -5,10 +5,10 @@ use super::beforehand::begin;
 use super::{Console, Failure, within_tolerance};
 use clap::{Args, Subcommand};
 use makadam_frames::execution::Execution;
-use makadam_frames::output::HDF5;
+use makadam_frames::output::{HDF5, JSON_VERSION};
 use makadam_frames::stepping::{Halt, Stepping, steps_in};
 use makadam_studies::problem::{self, AGREEMENT, Check, FromSiconos, Method, Settings};
-use serde::Serialize;
+use serde_json::json;
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -25,8 +25,6 @@ pub(super) struct ProblemArguments {
 enum ProblemCommand {
     /// Write the contact problem of one step of a scene to a file, in FCLIB's layout (HDF5).
     Export(ExportArguments),
-    /// Solve the problem in a file.
-    Solve(SolveArguments),
     /// Solve the problems in files with every available solver, and compare the answers.
     Check(CheckArguments),
 }
@@ -41,43 +39,12 @@ struct ExportArguments {
     /// Number of steps before it, instead of a time.
     #[arg(long, conflicts_with = "time")]
     steps: Option<u64>,
+    /// Also solve with Siconos, which must be installed (Debian's python3-siconos), and write its solution in FCLIB's group.
+    #[arg(long)]
+    siconos: bool,
     /// File to write.
     #[arg(short, long)]
     output: PathBuf,
-}
-
-/// Stopping rule of a solution.
-#[derive(Debug, Args)]
-struct StopArguments {
-    /// Stop when the largest change in a sweep is below this, in units of g h (1 m/s without gravity).
-    #[arg(long, default_value_t = Settings::DEFAULT.tolerance, value_parser = positive)]
-    tolerance: f64,
-    /// Largest number of sweeps.
-    #[arg(long, default_value_t = Settings::DEFAULT.most_sweeps, value_parser = clap::value_parser!(u32).range(1..))]
-    sweeps: u32,
-}
-
-impl StopArguments {
-    fn settings(&self) -> Settings {
-        Settings { tolerance: self.tolerance, most_sweeps: self.sweeps }
-    }
-}
-
-#[derive(Debug, Args)]
-struct SolveArguments {
-    /// File from `makadam lab problem export`, or FCLIB file with a local problem.
-    file: PathBuf,
-    /// Solver.
-    #[arg(long, value_enum, default_value_t = Method::Reference)]
-    method: Method,
-    #[command(flatten)]
-    stop: StopArguments,
-    /// Also write the problem to this file, with the solution in FCLIB's group.
-    #[arg(short, long)]
-    output: Option<PathBuf>,
-    /// Print the answer as JSON.
-    #[arg(long)]
-    json: bool,
 }
 
 #[derive(Debug, Args)]
@@ -85,8 +52,12 @@ struct CheckArguments {
     /// Files from `makadam lab problem export`, or FCLIB files with local problems.
     #[arg(required = true)]
     files: Vec<PathBuf>,
-    #[command(flatten)]
-    stop: StopArguments,
+    /// Stop when the largest change in a sweep is below this, in units of g h (1 m/s without gravity).
+    #[arg(long, default_value_t = Settings::DEFAULT.tolerance, value_parser = positive)]
+    tolerance: f64,
+    /// Largest number of sweeps.
+    #[arg(long, default_value_t = Settings::DEFAULT.most_sweeps, value_parser = clap::value_parser!(u32).range(1..))]
+    sweeps: u32,
     /// Largest velocity difference at which answers agree, in the same units.
     #[arg(long, default_value_t = AGREEMENT, value_parser = positive)]
     agreement: f64,
@@ -98,18 +69,9 @@ struct CheckArguments {
     json: bool,
 }
 
-/// Document of `--json`.
-#[derive(Serialize)]
-struct Document<'a, T> {
-    version: u32,
-    command: &'static str,
-    problems: &'a [T],
-}
-
 pub(super) fn problem(arguments: &ProblemArguments, console: &Console) -> Result<ExitCode, Failure> {
     match &arguments.command {
         ProblemCommand::Export(export) => self::export(export, console),
-        ProblemCommand::Solve(solve) => self::solve(solve, console),
         ProblemCommand::Check(check) => self::check(check, console),
     }
 }
@@ -117,6 +79,9 @@ pub(super) fn problem(arguments: &ProblemArguments, console: &Console) -> Result
 /// Writes the problem of a step of a scene.
 fn export(arguments: &ExportArguments, console: &Console) -> Result<ExitCode, Failure> {
     refuse_to_replace(&arguments.output)?;
+    if arguments.siconos {
+        problem::siconos_version()?;
+    }
     let (file, scene, seed) = arguments.scene.load()?;
     let (mut simulation, _) = begin(&scene, seed, &file, &Execution::serial(), console)?;
     let by_time = arguments.time.map(|time| steps_in((time - simulation.time()).max(0.0), simulation.time_step()));
@@ -137,32 +102,12 @@ fn export(arguments: &ExportArguments, console: &Console) -> Result<ExitCode, Fa
     if posed.lanes.is_none() {
         console.warn("the sweeps over lanes did not converge; the file is written without their answer");
     }
-    problem::write(&arguments.output, &posed, None)?;
+    let solved = arguments.siconos.then(|| problem::solve(&posed, Method::Siconos, &Settings::DEFAULT)).transpose();
+    let answer = solved
+        .map_err(|why| Failure::Running(format!("siconos: {why}; without --siconos the problem alone is written")))?;
+    problem::write(&arguments.output, &posed, answer.as_ref().map(|answer| answer.impulses.as_slice()))?;
     console.result(&format!("{title}: {} contacts, {}", posed.contacts(), arguments.output.display()))?;
     Ok(ExitCode::SUCCESS)
-}
-
-/// Solves the problem of a file by one method.
-fn solve(arguments: &SolveArguments, console: &Console) -> Result<ExitCode, Failure> {
-    arguments.output.as_deref().map_or(Ok(()), refuse_to_replace)?;
-    let file = problem::read(&arguments.file)?;
-    let refused = |why: String| Failure::Running(format!("{}: {why}", arguments.file.display()));
-    if arguments.method == Method::Siconos {
-        problem::siconos_version()?;
-    }
-    let answer = problem::solve(&file, arguments.method, &arguments.stop.settings()).map_err(refused)?;
-    if let Some(output) = &arguments.output {
-        if file.local.is_none() {
-            return Err(refused("contacts bear torques, which FCLIB's solution group cannot hold".into()));
-        }
-        if answer.impulses.is_empty() {
-            return Err(refused("the answer of the sweeps over lanes has no impulses; take another --method".into()));
-        }
-        problem::write(output, &file, Some(&answer.impulses))?;
-    }
-    let document = Document { version: 1, command: "problem solve", problems: std::slice::from_ref(&answer) };
-    console.document(&document, arguments.json, || problem::words(&answer))?;
-    Ok(within_tolerance(answer.converged))
 }
 
 /// Refuses to replace a file of another kind, such as the scene itself.
@@ -183,7 +128,7 @@ fn refuse_to_replace(output: &Path) -> Result<(), Failure> {
 
 /// Solves the problems of files by every solver and compares the answers.
 fn check(arguments: &CheckArguments, console: &Console) -> Result<ExitCode, Failure> {
-    let settings = arguments.stop.settings();
+    let settings = Settings { tolerance: arguments.tolerance, most_sweeps: arguments.sweeps };
     let siconos = if arguments.siconos { FromSiconos::Run } else { FromSiconos::Nothing };
     let mut checks: Vec<Check> = Vec::new();
     for path in &arguments.files {
@@ -194,7 +139,7 @@ fn check(arguments: &CheckArguments, console: &Console) -> Result<ExitCode, Fail
         }
         checks.push(check);
     }
-    let document = Document { version: 1, command: "problem check", problems: &checks };
+    let document = json!({ "version": JSON_VERSION, "command": "problem check", "problems": checks });
     console.document(&document, arguments.json, || checks.iter().map(problem::table).collect::<Vec<_>>().join("\n"))?;
     // Siconos was requested by name; the others take part where they apply.
     let without = |check: &Check| {

@@ -4,7 +4,7 @@
 use super::arguments::{
     OutputArguments, SceneArguments, SourceArguments, StudyArguments, bound, observable, positive, time_limit,
 };
-use super::beforehand::{flowing, refuse_time_budget, settle};
+use super::beforehand::{flowing, refuse_time_budget};
 use super::compare::installed;
 use super::{Console, Failure, within_tolerance};
 use clap::Args;
@@ -13,14 +13,14 @@ use makadam_compare::compare::FEW_SEEDS;
 use makadam_compare::scenes;
 use makadam_compare::study::RunCache;
 use makadam_frames::execution::Execution;
+use makadam_frames::output::FolderLock;
 use makadam_frames::plan::MeasuredScene;
 use makadam_frames::provenance::{Provenance, account};
 use makadam_measure::observables::catalogue::group_of;
-use makadam_studies::effects::{self, Ablation, Costs, Look};
+use makadam_studies::effects::{self, Ablation, Costs};
 use makadam_studies::parameter_study;
-use makadam_studies::tradeoff::{self, Bound, Campaign, Progress, QUICK_TIME_LIMIT, STIFFNESS_FACTORS, Terms};
+use makadam_studies::tradeoff::{self, Bound, Campaign, Terms};
 use std::process::ExitCode;
-use std::sync::Arc;
 use std::time::Duration;
 
 #[derive(Debug, Args)]
@@ -36,9 +36,6 @@ pub(super) struct EffectsArguments {
     /// Simulated time before kernels are timed, if the scene prepares no flowing state, s.
     #[arg(long, default_value_t = 0.5, value_parser = positive)]
     pub settle: f64,
-    /// Simulated time after it over which the energy loss is measured, s.
-    #[arg(long, default_value_t = 0.2, value_parser = positive)]
-    pub look: f64,
     /// Wall time after which a run of --ablate is stopped, s.
     #[arg(long, default_value_t = 3600.0, value_parser = time_limit)]
     pub time_limit: f64,
@@ -56,11 +53,7 @@ pub(super) fn effects(arguments: &EffectsArguments, console: &Console) -> Result
         )));
     }
     let execution = Execution::serial();
-    let mut simulation = flowing(&scene, seed, &file, &execution, arguments.settle, console)?;
-    let from = simulation.time();
-    simulation.open_ledger();
-    settle(&mut simulation, arguments.look, console)?;
-    let look = Look::at(&simulation, simulation.time() - from);
+    let simulation = flowing(&scene, seed, &file, &execution, arguments.settle, console)?;
     console.detail("timing kernels");
     let costs = Costs::measure(&simulation);
     drop(simulation);
@@ -81,7 +74,7 @@ pub(super) fn effects(arguments: &EffectsArguments, console: &Console) -> Result
         None
     };
     let provenance = Provenance::of_run(&scene, &file, seed, &execution);
-    let study = effects::Study::new(&scene, &text, (look, costs), ablation, provenance);
+    let study = effects::Study::new(&scene, &text, costs, ablation, provenance);
     console.publish(&study, &folder, arguments.study.output.json)?;
     let lacking = study.ablation.iter().flat_map(|ablation| &ablation.rows).find(|row| row.mean.is_none());
     if let Some(row) = lacking {
@@ -135,7 +128,7 @@ pub(super) fn sweep(arguments: &SweepArguments, console: &Console) -> Result<Exi
         again: arguments.study.restart,
         announce: &console.bars(),
     };
-    let _lock = parameter_study::take(&plan, &scene)?;
+    let _lock = FolderLock::take(&folder)?;
     let compared = || scene.compare.iter().map(|expectation| expectation.observable.clone()).collect();
     let shown = if arguments.observables.is_empty() { compared() } else { arguments.observables.clone() };
     let study = parameter_study::Study::make(&plan, &scene, account(1, &[&scene]), shown)?;
@@ -161,25 +154,22 @@ pub(super) fn sweep(arguments: &SweepArguments, console: &Console) -> Result<Exi
 pub(super) struct TradeoffArguments {
     #[command(flatten)]
     pub source: SourceArguments,
-    /// Run few configurations, only at the scene's stiffness: about ten minutes for drum or packing.
-    #[arg(long)]
-    pub quick: bool,
-    /// Number of seeds of each setting, consecutive from 1; if absent, 3.
-    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1000))]
-    pub seeds: Option<u64>,
+    /// Number of seeds of each setting, consecutive from 1.
+    #[arg(long, default_value_t = FEW_SEEDS, value_parser = clap::value_parser!(u64).range(1..=1000))]
+    pub seeds: u64,
     /// Codes that take part, separated by commas; the converged references are Makadam's in any case.
     #[arg(long, value_enum, value_delimiter = ',', default_value = "makadam,yade,liggghts")]
     pub codes: Vec<CodeName>,
-    /// Factors on every Young's modulus; if absent, 0.5, 1, 10 and 100, or 1 with --quick. 1 is always run.
-    #[arg(long, value_delimiter = ',', value_parser = positive)]
-    pub stiffness_factors: Option<Vec<f64>>,
+    /// Factors on every Young's modulus, separated by commas; 1 is always run.
+    #[arg(long, value_delimiter = ',', default_value = "1", value_parser = positive)]
+    pub stiffness_factors: Vec<f64>,
     /// Tolerated deviation of an observable from the reference; can be given several times. The defaults are 0.5 degrees for an
     /// angle of repose and 0.002 for packing_fraction.
     #[arg(long, value_name = "OBSERVABLE=VALUE", value_parser = bound)]
     pub bound: Vec<Bound>,
-    /// Wall time after which a run is stopped, s, and its wall time extrapolated; if absent, 900, or 60 with --quick.
-    #[arg(long, value_parser = time_limit)]
-    pub time_limit: Option<f64>,
+    /// Wall time after which a run of another code than Makadam is stopped, s: its setting is listed, with neither a time nor an error.
+    #[arg(long, default_value_t = 900.0, value_parser = time_limit)]
+    pub time_limit: f64,
     #[command(flatten)]
     pub output: OutputArguments,
 }
@@ -190,42 +180,31 @@ pub(super) fn tradeoff(arguments: &TradeoffArguments, console: &Console) -> Resu
     refuse_unmeasured(&scene, &arguments.bound)?;
     let wanted = installed(&arguments.codes)?;
     let names: Vec<&str> = wanted.iter().map(|code| code.name()).collect();
-    let usual: &[f64] = if arguments.quick { &[1.0] } else { &STIFFNESS_FACTORS };
-    let plan =
-        tradeoff::Plan::new(&scene, arguments.quick, &names, arguments.stiffness_factors.as_deref().unwrap_or(usual));
+    let plan = tradeoff::Plan::new(&scene, &names, &arguments.stiffness_factors);
     // The reference is Makadam's, whichever codes take part.
     let runners = codes_of(&[arguments.codes.as_slice(), &[CodeName::Makadam]].concat());
     let terms = Terms {
-        quick: arguments.quick,
-        seeds: arguments.seeds.unwrap_or(FEW_SEEDS),
+        seeds: arguments.seeds,
         bounds: bounds(&arguments.bound),
-        time_limit: arguments.time_limit.unwrap_or(if arguments.quick { QUICK_TIME_LIMIT } else { 900.0 }),
+        time_limit: arguments.time_limit,
         provenance: account(1, &[&scene]),
     };
     let folder = arguments.output.folder_of("tradeoff", &scene);
     let cache = RunCache::open(&folder.join("runs"), false)?;
-    let outcome = {
-        let bar = console.bar(&scene.name);
-        let progress: Progress = Arc::new(move |label, share| {
-            bar.say(label.to_string());
-            bar.set(share);
-        });
-        Campaign {
-            scene: &scene,
-            scene_file: &file,
-            plan: &plan,
-            seeds: terms.seeds,
-            codes: &runners,
-            time_limit: terms.time_limit,
-            cache: &cache,
-            progress,
-        }
-        .carry_out()?
+    let campaign = Campaign {
+        scene: &scene,
+        scene_file: &file,
+        plan: &plan,
+        seeds: terms.seeds,
+        codes: &runners,
+        time_limit: terms.time_limit,
+        cache: &cache,
+        announce: &console.bars(),
     };
+    let outcome = campaign.carry_out()?;
     outcome.sentences(&plan).iter().for_each(|note| console.warn(note));
-    let found: usize = outcome.runs.iter().map(Vec::len).sum();
-    console.note(&format!("{} runs made, {} taken from {}", outcome.made, found - outcome.made, folder.display()));
-
+    let [made, taken] = cache.counts();
+    console.note(&format!("{made} runs made, {taken} taken from {}", folder.display()));
     let study = tradeoff::Study::new(&scene, &plan, &outcome, terms);
     console.publish(&study, &folder, arguments.output.json)?;
     if !study.complete {

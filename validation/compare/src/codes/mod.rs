@@ -20,7 +20,7 @@ pub use liggghts::Liggghts;
 pub use makadam::{Makadam, starting_grains};
 use makadam_frames::plan::MeasuredScene;
 use makadam_frames::recording::Recording;
-pub use process::{CoreClock, absent};
+pub use process::absent;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 pub use yade::Yade;

@@ -308,25 +308,6 @@ fn ending(log: &Path) -> String {
 /// Clock ticks a second in the files of `/proc`: Linux shows 100 on every machine, whatever it counts in.
 const TICKS: f64 = 100.0;
 
-/// Watches the calling thread and the child processes that it waits for.
-pub struct CoreClock {
-    started: Instant,
-    processor: Option<f64>,
-}
-
-impl CoreClock {
-    /// Starts watching.
-    pub fn start() -> CoreClock {
-        CoreClock { started: Instant::now(), processor: processor_seconds() }
-    }
-
-    /// Processor time over elapsed time since the start, at most 1; absent where the system does not tell.
-    pub fn share(&self) -> Option<f64> {
-        let processor = processor_seconds()? - self.processor?;
-        share(processor, self.started.elapsed())
-    }
-}
-
 /// Processor time that a stepping takes of this thread, from its start on.
 pub(super) struct ThreadClock {
     started: Instant,
@@ -353,18 +334,13 @@ const SHORTEST: Duration = Duration::from_millis(300);
 pub(super) fn share_of(process: u32, started: Instant) -> Option<f64> {
     let elapsed = started.elapsed();
     let text = std::fs::read_to_string(format!("/proc/{process}/stat")).ok()?;
-    let processor = seconds_in(&text, OWN)?;
+    let processor = seconds_in(&text)?;
     (elapsed >= SHORTEST).then(|| share(processor, elapsed)).flatten()
 }
 
 fn share(processor: f64, elapsed: Duration) -> Option<f64> {
     let elapsed = elapsed.as_secs_f64();
     (elapsed > 0.0).then(|| (processor / elapsed).clamp(0.0, 1.0))
-}
-
-/// Processor time of this thread and of the children that it has waited for, s.
-fn processor_seconds() -> Option<f64> {
-    Some(own_seconds() + children_seconds()?)
 }
 
 /// Processor time of this thread, s.
@@ -374,21 +350,15 @@ fn own_seconds() -> f64 {
     time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
 }
 
-/// Processor time of children that have ended, s.
-fn children_seconds() -> Option<f64> {
-    seconds_in(&std::fs::read_to_string("/proc/self/stat").ok()?, CHILDREN)
-}
-
-/// Places of user time in a line of `stat` behind the program's name; system time is the next one.
+/// Place of user time in a line of `stat` behind the program's name; system time is the next one.
 const OWN: usize = 11;
-const CHILDREN: usize = 13;
 
 /// User and system time in a line of `stat`, s.
-fn seconds_in(line: &str, place: usize) -> Option<f64> {
+fn seconds_in(line: &str) -> Option<f64> {
     // The program's name, in brackets, may hold blanks.
     let fields: Vec<&str> = line.rsplit_once(')')?.1.split_whitespace().collect();
     let ticks = |field: usize| fields.get(field)?.parse::<f64>().ok();
-    Some((ticks(place)? + ticks(place + 1)?) / TICKS)
+    Some((ticks(OWN)? + ticks(OWN + 1)?) / TICKS)
 }
 
 /// Clocks of file systems are as coarse as this.

@@ -171,7 +171,11 @@ impl Runs<'_> {
         }
     }
 
-    fn take_as(&self, cache: &RunCache, code: &dyn Code, seed: u64, alone: bool) -> Result<Harvest, RunError> {
+    /// Returns the run of a seed, stored or made now; one that is `alone` has the machine to itself, and is found on its processor only.
+    ///
+    /// # Errors
+    /// [`RunError`] if it has to be made and cannot.
+    pub fn take_as(&self, cache: &RunCache, code: &dyn Code, seed: u64, alone: bool) -> Result<Harvest, RunError> {
         cache.take(&self.key(code, seed, alone), || {
             let harvest = self.one(code, &self.scene.with_stiffness_factor(self.stiffness_factor), seed)?;
             Ok(match seed {

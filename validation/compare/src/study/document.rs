@@ -67,9 +67,6 @@ pub enum DocumentError {
     /// The data cannot be written as JSON.
     #[error("cannot write the data as JSON: {0}; this is a fault of the program")]
     Json(#[from] serde_json::Error),
-    /// The tests cannot be written as XML.
-    #[error("cannot write the tests as XML: {0}; this is a fault of the program")]
-    Xml(#[from] quick_junit::SerializeError),
     /// The rows cannot be written as CSV.
     #[error("cannot write the rows as CSV: {0}; this is a fault of the program")]
     Csv(#[from] csv::Error),

@@ -9,7 +9,7 @@ pub enum Tier {
     Quick,
     /// Every scene with recorded references of both reference codes, hard cases, published laws, effects, convergence: under 3 hours on two cores.
     Full,
-    /// All of that with at least 16 seeds of Makadam, effects of more scenes, trade-off: a night.
+    /// All of that with at least 16 seeds of Makadam, effects of more scenes, accuracy of settings: a night.
     Release,
 }
 
@@ -42,7 +42,7 @@ pub enum Study {
     Convergence(&'static [&'static str]),
     /// Problems of `makadam lab problem check` that the program holds.
     ContactProblems,
-    /// Scenes of `makadam tradeoff --quick --codes makadam`, each with the seeds by which its own setting is judged.
+    /// Scenes whose own settings are compared with the converged reference of `makadam tradeoff`, each with its number of seeds.
     Tradeoff(&'static [(&'static str, u64)]),
 }
 

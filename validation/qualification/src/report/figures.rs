@@ -1,12 +1,11 @@
-//! The figures of a scene: differences against the margins, observables over time, normal forces.
+//! The figures of a scene: observables over time, normal forces.
 
 use super::qualification::join;
-use makadam_compare::compare::{Comparison, Row, distinct};
+use makadam_compare::compare::{Comparison, distinct};
 use makadam_measure::observables::{ForceDistribution, Series};
 use makadam_view::draw::names;
 use makadam_view::draw::numbers::{Rounding, compact, count};
 use makadam_view::draw::plot::{Axis, Key, Plot};
-use makadam_view::draw::svg::{Anchor, Drawing};
 use serde::Serialize;
 
 /// A figure of the page.
@@ -22,118 +21,7 @@ pub(super) struct Drawn {
 /// Returns the figures of a scene; none without data.
 pub(super) fn all(comparison: &Comparison) -> Vec<Drawn> {
     let over_time = observables(comparison).into_iter().filter_map(|observable| over_time(comparison, observable));
-    forest(comparison).into_iter().chain(over_time).chain(forces(comparison)).collect()
-}
-
-const WIDTH: f64 = 580.0;
-const LEFT: f64 = 168.0;
-const RIGHT: f64 = 88.0;
-const LINE: f64 = 21.0;
-const HEADING: f64 = 25.0;
-
-/// Largest difference that the forest shows, in margins: beyond it a pair would press all others into a line, and gets an arrow.
-const WIDEST: f64 = 4.0;
-
-/// A line of the forest of differences.
-struct Line<'a> {
-    row: &'a Row,
-    /// Difference of the code under test; the others are the floor.
-    judged: bool,
-    reference: &'a str,
-    /// The difference, in margins.
-    difference: f64,
-    /// The interval of the verdict, in margins; absent for want of seeds.
-    interval: Option<[f64; 2]>,
-}
-
-/// Returns the lines of the forest, those of an observable together.
-fn lines(comparison: &Comparison) -> Vec<Line<'_>> {
-    let line = |row: &'_ Row| {
-        let margin = row.margin.filter(|margin| *margin > 0.0)?;
-        let difference = row.difference.filter(|difference| difference.is_finite())? / margin;
-        let interval = row.shown_interval().filter(|ends| ends.iter().all(|end| end.is_finite()));
-        Some((difference, interval.map(|ends| ends.map(|end| end / margin))))
-    };
-    let lines = comparison.rows.iter().filter_map(|row| {
-        let (difference, interval) = line(row)?;
-        let judged = row.code == comparison.judged;
-        Some(Line { row, judged, reference: row.reference_code.as_deref()?, difference, interval })
-    });
-    let mut lines: Vec<Line<'_>> = lines.collect();
-    let observables = distinct(lines.iter().map(|line| line.row.observable.as_str()));
-    lines.sort_by_key(|line| observables.iter().position(|known| *known == line.row.observable));
-    lines
-}
-
-fn forest(comparison: &Comparison) -> Option<Drawn> {
-    let lines = lines(comparison);
-    let groups = || lines.chunk_by(|one, other| one.row.observable == other.row.observable);
-    if lines.is_empty() {
-        return None;
-    }
-    let values = lines.iter().flat_map(|line| line.interval.into_iter().flatten().chain([line.difference]));
-    let reach = (values.map(f64::abs).fold(1.6, f64::max) * 1.08).min(WIDEST);
-    let height = 26.0 + groups().count() as f64 * HEADING + lines.len() as f64 * LINE + 34.0;
-    let mut drawing = Drawing::new(WIDTH, height);
-    let x = |v: f64| LEFT + (v / reach + 1.0) / 2.0 * (WIDTH - LEFT - RIGHT);
-    let bottom = height - 34.0;
-
-    drawing.rectangle("band", [x(-1.0), 22.0], [x(1.0), bottom]);
-    drawing.text("tick", [x(0.0), 14.0], Anchor::Middle, "inside the margin");
-    for tick in (-4..=4).map(f64::from).filter(|t| t.abs() <= reach) {
-        drawing.line(if tick == 0.0 { "zero" } else { "grid" }, [x(tick), 22.0], [x(tick), bottom]);
-        drawing.text("tick", [x(tick), bottom + 14.0], Anchor::Middle, &Rounding::Decimals(0).signed(tick));
-    }
-    drawing.text("label", [x(0.0), height - 5.0], Anchor::Middle, "difference of the means, in margins");
-
-    let mut y = 24.0;
-    for group in groups() {
-        y += HEADING;
-        drawing.text("heading", [0.0, y - 8.0], Anchor::Start, &names::observable(&group[0].row.observable));
-        for line in group {
-            draw_line(&mut drawing, line, y + LINE / 2.0 - 4.0, reach, &x);
-            y += LINE;
-        }
-    }
-    Some(Drawn {
-        title: "Differences against the margins".into(),
-        svg: drawing.finish("intervals of differences against the margins"),
-        caption: "Each line is one difference of means with the interval of its verdict, in units of the margin. An arrow leaves the \
-                  picture; a marker without a line has no interval, for want of seeds. Grey diamonds are the floor: the references against \
-                  each other."
-            .into(),
-        data: "rows.csv",
-    })
-}
-
-fn draw_line(drawing: &mut Drawing, line: &Line<'_>, y: f64, reach: f64, x: &impl Fn(f64) -> f64) {
-    let Line { row, judged, reference, difference, interval } = *line;
-    let style = names::code_style(if judged { reference } else { "" });
-    let label = format!("{} − {reference}", row.code);
-    drawing.text(if judged { "name" } else { "name faint" }, [LEFT - 10.0, y + 4.0], Anchor::End, &label);
-    if let Some([low, high]) = interval {
-        let ends = [low, high].map(|end| x(end.clamp(-reach, reach)));
-        let whisker = format!("{} whisker", style.class);
-        drawing.line(&whisker, [ends[0], y], [ends[1], y]);
-        for (end, at) in [low, high].into_iter().zip(ends) {
-            if end.abs() > reach {
-                let way = end.signum();
-                let arrow = [[at + 7.0 * way, y], [at - way, y - 5.0], [at - way, y + 5.0]];
-                drawing.polygon(&format!("{} marker", style.class), &arrow);
-            } else {
-                drawing.line(&whisker, [at, y - 4.0], [at, y + 4.0]);
-            }
-        }
-    }
-    if difference.abs() <= reach {
-        drawing.marker(style, [x(difference), y], 4.5, !judged);
-    }
-    let (class, text) = match (judged, row.outcome) {
-        (false, _) => ("faint", "floor"),
-        (true, Some(outcome)) => (outcome.class(), outcome.words()),
-        (true, None) => ("", ""),
-    };
-    drawing.text(&format!("name {class}"), [WIDTH - RIGHT + 14.0, y + 4.0], Anchor::Start, text);
+    over_time.chain(forces(comparison)).collect()
 }
 
 /// Largest number of points of a curve: more would fall on the same pixels.
@@ -145,8 +33,6 @@ pub(super) struct Curve<'a> {
     pub(super) series: &'a Series,
     /// Times, s, and values, thinned where there are many.
     pub(super) points: Vec<[f64; 2]>,
-    /// The mean over the measured window, at the window's beginning and end, s.
-    pub(super) mean: Option<[[f64; 2]; 2]>,
 }
 
 fn points(series: &Series) -> impl Iterator<Item = (f64, f64)> {
@@ -156,18 +42,11 @@ fn points(series: &Series) -> impl Iterator<Item = (f64, f64)> {
 /// Returns the curves of an observable, one per run.
 pub(super) fn curves<'a>(comparison: &'a Comparison, observable: &str) -> Vec<Curve<'a>> {
     let all = comparison.series.iter().filter(|s| s.observable == observable && !s.time.is_empty());
-    let end = all.clone().flat_map(points).map(|(t, _)| t).filter(|t| t.is_finite()).fold(0.0, f64::max);
-    all.map(|series| {
+    let curve = |series: &'a Series| {
         let stride = series.time.len().div_ceil(MOST_POINTS);
-        let mean = comparison.scene.measure.from.and_then(|from| {
-            let window = points(series).filter(|&(t, v)| t >= from && v.is_finite()).map(|(_, v)| v);
-            let window: Vec<f64> = window.collect();
-            let mean = window.iter().sum::<f64>() / window.len() as f64;
-            (!window.is_empty()).then_some([[from, mean], [end, mean]])
-        });
-        Curve { series, points: points(series).step_by(stride).map(|(t, v)| [t, v]).collect(), mean }
-    })
-    .collect()
+        Curve { series, points: points(series).step_by(stride).map(|(t, v)| [t, v]).collect() }
+    };
+    all.map(curve).collect()
 }
 
 /// Returns the observables with a curve.
@@ -202,17 +81,9 @@ fn over_time(comparison: &Comparison, observable: &str) -> Option<Drawn> {
     if let Some(from) = from {
         plot.window(from, end, "measured window");
     }
-    for Curve { series, points, .. } in &all {
+    for Curve { series, points } in &all {
         let style = names::code_style(&series.code);
         plot.curve(&format!("{} curve thin", style.class), points.iter().copied());
-    }
-    // Means last, on top of the curves.
-    for Curve { series, mean, .. } in &all {
-        let Some([[from, mean], [end, _]]) = *mean else { continue };
-        let style = names::code_style(&series.code);
-        plot.curve(&format!("{} curve strong", style.class), [[from, mean], [end, mean]].into_iter());
-        let place = codes.iter().position(|&c| c == series.code).unwrap_or(0) as f64;
-        plot.marker(style, from + (end - from) * (0.15 + 0.2 * place), mean, 4.5);
     }
     let name = names::observable(observable);
     let mut seeds: Vec<u64> = all.iter().map(|curve| curve.series.seed).collect();
@@ -220,7 +91,7 @@ fn over_time(comparison: &Comparison, observable: &str) -> Option<Drawn> {
     seeds.dedup();
     let seeds: Vec<String> = seeds.iter().map(u64::to_string).collect();
     let window = match from {
-        Some(from) => format!("Thick lines are the means over the measured window, from {} s on.", compact(from)),
+        Some(from) => format!("The tables have the means over the measured window, from {} s on.", compact(from)),
         None => "Only the last frame enters the tables.".into(),
     };
     Some(Drawn {

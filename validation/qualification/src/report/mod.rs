@@ -3,7 +3,7 @@
 //! ```text
 //! Qualification ─> verdict ─┐
 //! Comparison ─> tables      ├─> page ──> report.html
-//!            ─> figures     │   ──────> report.json, tests.json, rows.csv, junit.xml
+//!            ─> figures     │   ──────> report.json, tests.json, rows.csv
 //!            ─> pictures    │   ──────> series.csv, forces.csv, grains.csv
 //! StudySection ─> table     ┘   ──────> the files of each study
 //! ```
@@ -22,7 +22,7 @@ use makadam_compare::scenes;
 use makadam_compare::study::{Cell, DocumentError, File, Table, cells, write_together};
 use makadam_measure::statistics::Outcome;
 use nalgebra::Vector3;
-pub use qualification::{Qualification, Standing, StudyCount, StudyOutcome, StudySection, StudyTest, Verdict};
+pub use qualification::{Qualification, Standing, StudyOutcome, StudySection, StudyTest, Verdict};
 use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
 use serde::{Deserialize, Serialize};
@@ -45,7 +45,7 @@ pub struct ReportDocument {
     pub qualification: Qualification,
 }
 
-/// Writes `report.html`, `report.json`, `tests.json`, `rows.csv`, `junit.xml`, the CSV files that the figures link to and the files
+/// Writes `report.html`, `report.json`, `tests.json`, `rows.csv`, the CSV files that the figures link to and the files
 /// of studies into a folder, which is made if it is missing, and returns the path of the page.
 ///
 /// All of them are complete on disk under temporary names before the first is renamed: an earlier report stays whole if this one fails.
@@ -62,7 +62,6 @@ pub fn write(qualification: &Qualification, folder: &Path) -> Result<PathBuf, Do
         ("report.html".to_string(), page::render(qualification)?.into_bytes()),
         ("report.json".to_string(), serde_json::to_vec(&document)?),
         ("tests.json".to_string(), baseline::tests_json(qualification)?.into_bytes()),
-        ("junit.xml".to_string(), baseline::junit(qualification)?.into_bytes()),
     ];
     files.extend(files_of(qualification)?);
     files.extend(qualification.studies.iter().flat_map(|study| study.files.clone()));
@@ -81,7 +80,7 @@ const FILES: [(&str, &str, Rows); 4] = [
          interval90_high verdict_low verdict_high margin outcome seeds_needed missing",
         rows,
     ),
-    ("series", "scene observable code seed line time_s value", over_time),
+    ("series", "scene observable code seed time_s value", over_time),
     ("forces", "scene code force_over_mean density density_low density_high", distributions),
     ("grains", "scene code seed time_s grain x_m y_m z_m radius_m speed_m_s", grains),
 ];
@@ -124,17 +123,15 @@ fn rows(comparison: &Comparison) -> Vec<Vec<Cell>> {
     comparison.rows.iter().map(line).collect()
 }
 
-/// The curves of observables over time, then the two ends of the line of each mean.
+/// The curves of observables over time.
 fn over_time(comparison: &Comparison) -> Vec<Vec<Cell>> {
     let mut rows = Vec::new();
     for curve in figures::observables(comparison).into_iter().flat_map(|name| figures::curves(comparison, name)) {
         let run = curve.series;
-        let lines = [("run", &curve.points[..]), ("mean", curve.mean.as_ref().map_or(&[][..], |ends| &ends[..]))];
-        for (line, points) in lines {
-            rows.extend(points.iter().map(|&[time, value]| {
-                cells![&comparison.scene.name, &run.observable, &run.code, run.seed, line, time, value]
-            }));
-        }
+        let row = |&[time, value]: &[f64; 2]| {
+            cells![&comparison.scene.name, &run.observable, &run.code, run.seed, time, value]
+        };
+        rows.extend(curve.points.iter().map(row));
     }
     rows
 }

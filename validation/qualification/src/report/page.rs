@@ -1,6 +1,6 @@
 //! The page: all that the template shows, gathered and named.
 
-use super::qualification::{Qualification, StudySection, Verdict};
+use super::qualification::{Qualification, StudyOutcome, StudySection, Verdict};
 use super::{figures, tables};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
@@ -69,8 +69,8 @@ fn section((place, comparison): (usize, &Comparison)) -> Value {
 }
 
 fn study(study: &StudySection) -> Value {
-    let count = study.count();
-    let (word, class) = match (count.failed.len(), count.not_measured.len()) {
+    let count = |outcome| study.named(outcome).len();
+    let (word, class) = match (count(StudyOutcome::Failed), count(StudyOutcome::NotMeasured)) {
         (0, 0) => ("Passed", "agree"),
         (0, _) => ("Not measured", "undecided"),
         _ => ("Failed", "disagree"),
@@ -80,7 +80,7 @@ fn study(study: &StudySection) -> Value {
         word,
         class,
         anchor => format!("study-{}", study.name),
-        sentence => count.sentence(&study.title),
+        sentence => study.sentence(),
         wall_time => numbers::duration(study.wall_seconds),
         table => tables::study(study).html(),
         figures => study.figures,

@@ -78,8 +78,8 @@ pub struct Verdict {
     pub unchecked: usize,
     /// Live runs of reference codes that failed.
     pub failed_runs: usize,
-    /// Tests of the studies, counted.
-    pub studies: Vec<StudyCount>,
+    /// Tests of the studies.
+    pub study_tests: usize,
     /// The verdict in words; the first sentence is that of the tests of equivalence.
     pub sentence: String,
 }
@@ -136,23 +136,6 @@ pub enum StudyOutcome {
     KnownException,
     /// There is no value.
     NotMeasured,
-}
-
-/// The tests of a study, counted.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-pub struct StudyCount {
-    /// Name of the study.
-    pub name: String,
-    /// Its tests.
-    pub tests: usize,
-    /// Tests that passed.
-    pub passed: usize,
-    /// Names of the known exceptions.
-    pub known_exceptions: Vec<String>,
-    /// Names of the tests that failed.
-    pub failed: Vec<String>,
-    /// Names of the tests that could not be made.
-    pub not_measured: Vec<String>,
 }
 
 impl Standing {
@@ -222,46 +205,33 @@ impl StudyTest {
 }
 
 impl StudySection {
-    /// Counts its tests.
-    pub fn count(&self) -> StudyCount {
-        let of = |outcome: StudyOutcome| {
-            let tests = self.tests.iter().filter(move |test| test.outcome == outcome);
-            tests.map(|test| test.name.clone()).collect::<Vec<_>>()
-        };
-        StudyCount {
-            name: self.name.clone(),
-            tests: self.tests.len(),
-            passed: of(StudyOutcome::Passed).len(),
-            known_exceptions: of(StudyOutcome::KnownException),
-            failed: of(StudyOutcome::Failed),
-            not_measured: of(StudyOutcome::NotMeasured),
-        }
+    /// Returns the names of its tests of an outcome.
+    pub fn named(&self, outcome: StudyOutcome) -> Vec<&str> {
+        self.tests.iter().filter(|test| test.outcome == outcome).map(|test| test.name.as_str()).collect()
     }
-}
 
-impl StudyCount {
-    /// Returns the result of the study in a sentence.
-    pub fn sentence(&self, title: &str) -> String {
-        let mut text = format!("{title}: {} of {} passed", self.passed, plural(self.tests, "test"));
-        let exceptions = if self.known_exceptions.len() == 1 { "known exception" } else { "known exceptions" };
-        let others =
-            [("failed", &self.failed), ("not measured", &self.not_measured), (exceptions, &self.known_exceptions)];
-        for (words, names) in others.iter().filter(|(_, names)| !names.is_empty()) {
-            text += &format!(", {} {words} ({})", names.len(), names.join("; "));
+    /// Returns its result in a sentence.
+    pub fn sentence(&self) -> String {
+        let passed = self.named(StudyOutcome::Passed).len();
+        let mut text = format!("{}: {passed} of {} passed", self.title, plural(self.tests.len(), "test"));
+        for outcome in [StudyOutcome::Failed, StudyOutcome::NotMeasured, StudyOutcome::KnownException] {
+            let names = self.named(outcome);
+            let counted = match outcome {
+                StudyOutcome::KnownException => plural(names.len(), outcome.words()),
+                _ => format!("{} {}", names.len(), outcome.words()),
+            };
+            if !names.is_empty() {
+                text += &format!(", {counted} ({})", names.join("; "));
+            }
         }
         text + "."
     }
 }
 
 impl Verdict {
-    /// Returns the number of tests of equivalence and of studies that passed.
-    pub fn passed(&self) -> usize {
-        self.agree + self.studies.iter().map(|study| study.passed).sum::<usize>()
-    }
-
     /// Returns the number of tests of equivalence and of studies.
     pub fn tests(&self) -> usize {
-        self.tests_of_scenes() + self.studies.iter().map(|study| study.tests).sum::<usize>()
+        self.tests_of_scenes() + self.study_tests
     }
 
     fn tests_of_scenes(&self) -> usize {
@@ -276,7 +246,7 @@ impl Qualification {
             outside_spread: self.outside_spread.len(),
             unchecked: self.unchecked.len(),
             failed_runs: self.failed_runs.len(),
-            studies: self.studies.iter().map(StudySection::count).collect(),
+            study_tests: self.studies.iter().map(|study| study.tests.len()).sum(),
             ..Verdict::default()
         };
         let (mut references, mut scenes): (Vec<&str>, usize) = (Vec::new(), 0);
@@ -310,33 +280,29 @@ impl Qualification {
             }
             scenes += usize::from(verdict.tests_of_scenes() > before);
         }
-        verdict.standing = standing(&verdict);
+        verdict.standing = standing(&verdict, &self.studies);
         let judged = self.comparisons.first().map_or("", |comparison| &comparison.judged);
         verdict.sentence = sentence(&verdict, judged, &references, scenes);
         if verdict.exploratory > 0 {
             let unregistered = self.comparisons.iter().find_map(|comparison| comparison.unregistered());
             verdict.sentence += &unregistered.map_or(String::new(), |words| format!(" Exploratory: {words}."));
         }
-        for (study, count) in self.studies.iter().zip(&verdict.studies) {
-            verdict.sentence += &format!(" {}", count.sentence(&study.title));
+        for study in &self.studies {
+            verdict.sentence += &format!(" {}", study.sentence());
         }
         verdict
     }
 }
 
-fn standing(verdict: &Verdict) -> Standing {
-    let of_studies = |names: fn(&StudyCount) -> usize| verdict.studies.iter().map(names).sum::<usize>();
-    let is_lacking = verdict.not_measured
-        + verdict.differences_not_measured
-        + verdict.unchecked
-        + verdict.failed_runs
-        + of_studies(|study| study.not_measured.len())
-        > 0;
+fn standing(verdict: &Verdict, studies: &[StudySection]) -> Standing {
+    let any_study = |outcome: StudyOutcome| studies.iter().any(|study| !study.named(outcome).is_empty());
+    let is_lacking =
+        verdict.not_measured + verdict.differences_not_measured + verdict.unchecked + verdict.failed_runs > 0;
     let is_tested = verdict.tests_of_scenes() > verdict.not_measured;
     match () {
-        () if verdict.disagree + of_studies(|study| study.failed.len()) > 0 => Standing::Disagree,
+        () if verdict.disagree > 0 || any_study(StudyOutcome::Failed) => Standing::Disagree,
         () if is_tested && verdict.outside_spread > 0 => Standing::Disagree,
-        () if is_lacking => Standing::NotMeasured,
+        () if is_lacking || any_study(StudyOutcome::NotMeasured) => Standing::NotMeasured,
         () if !is_tested => Standing::NothingCompared,
         () if verdict.exploratory > 0 => Standing::Exploratory,
         () if verdict.undecided > 0 => Standing::Undecided,

@@ -51,10 +51,10 @@ fn codes(comparison: &Comparison) -> Vec<&str> {
     ))
 }
 
-/// Returns the pairs of codes that rows compare, those of the code under test first.
-fn pairs(comparison: &Comparison, rows: &[Row]) -> Vec<Pair> {
+/// Returns the pairs of codes that the rows compare, those of the code under test first.
+fn pairs(comparison: &Comparison) -> Vec<Pair> {
     let mut pairs: Vec<Pair> = Vec::new();
-    for row in rows {
+    for row in &comparison.rows {
         let Some(reference) = &row.reference_code else { continue };
         let pair = Pair { code: row.code.clone(), reference: reference.clone(), floor: row.code != comparison.judged };
         if !pairs.contains(&pair) {
@@ -73,7 +73,7 @@ fn code(name: &str) -> Cell {
 /// Values and differences of a scene; nothing where no observable was measured.
 pub(super) fn results(comparison: &Comparison) -> Option<Table> {
     let names = codes(comparison);
-    let pairs = pairs(comparison, &comparison.rows);
+    let pairs = pairs(comparison);
     let source =
         |name: &str| comparison.codes.iter().find(|code| code.code == name).map(|code| source_word(code.source));
     let heads = names.iter().map(|&name| (code(name).above(source(name).map(String::from)), ""));
@@ -91,30 +91,24 @@ pub(super) fn results(comparison: &Comparison) -> Option<Table> {
     (!table.is_empty()).then_some(table)
 }
 
-/// Every observable with a margin, of every scene, over common columns of pairs; nothing where nothing was tested.
+/// Every observable with a margin, of every scene, over common columns of the pairs with the code under test; nothing where nothing was
+/// tested.
 pub(super) fn summary(comparisons: &[Comparison]) -> Option<Table> {
     let mut columns: Vec<Pair> = Vec::new();
-    for comparison in comparisons {
-        columns.extend(
-            pairs(comparison, &comparison.rows).into_iter().filter(|pair| !columns.contains(pair)).collect::<Vec<_>>(),
-        );
+    for pair in comparisons.iter().flat_map(pairs).filter(|pair| !pair.floor) {
+        if !columns.contains(&pair) {
+            columns.push(pair);
+        }
     }
-    let (floors, columns): (Vec<Pair>, Vec<Pair>) = columns.into_iter().partition(|pair| pair.floor);
-    let floor_head = match floors.as_slice() {
-        [] => None,
-        [only] => Some(only.head()),
-        _ => Some((Cell::from("widest between the others").above(Some("floor".into())), "floor")),
-    };
     let table = Table::new(&["scene", "observable"], &["margin"]).styled("summary");
-    let mut table = table.with_columns(columns.iter().map(Pair::head).chain(floor_head));
+    let mut table = table.with_columns(columns.iter().map(Pair::head));
     for comparison in comparisons {
         let tested = |row: &&Row| row.outcome.is_some() && row.code == comparison.judged;
         let observables = distinct(comparison.rows.iter().filter(tested).map(|row| row.observable.as_str()));
         table.group(&comparison.scene.name, observables, |observable| {
             let line = Line::of(comparison, observable);
             let differences = columns.iter().map(|pair| line.difference(pair, false));
-            let floor = (!floors.is_empty()).then(|| line.floor(&floors));
-            [line.name().into(), line.margin()].into_iter().chain(differences).chain(floor).collect()
+            [line.name().into(), line.margin()].into_iter().chain(differences).collect()
         });
     }
     (!table.is_empty()).then_some(table)
@@ -156,17 +150,6 @@ impl<'a> Line<'a> {
     fn row(&self, pair: &Pair) -> Option<&'a Row> {
         let is = |row: &&&Row| row.code == pair.code && row.reference_code.as_deref() == Some(pair.reference.as_str());
         self.rows.iter().find(is).copied()
-    }
-
-    /// The widest difference between references, with its pair where there are several.
-    fn floor(&self, floors: &[Pair]) -> Cell {
-        let width = |pair: &Pair| Some(self.row(pair)?.difference?.abs());
-        let known = floors.iter().filter_map(|pair| Some((pair, width(pair)?)));
-        let Some((widest, _)) = known.max_by(|(_, one), (_, other)| one.total_cmp(other)) else {
-            return Cell::default();
-        };
-        let pair = (floors.len() > 1).then(|| format!("{} − {}", widest.code, widest.reference));
-        self.difference(widest, false).above(pair)
     }
 
     /// A difference and its outcome; `fully`: with its interval, and what would decide or is missing.

@@ -42,7 +42,6 @@ pub struct Study {
     /// Residuals that methods were timed to, in units of `residual_unit`.
     pub tolerances: Vec<f64>,
     pub methods: Vec<Curve>,
-    pub left_out: Vec<LeftOut>,
     /// Methods that were not run, in sentences.
     pub findings: Vec<String>,
     pub provenance: Provenance,
@@ -55,15 +54,6 @@ pub struct Effort {
     pub iterations: u32,
     /// Solves of the same problem; each iteration counts with its shortest time.
     pub repetitions: u32,
-}
-
-/// A method that was not run.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct LeftOut {
-    /// Its name.
-    pub method: &'static str,
-    /// The reason that it cannot solve the scene.
-    pub reason: String,
 }
 
 /// The problem of one step.
@@ -150,29 +140,6 @@ impl Curve {
     }
 }
 
-impl Study {
-    /// Makes a study of curves.
-    pub fn new(
-        problem: Problem,
-        effort: Effort,
-        methods: Vec<Curve>,
-        left_out: Vec<LeftOut>,
-        provenance: Provenance,
-    ) -> Study {
-        Study {
-            version: JSON_VERSION,
-            command: "convergence".into(),
-            problem,
-            effort,
-            tolerances: TOLERANCES.into(),
-            methods,
-            findings: left_out.iter().map(|one| format!("Not run: {}.", one.reason)).collect(),
-            left_out,
-            provenance,
-        }
-    }
-}
-
 /// Wall time until each point if every iteration takes the shortest time that it took in any solve, s.
 fn fastest(solves: &[Vec<ConvergencePoint>]) -> Vec<f64> {
     let count = solves.iter().map(Vec::len).min().unwrap_or(0);
@@ -222,11 +189,11 @@ pub fn measure(
     progress: &dyn Fn(SolverMethod, f64),
 ) -> Result<Study, MeasureError> {
     let Effort { iterations, repetitions } = effort;
-    let (mut methods, mut left_out) = (Vec::new(), Vec::new());
+    let (mut methods, mut findings) = (Vec::new(), Vec::new());
     for method in wanted {
         match simulation.goes_with(method) {
             Ok(()) => methods.push(method),
-            Err(error) => left_out.push(LeftOut { method: method.name(), reason: error.to_string() }),
+            Err(error) => findings.push(format!("Not run: {error}.")),
         }
     }
     let mut solves = vec![Vec::new(); methods.len()];
@@ -241,8 +208,17 @@ pub fn measure(
         }
     }
     let unit = simulation.residual_unit();
-    let curves = methods.iter().zip(solves).map(|(&method, solves)| Curve::new(method, solves, unit)).collect();
-    Ok(Study::new(Problem::next(scene, simulation), effort, curves, left_out, provenance))
+    let curves = methods.iter().zip(solves).map(|(&method, solves)| Curve::new(method, solves, unit));
+    Ok(Study {
+        version: JSON_VERSION,
+        command: "convergence".into(),
+        problem: Problem::next(scene, simulation),
+        effort,
+        tolerances: TOLERANCES.into(),
+        methods: curves.collect(),
+        findings,
+        provenance,
+    })
 }
 
 impl Document for Study {
@@ -324,56 +300,31 @@ impl Document for Study {
 /// Residual at which methods are compared, in the study's unit; a qualification requires it of each method.
 const TOLERANCE: f64 = 1e-2;
 
-/// The method that reaches 0.01 of the unit soonest by wall time, the next one, and those that do not reach it. If the start is below
-/// that already, the next smaller residual counts.
+/// The method that reaches 0.01 of the unit soonest by wall time, and those that do not reach it.
 fn answer(study: &Study) -> Answer {
-    let unit = &study.problem.residual_unit_name;
-    let reached = |curve: &Curve, tolerance: f64| {
-        let Reached { iterations, seconds, .. } = curve.reached.iter().find(|one| one.tolerance == tolerance)?;
-        iterations.zip(*seconds)
-    };
-    let starts_below = |tolerance: f64| {
-        study.methods.first().and_then(|curve| reached(curve, tolerance)).is_some_and(|(iterations, _)| iterations == 0)
-    };
-    let smaller = study.tolerances.iter().copied().filter(|tolerance| *tolerance <= TOLERANCE);
-    let Some(tolerance) = smaller.clone().find(|tolerance| !starts_below(*tolerance)) else {
-        let sentence = format!("The start is below {} {unit}.", compact(smaller.fold(TOLERANCE, f64::min)));
-        return Answer { class: "agree", word: "There is nothing to solve.".into(), sentence };
-    };
-    let to = format!("{} {unit}", compact(tolerance));
-    let (mut there, mut others) = (Vec::new(), Vec::new());
+    let to = format!("{} {}", compact(TOLERANCE), study.problem.residual_unit_name);
+    let (mut fastest, mut missing) = (None, Vec::new());
     for curve in &study.methods {
-        match reached(curve, tolerance) {
-            Some((iterations, seconds)) => there.push((curve.method.name(), iterations, seconds)),
-            None => others.push(curve.method.name()),
+        let name = curve.method.name();
+        match curve.points.iter().find(|point| point.residuals.rms() <= TOLERANCE) {
+            Some(point) if fastest.is_none_or(|(_, seconds, _)| point.seconds < seconds) => {
+                fastest = Some((name, point.seconds, point.iterations));
+            }
+            Some(_) => {}
+            None => missing.push(name),
         }
     }
-    there.sort_by(|one, other| one.2.total_cmp(&other.2));
-    let mut sentence = String::new();
-    if let Some((first, next)) = there.split_first() {
-        sentence += &format!("It takes {}", effort(first));
-        if let Some(next) = next.first() {
-            sentence += &format!("; next is {} with {}", next.0, effort(next));
+    let (class, word, mut sentence) = match fastest {
+        Some((name, seconds, iterations)) => {
+            let effort = format!("It takes {} in {}.", plural(iterations as usize, "iteration"), time(seconds));
+            ("agree", format!("Fastest to {to}: {name}."), effort)
         }
-        sentence += ".";
-    }
-    if !others.is_empty() {
-        sentence += &format!(" Not within {} iterations: {}.", study.effort.iterations, others.join(", "));
-    }
-    if tolerance < TOLERANCE {
-        sentence += &format!(" The start is below {} {unit} already.", compact(TOLERANCE));
-    }
-    let (class, word) = match there.first() {
-        Some((first, ..)) => ("agree", format!("Fastest to {to}: {first}.")),
-        None => ("undecided", format!("No method reaches {to}.")),
+        None => ("undecided", format!("No method reaches {to}."), String::new()),
     };
+    if !missing.is_empty() {
+        sentence += &format!(" Not within {} iterations: {}.", study.effort.iterations, missing.join(", "));
+    }
     Answer { class, word, sentence: sentence.trim_start().into() }
-}
-
-/// Iterations, called sweeps where each is one, and time of a method.
-fn effort(&(method, iterations, seconds): &(&str, u32, f64)) -> String {
-    let word = if method == "gauss-seidel" { "sweep" } else { "iteration" };
-    format!("{} in {}", plural(iterations as usize, word), time(seconds))
 }
 
 /// Each method after each number of iterations. Residuals are in units of g h, or in m/s where there is no gravity.

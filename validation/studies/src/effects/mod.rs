@@ -2,15 +2,15 @@
 //!
 //! ```text
 //! scene ─> called ────────────────────────────────> active effects with their lines
-//!       ├> flowing state ─> costs, look ──────────> nanoseconds and bytes per contact, warnings
+//!       ├> flowing state ─> costs ────────────────> nanoseconds and bytes per contact
 //!       └> each effect off or on, seeds ─> ablation > needed, not needed, undecided
 //! ```
 
 mod ablation;
-mod look;
+mod costs;
 
 pub use ablation::{Ablated, Ablation, Need, Plan, Variation, variations};
-pub use look::{Called, Costs, Look, called, warnings};
+pub use costs::{Called, Costs, called};
 
 use makadam_compare::study::{Answer, Cell, Document, Report, Section, Table, cells};
 use makadam_frames::output::JSON_VERSION;
@@ -30,20 +30,17 @@ pub struct Study {
     pub effects: Vec<Called>,
     /// Costs of kernels on the contacts of the scene; absent where it has none.
     pub costs: Option<Costs>,
-    /// Energy and overlaps over a stretch of the run.
-    pub look: Option<Look>,
-    pub warnings: Vec<String>,
     /// Each effect off or on; absent where it was not requested.
     pub ablation: Option<Ablation>,
     pub provenance: Provenance,
 }
 
 impl Study {
-    /// Joins the measurements of a scene, whose file has this text, with its effects and warnings.
+    /// Joins the measurements of a scene, whose file has this text, with its effects.
     pub fn new(
         scene: &MeasuredScene,
         text: &str,
-        (look, costs): (Option<Look>, Option<Costs>),
+        costs: Option<Costs>,
         ablation: Option<Ablation>,
         provenance: Provenance,
     ) -> Study {
@@ -53,8 +50,6 @@ impl Study {
             scene: scene.name.clone(),
             effects: called(scene, text),
             costs,
-            warnings: warnings(scene, look.as_ref()),
-            look,
             ablation,
             provenance,
         }
@@ -78,13 +73,13 @@ impl Document for Study {
                 word: format!("{}.", plural(active.len(), "active effect")),
                 sentence: format!("{}.", active.join(", ")),
             },
-            findings: self.look.iter().map(energy).collect(),
+            findings: Vec::new(),
             sections: [Section::new("Effects", "", effects(&self.effects))]
                 .into_iter()
                 .chain(kernels)
                 .chain(verdicts)
                 .collect(),
-            notes: self.warnings.iter().map(|warning| format!("warning: {warning}")).collect(),
+            notes: Vec::new(),
             limits: vec![
                 "Kernels are timed in turn on the contacts of one state; ratios are medians over rounds.".into(),
                 "An effect is needed if an observable moves beyond its margin without it.".into(),
@@ -100,19 +95,6 @@ fn effects(effects: &[Called]) -> Table {
         let line = called.line.map(|line| line.to_string());
         cells![called.effect, if called.on { "on" } else { "off" }, &called.why, line]
     })
-}
-
-fn energy(look: &Look) -> String {
-    let percent = |share: f64| format!("{:.1}%", 100.0 * share);
-    format!(
-        "Over {:.2} s {:.3e} J were lost: to friction {}, resistance to turning {}, impacts {}. The largest overlap is {:.2}% of a radius.",
-        look.seconds,
-        look.lost,
-        percent(look.friction),
-        percent(look.resistance),
-        percent(look.impacts),
-        100.0 * look.largest_overlap
-    )
 }
 
 fn kernels(costs: &Costs) -> Section {

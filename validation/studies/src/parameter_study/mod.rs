@@ -10,9 +10,7 @@ use makadam_compare::codes::Makadam;
 use makadam_compare::compare::{Announce, Harvest, Runs};
 use makadam_compare::scenes::{self, Change, SceneError};
 use makadam_compare::study::{RunCache, RunError, run_jobs};
-use makadam_frames::output::{FolderLock, LockError};
 use makadam_frames::plan::MeasuredScene;
-use makadam_frames::provenance::scene_hash;
 use makadam_frames::recording::Noticed;
 use makadam_measure::observables::Measurement;
 use makadam_measure::statistics::Ensemble;
@@ -66,7 +64,7 @@ impl FromStr for Range {
 /// Error that ended a study.
 #[derive(Debug, thiserror::Error)]
 pub enum ParameterError {
-    /// The keys cannot be varied, or the output folder belongs to another study or process.
+    /// The keys cannot be varied.
     #[error("{0}")]
     Usage(String),
     /// A scene with these values is invalid.
@@ -256,58 +254,6 @@ fn means(runs: &[Run]) -> BTreeMap<String, Ensemble> {
     }
     let named = values.into_iter().filter_map(|(name, values)| Some((name.to_string(), Ensemble::of(&values)?)));
     named.collect()
-}
-
-/// Takes the output folder for a study.
-///
-/// The tables of an earlier study may be replaced only by those of a study that contains it: the same scene and keys, every
-/// combination and every seed. `plan.again` lifts that.
-pub fn take(plan: &Plan<'_>, scene: &MeasuredScene) -> Result<FolderLock, ParameterError> {
-    let lock = FolderLock::take(plan.folder).map_err(|error| match error {
-        LockError::Write(error) => ParameterError::Run(error.into()),
-        taken @ LockError::Taken { .. } => ParameterError::Usage(taken.to_string()),
-    })?;
-    let earlier = read(plan.folder).filter(|_| !plan.again);
-    match earlier.and_then(|earlier| difference(&earlier, plan, scene)) {
-        None => Ok(lock),
-        Some(difference) => Err(ParameterError::Usage(format!(
-            "{} holds the tables of another sweep ({difference}); --output writes elsewhere, --restart replaces them",
-            plan.folder.display()
-        ))),
-    }
-}
-
-/// Document of the study in a folder; none where there is none that can be read.
-fn read(folder: &Path) -> Option<serde_json::Value> {
-    let document: serde_json::Value = serde_json::from_slice(&std::fs::read(folder.join("sweep.json")).ok()?).ok()?;
-    (document["command"] == "sweep").then_some(document)
-}
-
-/// Part of an earlier study that the planned one does not contain, in words.
-fn difference(earlier: &serde_json::Value, plan: &Plan<'_>, scene: &MeasuredScene) -> Option<String> {
-    let words = |list: &serde_json::Value| -> Vec<String> {
-        list.as_array().into_iter().flatten().filter_map(|word| word.as_str().map(String::from)).collect()
-    };
-    let keys = words(&earlier["keys"]);
-    if !keys.iter().eq(plan.ranges.iter().map(|range| &range.key)) {
-        return Some(format!("over {}", keys.join(", ")));
-    }
-    let hash = &earlier["provenance"][format!("scene_hash_of_{}", scene.name)];
-    if *hash != format!("{:016x}", scene_hash(scene)) {
-        return Some("of another scene, or with another --set".into());
-    }
-    let points = || earlier["points"].as_array().into_iter().flatten();
-    for point in points() {
-        let values = words(&point["values"]);
-        let planned = values.iter().zip(plan.ranges).all(|(value, range)| range.values.contains(value));
-        if !planned {
-            let pairs = keys.iter().zip(&values).map(|(key, value)| format!("{key}={value}"));
-            return Some(format!("with {}", pairs.collect::<Vec<_>>().join(", ")));
-        }
-    }
-    let mut seeds = points().flat_map(|point| point["runs"].as_array().into_iter().flatten());
-    let missing = seeds.find_map(|run| run["seed"].as_u64().filter(|seed| !plan.seeds.contains(seed)));
-    missing.map(|seed| format!("with seed {seed}"))
 }
 
 #[cfg(test)]

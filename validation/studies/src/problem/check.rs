@@ -2,15 +2,14 @@
 
 use super::siconos::{self, SiconosError};
 use super::{BodyVelocities, ProblemFile};
-use clap::ValueEnum;
 use makadam::direct::DirectError;
 use makadam::problem::{ContactProblem, ContactState, LocalProblem, Reference};
-use nalgebra::{DMatrix, Vector3};
+use nalgebra::Vector3;
 use serde::Serialize;
 use std::time::Instant;
 
 /// A solver of problems from files.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
     /// Projected Gauss-Seidel, one contact after another.
@@ -54,8 +53,6 @@ pub struct Answer {
     pub residual: Option<f64>,
     /// Largest difference of a velocity from the first answer's, m/s.
     pub velocity_difference: Option<f64>,
-    /// Largest difference of an impulse from the first answer's, N s; unknown where impulses are not unique.
-    pub impulse_difference: Option<f64>,
     /// Velocities at the contacts in their frames, m/s.
     #[serde(skip)]
     pub contact_velocities: Vec<Vector3<f64>>,
@@ -77,8 +74,6 @@ pub struct Check {
     pub bodies: Option<usize>,
     /// Velocity that residuals and differences compare with, m/s.
     pub unit: f64,
-    /// True if W is positive definite, so that velocities determine impulses.
-    pub unique_impulses: bool,
     pub answers: Vec<Answer>,
     pub left_out: Vec<String>,
 }
@@ -100,12 +95,6 @@ impl Check {
         self.answers.iter().all(|answer| answer.converged) && self.difference() <= tolerance
     }
 }
-
-/// Smallest over largest pivot of a Cholesky factor at which a matrix counts as positive definite.
-const DEFINITE: f64 = 1e-6;
-
-/// Largest number of contacts for which that is checked.
-const MOST_FACTORED: usize = makadam::direct::MOST_CONTACTS;
 
 /// Solves a problem by one solver.
 pub fn solve(file: &ProblemFile, method: Method, settings: &Settings) -> Result<Answer, String> {
@@ -168,10 +157,9 @@ pub fn check(file: &ProblemFile, settings: &Settings, siconos: &FromSiconos) -> 
             Err(why) => left_out.push(format!("{}: {why}", method.name())),
         }
     }
-    let unique_impulses = file.local.as_ref().is_some_and(is_definite);
     if let Some((first, others)) = answers.split_first_mut() {
         for other in others {
-            other.compare_with(first, file.contact.as_ref(), unique_impulses);
+            other.compare_with(first, file.contact.as_ref());
         }
     }
     let unit = file.contact.as_ref().map_or_else(
@@ -179,7 +167,7 @@ pub fn check(file: &ProblemFile, settings: &Settings, siconos: &FromSiconos) -> 
         |contact| contact.unit,
     );
     let bodies = file.contact.as_ref().map(|contact| contact.bodies.len());
-    Ok(Check { title: file.title.clone(), contacts: file.contacts(), bodies, unit, unique_impulses, answers, left_out })
+    Ok(Check { title: file.title.clone(), contacts: file.contacts(), bodies, unit, answers, left_out })
 }
 
 impl Method {
@@ -199,7 +187,7 @@ impl Answer {
         Answer { method, converged: true, ..Answer::default() }
     }
 
-    fn compare_with(&mut self, first: &Answer, problem: Option<&ContactProblem>, unique_impulses: bool) {
+    fn compare_with(&mut self, first: &Answer, problem: Option<&ContactProblem>) {
         let largest = |one: &[Vector3<f64>], other: &[Vector3<f64>]| {
             one.iter().zip(other).map(|(one, other)| (one - other).amax()).fold(0.0, f64::max)
         };
@@ -211,8 +199,6 @@ impl Answer {
             }
             _ => Some(largest(&self.contact_velocities, &first.contact_velocities)),
         };
-        let known = unique_impulses && !self.impulses.is_empty() && !first.impulses.is_empty();
-        self.impulse_difference = known.then(|| largest(&self.impulses, &first.impulses));
     }
 }
 
@@ -267,43 +253,17 @@ fn velocities_of(state: ContactState) -> BodyVelocities {
     BodyVelocities { velocities: state.velocities, spins: state.spins }
 }
 
-/// Returns true if W is positive definite, by its pivots.
-fn is_definite(local: &LocalProblem) -> bool {
-    let size = 3 * local.offset.len();
-    if size == 0 || local.offset.len() > MOST_FACTORED {
-        return false;
-    }
-    let mut matrix = DMatrix::zeros(size, size);
-    for block in &local.blocks {
-        matrix.view_mut((3 * block.row, 3 * block.column), (3, 3)).copy_from(&block.values);
-    }
-    matrix.cholesky().is_some_and(|factor| {
-        let pivots = factor.l_dirty().diagonal();
-        pivots.min() > DEFINITE * pivots.max()
-    })
-}
-
-/// One answer in a line.
-pub fn words(answer: &Answer) -> String {
-    let ended = if answer.converged { "converged" } else { "not converged" };
-    let iterations = answer.iterations.map_or_else(String::new, |count| format!(" after {count} iterations"));
-    let seconds = answer.seconds.map_or_else(String::new, |seconds| format!(", {seconds:.3} s"));
-    let residual =
-        answer.residual.map_or_else(String::new, |residual| format!(", largest residual {residual:.2e} m/s"));
-    format!("{}: {ended}{iterations}{residual}{seconds}", answer.method.name())
-}
-
 /// A check as lines of text.
 pub fn table(check: &Check) -> String {
-    let unique = if check.unique_impulses { "impulses are unique" } else { "impulses are not unique" };
-    let mut lines = vec![format!("{}: {} contacts, {unique}", check.title, check.contacts)];
+    let mut lines = vec![format!("{}: {} contacts", check.title, check.contacts)];
     for answer in &check.answers {
-        let mut line = format!("  {}", words(answer));
+        let mut line = format!("  {}: ", answer.method.name());
+        line += if answer.converged { "converged" } else { "not converged" };
+        line += &answer.iterations.map_or(String::new(), |count| format!(" after {count} iterations"));
+        line += &answer.residual.map_or(String::new(), |residual| format!(", largest residual {residual:.2e} m/s"));
+        line += &answer.seconds.map_or(String::new(), |seconds| format!(", {seconds:.3} s"));
         if let Some(difference) = answer.velocity_difference {
             line += &format!(", velocities {:.1e} of {:.1e} m/s from the first", difference / check.unit, check.unit);
-        }
-        if let Some(difference) = answer.impulse_difference {
-            line += &format!(", impulses {difference:.1e} N s");
         }
         lines.push(line);
     }

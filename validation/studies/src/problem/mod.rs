@@ -10,7 +10,7 @@ mod check;
 mod file;
 mod siconos;
 
-pub use check::{AGREEMENT, Answer, Check, FromSiconos, Method, Settings, check, solve, table, words};
+pub use check::{AGREEMENT, Answer, Check, FromSiconos, Method, Settings, check, solve, table};
 pub use file::{ProblemFileError, bytes, parse, read, solution, write};
 pub use siconos::{RECORDED, Recorded, SICONOS, SiconosError, version as siconos_version};
 

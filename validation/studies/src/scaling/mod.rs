@@ -3,7 +3,7 @@
 //! ```text
 //! prepared state ─> measure ─> step times ──────────────────────> measured rows ─┐
 //!                          └─> serial traces ─> replay on P cores ─> replayed rows ─┼─> figures, page, CSV
-//!          costs of scheduling, memory ─> machine ──┘     checks <─────────────────┘
+//!          costs of scheduling, memory ─> machine ──┘     deviations <─────────────┘
 //! ```
 //!
 //! Rows, files, figures and sentences name replayed numbers as such.
@@ -15,4 +15,4 @@ mod study;
 
 pub use measure::{Measurement, Plan, Timing, Traces};
 pub use replay::{Bandwidth, Costs, Machine, Replayed, ReplayedRow, replay};
-pub use study::{Check, MachineRow, MeasuredRow, Study};
+pub use study::{MachineRow, MeasuredRow, Study};

@@ -35,22 +35,13 @@ pub struct MeasuredRow {
     pub speedup: f64,
     pub sweep_speedup: f64,
     pub nanoseconds_per_contact_sweep: Option<f64>,
-    pub state_hash: String,
-}
-
-/// A replay compared with its measurement, over the traced steps.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[expect(missing_docs, reason = "validation/docs/json.md describes the fields of documents")]
-pub struct Check {
-    pub instruction_set: InstructionSet,
-    pub scheduler: Scheduler,
-    pub threads: usize,
-    pub portion: Portion,
-    pub measured_seconds: f64,
-    /// Time per step, replayed from the serial trace, s.
-    pub replayed_seconds: f64,
+    /// Time per traced step, measured, s.
+    pub traced_seconds: f64,
+    /// Time per traced step, replayed from the serial trace, s.
+    pub replayed_seconds: Option<f64>,
     /// Replayed over measured, minus one, %.
-    pub deviation_percent: f64,
+    pub deviation_percent: Option<f64>,
+    pub state_hash: String,
 }
 
 /// Properties of machine and scene that all configurations share.
@@ -87,7 +78,6 @@ pub struct Study {
     #[serde(flatten)]
     pub plan: Plan,
     pub warm_up_steps: u64,
-    pub bandwidth: Bandwidth,
     /// True if all configurations ended in the same state, bit for bit.
     pub same_bits: bool,
     pub differing: Vec<String>,
@@ -95,7 +85,6 @@ pub struct Study {
     /// Machines of the replay.
     pub machines: Vec<Machine>,
     pub replayed: Vec<ReplayedRow>,
-    pub checks: Vec<Check>,
     /// Findings, one sentence each.
     pub findings: Vec<String>,
     pub provenance: Provenance,
@@ -160,11 +149,9 @@ impl Study {
             },
             contact_sweeps,
             warm_up_steps: WARM_UP,
-            bandwidth,
             same_bits: differing.is_empty(),
             differing,
-            measured: measurement.timings.iter().map(|timing| measured_row(timing, measurement)).collect(),
-            checks: checks(&plan, measurement, &replayed),
+            measured: measurement.timings.iter().map(|timing| measured_row(timing, measurement, &replayed)).collect(),
             plan,
             machines,
             replayed,
@@ -204,7 +191,7 @@ fn differing(measurement: &Measurement) -> Vec<String> {
     names.collect()
 }
 
-fn measured_row(timing: &Timing, measurement: &Measurement) -> MeasuredRow {
+fn measured_row(timing: &Timing, measurement: &Measurement, replayed: &[ReplayedRow]) -> MeasuredRow {
     let configuration = timing.configuration;
     let serial = measurement.timings.iter().find(|other| other.configuration.is_serial_of(&configuration));
     let serial = serial.unwrap_or(timing);
@@ -213,6 +200,15 @@ fn measured_row(timing: &Timing, measurement: &Measurement) -> MeasuredRow {
     let [serial_steps, serial_sweeps] = [&serial.steps, &serial.sweeps].map(|times| means(times));
     let ratio = |serial: &[f64], own: &[f64]| median(serial.iter().zip(own).map(|(serial, own)| serial / own));
     let sweep_seconds = median(sweeps.iter().copied());
+    let of_step = |step: usize| median(timing.steps.iter().map(|times| times[step]));
+    let traced_steps = measurement.traces.first().map_or(0, |traces| traces.steps.len());
+    let traced_seconds = mean(&(0..traced_steps).map(of_step).collect::<Vec<_>>());
+    let is_own = |row: &&ReplayedRow| {
+        row.machine == Machine::HERE
+            && (row.instruction_set, row.portion) == (configuration.instruction_set, configuration.portion)
+            && (row.scheduler, row.workers) == (configuration.scheduler, configuration.threads)
+    };
+    let replayed_seconds = replayed.iter().find(is_own).map(|row| row.step_seconds);
     MeasuredRow {
         instruction_set: configuration.instruction_set,
         scheduler: configuration.scheduler,
@@ -226,32 +222,11 @@ fn measured_row(timing: &Timing, measurement: &Measurement) -> MeasuredRow {
         sweep_speedup: ratio(&serial_sweeps, &sweeps),
         nanoseconds_per_contact_sweep: (measurement.contact_sweeps > 0.0)
             .then(|| 1e9 * sweep_seconds / measurement.contact_sweeps),
+        traced_seconds,
+        replayed_seconds,
+        deviation_percent: replayed_seconds.map(|seconds| 100.0 * (seconds / traced_seconds - 1.0)),
         state_hash: format!("{:016x}", timing.hashes.last().copied().unwrap_or_default()),
     }
-}
-
-/// Compares the replay on this machine with the measured times of the same steps.
-fn checks(plan: &Plan, measurement: &Measurement, replayed: &[ReplayedRow]) -> Vec<Check> {
-    let checks = measurement.timings.iter().filter_map(|timing| {
-        let own = timing.configuration;
-        let row = replayed.iter().find(|row| {
-            row.machine == Machine::HERE
-                && (row.instruction_set, row.portion) == (own.instruction_set, own.portion)
-                && (row.scheduler, row.workers) == (own.scheduler, own.threads)
-        })?;
-        let of_step = |step: usize| median(timing.steps.iter().map(|times| times[step]));
-        let measured_seconds = mean(&(0..plan.traced_steps as usize).map(of_step).collect::<Vec<_>>());
-        Some(Check {
-            instruction_set: own.instruction_set,
-            scheduler: own.scheduler,
-            threads: own.threads,
-            portion: own.portion,
-            measured_seconds,
-            replayed_seconds: row.step_seconds,
-            deviation_percent: 100.0 * (row.step_seconds / measured_seconds - 1.0),
-        })
-    });
-    checks.collect()
 }
 
 /// Speed-up over number of threads down to which a curve is called linear.
@@ -269,13 +244,13 @@ fn findings(study: &Study) -> Vec<String> {
         ),
     }];
     let worst = |least: usize| {
-        let checks = study.checks.iter().filter(|check| check.threads >= least);
-        checks.map(|check| check.deviation_percent.abs()).reduce(f64::max)
+        let rows = study.measured.iter().filter(|row| row.threads >= least);
+        rows.filter_map(|row| row.deviation_percent).map(f64::abs).reduce(f64::max)
     };
     if let Some(all) = worst(1) {
         let several =
             worst(2).map_or(String::new(), |worst| format!(", on more than one thread by at most {worst:.1}%"));
-        let count = study.checks.len();
+        let count = study.measured.len();
         findings.push(format!("The replay misses the {count} measured configurations by at most {all:.1}%{several}."));
     }
     for machine in &study.machines {
@@ -296,26 +271,17 @@ fn findings(study: &Study) -> Vec<String> {
     findings
 }
 
-/// The largest measured speed-up of a step on several threads, or one thread alone, with the widest instruction set.
+/// The largest measured speed-up of a step with the widest instruction set.
 fn answer(study: &Study) -> Answer {
-    let own = || study.measured.iter().filter(|row| Some(row.instruction_set) == study.widest());
-    let best = own().filter(|row| row.threads > 1).max_by(|one, other| one.speedup.total_cmp(&other.speedup));
-    let best = best.or(own().next()).expect("each instruction set is measured on one thread");
-    let serial = own().find(|row| row.scheduler == Scheduler::Serial && row.portion == best.portion).unwrap_or(best);
-    let class = match (study.same_bits, best.speedup > 1.0) {
-        (false, _) => "disagree",
-        (true, true) => "agree",
-        (true, false) => "undecided",
-    };
-    let prefix = if best.speedup > 1.0 { "" } else { "No gain: " };
-    let threads = plural(best.threads, "thread");
+    let own = study.measured.iter().filter(|row| Some(row.instruction_set) == study.widest());
+    let best = own.max_by(|one, other| one.speedup.total_cmp(&other.speedup));
+    let best = best.expect("each instruction set is measured on one thread");
     Answer {
-        class,
-        word: format!("{prefix}{} times as fast on {threads}.", two_digits(best.speedup)),
+        class: if study.same_bits { "agree" } else { "disagree" },
+        word: format!("{} times as fast on {}.", two_digits(best.speedup), plural(best.threads, "thread")),
         sentence: format!(
-            "A step takes {} instead of {} ({}, {}); its sweeps are {} times as fast. {}",
+            "A step takes {} ({}, {}); its sweeps are {} times as fast. {}",
             time(best.step_seconds),
-            time(serial.step_seconds),
             best.scheduler.name().replace('-', " "),
             best.instruction_set.name(),
             two_digits(best.sweep_speedup),
@@ -350,7 +316,6 @@ impl Document for Study {
             csv("machine", std::slice::from_ref(&self.machine))?,
             csv("measured", &self.measured)?,
             csv("replayed", &self.replayed)?,
-            csv("checks", &self.checks)?,
             json("provenance", &self.provenance)?,
         ])
     }
@@ -364,9 +329,9 @@ impl Document for Study {
         let gigabytes = |bytes: f64| two_digits(bytes / 1e9);
         let mut memory = format!(
             "Memory: {} GB/s to one thread, {} GB/s to {}.",
-            gigabytes(self.bandwidth.one_thread),
-            gigabytes(self.bandwidth.all_threads),
-            self.bandwidth.threads
+            gigabytes(self.machine.bandwidth_one_thread),
+            gigabytes(self.machine.bandwidth_all_threads),
+            cores
         );
         if let Some(bytes) = bytes_per_contact_sweep {
             memory += &format!(" A contact sweep moves {} bytes outside caches.", two_digits(*bytes));
@@ -386,10 +351,7 @@ impl Document for Study {
             answer: answer(self),
             // The first finding is part of the answer.
             findings: self.findings.iter().skip(1).cloned().collect(),
-            sections: vec![
-                Section::new("Measured", memory, measured(self)),
-                Section::new("Replay compared with measurement", "", compared(self)),
-            ],
+            sections: vec![Section::new("Measured", memory, measured(self))],
             notes: Vec::new(),
             limits: self
                 .machines
@@ -398,51 +360,40 @@ impl Document for Study {
                 .chain(LIMITS.map(String::from))
                 .collect(),
             provenance: self.provenance.pairs(),
-            files: "scaling.json, machine.csv, measured.csv, replayed.csv and checks.csv",
+            files: "scaling.json, machine.csv, measured.csv and replayed.csv",
         }
     }
 }
 
 /// A table of rows by configuration; a group begins with each serial row.
-fn by_configuration(
-    numbers: &[&str],
-    rows: impl IntoIterator<Item = ((InstructionSet, Scheduler, Portion, usize), Vec<Cell>)>,
-) -> Table {
-    let mut table = Table::new(&["instruction set", "scheduler", "of"], &[&["threads"], numbers].concat());
-    for ((set, scheduler, portion, threads), cells) in rows {
-        let configuration = cells![set.name(), scheduler.name(), portion.name(), threads];
-        let row = configuration.into_iter().chain(cells);
-        if scheduler == Scheduler::Serial { table.first_row(row) } else { table.row(row) }
-    }
-    table
-}
-
 fn measured(study: &Study) -> Table {
-    let rows = study.measured.iter().map(|row| {
-        let range = format!("{} to {}", time(row.step_seconds_least), time(row.step_seconds_most));
-        let cells = cells![
-            Cell::from(time(row.step_seconds)).above(Some(range)),
-            format!("{:.2}", row.speedup),
-            time(row.sweep_seconds),
-            format!("{:.2}", row.sweep_speedup),
-            row.nanoseconds_per_contact_sweep.map(two_digits),
-        ];
-        ((row.instruction_set, row.scheduler, row.portion, row.threads), cells)
-    });
-    by_configuration(&["a step", "speed-up", "sweeps", "speed-up", "ns"], rows).on_a_page(&[
+    let mut table = Table::new(
+        &["instruction set", "scheduler", "of"],
+        &["threads", "a step", "speed-up", "sweeps", "speed-up", "ns", "replay"],
+    )
+    .on_a_page(&[
         "time per step",
         "speed-up",
         "of it sweeps",
         "speed-up of the sweeps",
         "contact sweep (ns)",
-    ])
-}
-
-fn compared(study: &Study) -> Table {
-    let rows = study.checks.iter().map(|check| {
-        let deviation = format!("{:+.1}%", check.deviation_percent).replace('-', "−");
-        let cells = cells![time(check.measured_seconds), time(check.replayed_seconds), deviation];
-        ((check.instruction_set, check.scheduler, check.portion, check.threads), cells)
-    });
-    by_configuration(&["measured", "replayed", "deviation"], rows)
+        "replay, deviation of its time",
+    ]);
+    for row in &study.measured {
+        let range = format!("{} to {}", time(row.step_seconds_least), time(row.step_seconds_most));
+        let cells = cells![
+            row.instruction_set.name(),
+            row.scheduler.name(),
+            row.portion.name(),
+            row.threads,
+            Cell::from(time(row.step_seconds)).above(Some(range)),
+            format!("{:.2}", row.speedup),
+            time(row.sweep_seconds),
+            format!("{:.2}", row.sweep_speedup),
+            row.nanoseconds_per_contact_sweep.map(two_digits),
+            row.deviation_percent.map(|percent| format!("{percent:+.1}%").replace('-', "−")),
+        ];
+        if row.scheduler == Scheduler::Serial { table.first_row(cells) } else { table.row(cells) }
+    }
+    table
 }

@@ -51,7 +51,6 @@ fn members<'a>(points: &[&'a Point], name: &str) -> Vec<Member<'a>> {
 struct Series<'a> {
     name: &'a str,
     style: CodeStyle,
-    points: Vec<&'a Point>,
     members: Vec<Member<'a>>,
     /// Members that its line joins; may be of another series, since a code has one front, whatever its settings.
     front: Vec<Member<'a>>,
@@ -71,11 +70,11 @@ fn codes(study: &Study, reference: &Reference) -> Option<Figure> {
         let own: Vec<&Point> = all.iter().copied().filter(|point| point.code == code).collect();
         let front = members(&own, name).into_iter().filter(|member| member.deviation.on_front).collect();
         let (varied, points): (Vec<&Point>, Vec<&Point>) = own.iter().partition(|point| point.variation.is_some());
-        series.push(Series { name: code, style, members: members(&points, name), points, front });
+        series.push(Series { name: code, style, members: members(&points, name), front });
         if !varied.is_empty() {
             let (name_of_varied, style) = ("Makadam, solver varied", CodeStyle { marker: Marker::Cross, ..style });
             let members = members(&varied, name);
-            series.push(Series { name: name_of_varied, style, members, points: varied, front: Vec::new() });
+            series.push(Series { name: name_of_varied, style, members, front: Vec::new() });
         }
     }
     let stiffness = modulus(reference.youngs_modulus);
@@ -104,26 +103,21 @@ fn panel(name: &str, series: &[Series<'_>], noise: f64, bound: Option<f64>) -> O
     }
     // What lies far below the noise is luck: it is drawn at the lower edge.
     let low = smallest.max(0.3 * noise).min(0.5 * largest);
-    let wall = |point: &Point| point.wall_seconds_per_simulated_second;
-    let points = || series.iter().flat_map(|series| series.points.iter().map(move |point| (series.style, *point)));
-    let cut = || points().filter(|(_, point)| point.extrapolated);
-    let known = series.iter().flat_map(|series| &series.members).map(|member| member.at[0]);
-    let walls: Vec<f64> = known.chain(cut().map(|(_, point)| wall(point))).collect();
-    let (least, most) = walls.iter().fold((f64::INFINITY, 0.0_f64), |(a, b), &wall| (a.min(wall), b.max(wall)));
+    let walls = series.iter().flat_map(|series| &series.members).map(|member| member.at[0]);
+    let (least, most) = walls.fold((f64::INFINITY, 0.0_f64), |(a, b), wall| (a.min(wall), b.max(wall)));
     // The finer marks of small numbers would run into the label.
     let scale = if low < 1e-3 { Axis::logarithmic } else { Axis::fine };
     let y = scale(&format!("error of {name}"), low, 1.5 * largest);
     let x = Axis::fine("wall time over simulated time (s/s, one core)", least, 1.4 * most);
     let (left, right, bottom, top) = (x.low, x.high, y.low, y.high);
-    let open = CodeStyle { class: "neutral hollow", marker: Marker::Circle };
     let key = |series: &Series<'_>| if series.front.is_empty() { Key::Points } else { Key::Series };
-    let mut keys: Vec<Key<'_>> = series.iter().map(|series| key(series)(series.style, series.name)).collect();
-    keys.extend(cut().next().map(|_| Key::Points(open, "extrapolated, no error")));
+    let keys = series.iter().map(|series| key(series)(series.style, series.name));
     let levels = [
         bound.map(|bound| ("ideal", bound, format!("bound {}", compact(bound)))),
         (noise > bottom).then(|| ("ideal noise", noise, "noise of the seeds (median)".into())),
     ];
-    keys.extend(levels.iter().flatten().map(|(class, _, words)| Key::Line(class, words)));
+    let keys: Vec<Key<'_>> =
+        keys.chain(levels.iter().flatten().map(|(class, _, words)| Key::Line(class, words))).collect();
     let mut plot = Plot::with_legend(x, y, &keys);
     for (class, value, _) in levels.iter().flatten() {
         plot.curve(class, [[left, *value], [right, *value]].into_iter());
@@ -143,14 +137,13 @@ fn panel(name: &str, series: &[Series<'_>], noise: f64, bound: Option<f64>) -> O
             plot.marker(*style, x, y, if on_front { 5.0 } else { 3.2 });
         }
     }
-    cut().for_each(|(style, point)| plot.open_marker(style, wall(point), top, 5.0));
     // Numbers come last, so that they find room between the markers.
     let (mut number, mut groups) = (0, Vec::new());
     for Series { style, front, .. } in series.iter().filter(|series| !series.front.is_empty()) {
         let entries = front.iter().map(|member| {
             number += 1;
             plot.number(within(member), number);
-            (number, member.point.short_setting.as_str())
+            (number, member.point.setting.as_str())
         });
         groups.push((*style, entries.collect::<Vec<_>>()));
     }

@@ -11,8 +11,8 @@
 //! three grids tell how far it may still be from the limit ([`Convergence`]).
 //!
 //! Runs are timed one after the other on one core, reference codes by the inputs from which they are fastest
-//! ([`Purpose::Timing`](makadam_compare::codes::Purpose::Timing)). A time is the processor time of the stepping, without set-up and output:
-//! the wall time on a core of its own, however busy the machine was.
+//! ([`Purpose::Timing`](makadam_compare::codes::Purpose::Timing)). A time is the processor time of the stepping, without set-up and output. A
+//! run of another code that takes longer than the time limit is stopped, and its setting listed: it has neither a time nor an error.
 
 mod campaign;
 mod figures;
@@ -21,8 +21,7 @@ mod report;
 mod rows;
 mod study;
 
-pub use campaign::{Campaign, KeptRun, Outcome, Progress, run_key};
-
-pub use plan::{Configuration, Knobs, Plan, QUICK_TIME_LIMIT, Refinement, STIFFNESS_FACTORS};
-pub use rows::{Bound, Convergence, Deviation, Fastest, Point, Reference, Varied};
+pub use campaign::{Campaign, Outcome};
+pub use plan::{Configuration, Knobs, Plan, Refinement};
+pub use rows::{Bound, Convergence, Deviation, Fastest, Point, Reference};
 pub use study::{Study, Terms, pareto_front};

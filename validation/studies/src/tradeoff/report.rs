@@ -8,12 +8,9 @@ use makadam_compare::study::{
 };
 use makadam_view::draw::figure::Figure;
 use makadam_view::draw::names::{code_style, observable, with_unit};
-use makadam_view::draw::numbers::{Rounding, compact, count, duration, plural, two_digits};
+use makadam_view::draw::numbers::{Rounding, compact, count, plural, two_digits};
 use serde::Serialize;
 use serde_json::{Map, Value};
-
-/// Share of a core below which a run was disturbed.
-const QUIET: f64 = 0.9;
 
 /// Observables in the terminal's table; the page and `points.csv` have them all.
 const SHOWN: usize = 2;
@@ -45,11 +42,6 @@ impl Document for Study {
             provenance("version").map(|version| format!("version {version}")),
             provenance("date"),
         ];
-        let shifted = if self.is_shifted() {
-            " In grey: the deviation from the reference at the scene's own stiffness, softening included."
-        } else {
-            ""
-        };
         Report {
             kind: "Makadam, error against wall time",
             title: format!("What accuracy costs in time: the scene {}", self.scene),
@@ -58,7 +50,7 @@ impl Document for Study {
             findings: self.findings.clone(),
             sections: vec![
                 Section::new(
-                    "Settings (* on the Pareto front of its code; ~ extrapolated; errors ± standard error over seeds)",
+                    "Settings (* on the Pareto front of its code; errors ± standard error over seeds)",
                     "",
                     self.settings(SHOWN),
                 )
@@ -73,18 +65,10 @@ impl Document for Study {
                     self.fastest_settings(),
                 ),
                 Section::new(
-                    "Methods, precision, warm start",
-                    "Variations of Makadam's solver at the scene's stiffness: the fastest setting of each within the bounds, and its wall \
-                     time over that of the fastest setting that varies step and sweeps alone.",
-                    self.varied_settings(),
-                ),
-                Section::new(
                     "All settings",
-                    format!(
-                        "Errors are mean deviations from the reference, seed by seed, with their standard error; those in bold are on the \
-                         Pareto front of their code. Wall times are medians over seeds, with their range; ~ marks extrapolated \
-                         ones.{shifted}"
-                    ),
+                    "Errors are mean deviations from the reference, seed by seed, with their standard error; those in bold are on the \
+                     Pareto front of their code. Wall times are medians over seeds, with their range. A cross marks another method, \
+                     precision or stopping rule than the scene's.",
                     self.settings(usize::MAX),
                 )
                 .only(Medium::Page),
@@ -144,25 +128,25 @@ impl Study {
         let table = Table::new(&["stiffness", "code", "setting"], &["s per simulated s", "over Makadam's"]);
         table.with_words("its 90% interval").with_words("90% interval of errors").of(&self.fastest, |row| {
             let code = Cell::from(&row.code).marked(code_style(&row.code).class);
-            let seconds = [row.wall_seconds_per_simulated_second, row.ratio_to_makadam];
-            let [setting, pace, ratio, sureness] = choice(row.setting.as_deref(), seconds, row.intervals_within_bounds);
+            let sureness = match row.intervals_within_bounds {
+                Some(true) => "interval within too",
+                Some(false) => "interval reaches beyond",
+                None => "interval not known",
+            };
             let range = match [row.ratio_low, row.ratio_high] {
                 [Some(low), Some(high)] => format!("{} to {}", two_digits(low), two_digits(high)),
                 [Some(low), None] => format!("at least {}", two_digits(low)),
                 [None, _] => String::new(),
             };
-            vec![modulus(row.youngs_modulus).into(), code, setting, pace, ratio, range.into(), sureness]
-        })
-    }
-
-    fn varied_settings(&self) -> Table {
-        let table = Table::new(&["varied"], &["settings"]).with_words("fastest within the bounds");
-        let table = table.with_numbers(["s per simulated s", "over sweeps alone"]).with_words("90% interval");
-        table.of(&self.variations, |row| {
-            let variation = Cell::from(&row.variation).marked(mark(Some(&row.variation), "Makadam"));
-            let seconds = [row.wall_seconds_per_simulated_second, row.ratio_to_plain];
-            let chosen = choice(row.setting.as_deref(), seconds, row.intervals_within_bounds);
-            cells![variation, row.settings].into_iter().chain(chosen).collect()
+            cells![
+                modulus(row.youngs_modulus),
+                code,
+                row.setting.as_deref().unwrap_or("none that was measured"),
+                row.wall_seconds_per_simulated_second.map(two_digits),
+                row.ratio_to_makadam.map(two_digits),
+                range,
+                row.setting.as_ref().map(|_| sureness),
+            ]
         })
     }
 
@@ -182,8 +166,7 @@ impl Study {
         });
         let mut last = None;
         for point in points {
-            let about = if point.extrapolated { "~" } else { "" };
-            let pace = format!("{about}{}", two_digits(point.wall_seconds_per_simulated_second));
+            let pace = two_digits(point.wall_seconds_per_simulated_second);
             let mut cells = cells![
                 modulus(point.youngs_modulus),
                 Cell::from(&point.code).marked(mark(point.variation.as_deref(), &point.code)),
@@ -248,28 +231,14 @@ impl Study {
     }
 }
 
-/// A selected setting, its wall time and the ratio of that to another's, and the position of its 90% intervals.
-fn choice(setting: Option<&str>, seconds: [Option<f64>; 2], intervals: Option<bool>) -> [Cell; 4] {
-    let [pace, ratio] = seconds.map(|seconds| seconds.map(two_digits).into());
-    let sureness = match intervals {
-        Some(true) => "interval within too",
-        Some(false) => "interval reaches beyond",
-        None => "interval not known",
-    };
-    [setting.unwrap_or("none that was measured").into(), pace, ratio, setting.map(|_| sureness).into()]
-}
-
 /// Style classes of the mark of a point; variations of Makadam's solver have a cross, as in figures.
 fn mark(variation: Option<&str>, code: &str) -> String {
     let class = code_style(code).class;
     if variation.is_some() { format!("{class} cross") } else { class.into() }
 }
 
-/// Range of the wall times of several seeds, or the stretch that a wall time was extrapolated from.
+/// Range of the wall times of several seeds.
 fn range(point: &Point) -> Option<String> {
-    if point.extrapolated {
-        return Some(format!("from {} s simulated", two_digits(point.simulated_seconds)));
-    }
     let ends = [point.wall_seconds_per_simulated_second_least, point.wall_seconds_per_simulated_second_most];
     (point.seeds.len() > 1).then(|| ends.map(two_digits).join(" to "))
 }
@@ -281,30 +250,13 @@ fn error(point: &Point, name: &str) -> Cell {
         true => "0".into(),
         false => signed(found.deviation, found.deviation_standard_error),
     };
-    Cell::from(text).above(found.deviation_from_scene.map(|shift| signed(shift, None))).strong(found.on_front)
+    Cell::from(text).strong(found.on_front)
 }
 
 /// Derives the findings of a study from its rows, one sentence each.
 pub(super) fn findings(study: &Study) -> Vec<String> {
     let mut sentences: Vec<String> = study.fastest.iter().filter_map(|row| none_within(study, row)).collect();
     sentences.extend(study.references.iter().filter_map(|row| in_doubt(study, row)));
-    let cut = study.points.iter().filter(|point| point.extrapolated).count();
-    if cut > 0 {
-        let (limit, are) = (duration(study.terms.time_limit), if cut == 1 { "is" } else { "are" });
-        sentences.push(format!(
-            "{} {are} cut short, expected to take more than {limit} per run: wall times come from the beginning of the run, with few \
-             contacts, and are too small; there is no error.",
-            plural(cut, "configuration")
-        ));
-    }
-    let share = study.points.iter().filter_map(|point| point.core_share_least).reduce(f64::min);
-    if let Some(share) = share.filter(|share| *share < QUIET) {
-        sentences.push(format!(
-            "Other programs were running: a run got as little as {:.0}% of a core. Wall times are those of a core of its own, by \
-             processor time; what shared caches and memory cost is not taken out.",
-            100.0 * share
-        ));
-    }
     if study.terms.bounds.is_empty() {
         sentences.push(
             "No observable of this scene has a bound, so there is no fastest setting; give one with --bound.".into(),
@@ -313,21 +265,12 @@ pub(super) fn findings(study: &Study) -> Vec<String> {
     sentences
 }
 
-/// The reason for a code without a fastest setting other than the reference itself.
+/// The statement that a code has no setting within the bounds other than the reference itself.
 fn none_within(study: &Study, row: &Fastest) -> Option<String> {
-    let mut own = study.points.iter().filter(|point| point.is_of(&row.code, row.stiffness_factor));
+    let is_other = |point: &&Point| point.is_of(&row.code, row.stiffness_factor) && !point.reference;
+    let any = study.points.iter().filter(is_other).any(|point| point.within_bounds == Some(true));
     let (code, stiffness) = (&row.code, modulus(row.youngs_modulus));
-    let reason = match &row.setting {
-        Some(setting) if own.any(|point| point.reference && point.setting == *setting) => {
-            format!("no setting of {code} keeps the bounds but the reference itself.")
-        }
-        Some(_) => return None,
-        None if own.any(|point| !point.extrapolated) => {
-            format!("no setting of {code} that ran to its end keeps the bounds.")
-        }
-        None => format!("every run of {code} was cut short, so there is no error: raise --time-limit for one."),
-    };
-    Some(format!("At {stiffness} {reason}"))
+    (!any).then(|| format!("At {stiffness} no setting of {code} keeps the bounds, a reference apart."))
 }
 
 /// A reference that may be farther from its limit than the bound.
@@ -384,9 +327,9 @@ fn point_rows(points: &[Point]) -> Table {
     Table::named(
         "code version setting stiffness_factor youngs_modulus time_step rayleigh_fraction sweeps variation seeds \
          wall_seconds_per_simulated_second wall_seconds_per_simulated_second_least wall_seconds_per_simulated_second_most \
-         core_share_least simulated_seconds extrapolated failed reference within_bounds intervals_within_bounds \
+         simulated_seconds failed reference within_bounds intervals_within_bounds \
          observable unit mean standard_error deviation deviation_standard_error interval90_low interval90_high \
-         deviation_from_scene bound within interval_within on_front",
+         bound within interval_within on_front",
     )
     .of_fields(rows)
 }

@@ -81,8 +81,6 @@ pub struct Deviation {
     pub deviation_standard_error: Option<f64>,
     /// 90% interval of the deviation (Student's t over seeds); absent for a single seed.
     pub interval90: Option<[f64; 2]>,
-    /// Deviation from the reference at the scene's own stiffness; absent for configurations at that stiffness.
-    pub deviation_from_scene: Option<f64>,
     pub bound: Option<f64>,
     pub within: Option<bool>,
     pub interval_within: Option<bool>,
@@ -101,7 +99,6 @@ pub struct Point {
     pub version: String,
     /// Its knobs in words.
     pub setting: String,
-    pub short_setting: String,
     pub stiffness_factor: f64,
     pub youngs_modulus: f64,
     pub time_step: f64,
@@ -112,16 +109,11 @@ pub struct Point {
     /// Variation in addition to step and sweeps, for Makadam, such as "single precision".
     pub variation: Option<String>,
     pub seeds: Vec<u64>,
-    /// Wall time of the stepping over simulated time on a core of its own, median over seeds
-    /// ([`KeptRun::pace`](super::KeptRun::pace)).
+    /// Processor time of the stepping over simulated time, median over seeds.
     pub wall_seconds_per_simulated_second: f64,
     pub wall_seconds_per_simulated_second_least: f64,
     pub wall_seconds_per_simulated_second_most: f64,
-    /// Smallest share of a core that a run got; absent where the system does not tell.
-    pub core_share_least: Option<f64>,
     pub simulated_seconds: f64,
-    /// True if runs were cut short after that time, so that the wall time is extrapolated and there are no deviations.
-    pub extrapolated: bool,
     /// True if it failed with a seed, so that it keeps no bound.
     pub failed: bool,
     /// True if this is the reference itself, whose deviation is zero by definition.
@@ -136,11 +128,6 @@ impl Point {
     /// True if it is a setting of a code at a stiffness.
     pub(super) fn is_of(&self, code: &str, stiffness_factor: f64) -> bool {
         self.code == code && self.stiffness_factor == stiffness_factor
-    }
-
-    /// True if it ran to its end with every seed.
-    pub(super) fn is_complete(&self) -> bool {
-        !self.failed && !self.extrapolated
     }
 
     /// An observable's deviation.
@@ -167,21 +154,6 @@ pub struct Fastest {
     pub ratio_low: Option<f64>,
     /// Upper end; absent also where the code keeps the bounds in fewer than 95% of the samples.
     pub ratio_high: Option<f64>,
-}
-
-/// Best result of a variation of the solver, at the scene's stiffness.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[expect(missing_docs, reason = "validation/docs/json.md describes the fields of documents")]
-pub struct Varied {
-    pub variation: String,
-    /// Settings with it that were run.
-    pub settings: usize,
-    /// The fastest of them that keeps all bounds; absent if none does or there are no bounds.
-    pub setting: Option<String>,
-    pub wall_seconds_per_simulated_second: Option<f64>,
-    pub intervals_within_bounds: Option<bool>,
-    /// Its wall time over that of the fastest setting within the bounds that varies step and sweeps alone.
-    pub ratio_to_plain: Option<f64>,
 }
 
 /// Order of the time stepping.

@@ -1,10 +1,11 @@
 //! The study: from runs to rows. Ranking of settings: Pareto fronts, the fastest settings within the bounds, and the effect of chance on
 //! that choice.
 
-use super::campaign::{KeptRun, Outcome};
+use super::campaign::Outcome;
 use super::plan::{Plan, Refinement};
 use super::report::findings;
-use super::rows::{Bound, Convergence, Deviation, Fastest, Point, Reference, Values, Varied};
+use super::rows::{Bound, Convergence, Deviation, Fastest, Point, Reference, Values};
+use makadam_compare::compare::MeasuredRun;
 use makadam_frames::output::JSON_VERSION;
 use makadam_frames::plan::MeasuredScene;
 use makadam_measure::statistics::{Ensemble, mean, median, standard_error};
@@ -16,13 +17,11 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Input of a study apart from its runs.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Terms {
-    /// True if few configurations were asked for.
-    pub quick: bool,
     /// Number of seeds, counted from 1.
     pub seeds: u64,
     /// Tolerated deviations.
     pub bounds: Vec<Bound>,
-    /// Wall time beyond which a run is cut short, s.
+    /// Wall time after which a run of another code than Makadam is stopped, s.
     pub time_limit: f64,
     /// Provenance, by name.
     pub provenance: BTreeMap<String, String>,
@@ -52,7 +51,6 @@ pub struct Study {
     pub points: Vec<Point>,
     /// The fastest setting within the bounds of each code at each stiffness; empty without bounds.
     pub fastest: Vec<Fastest>,
-    pub variations: Vec<Varied>,
     pub findings: Vec<String>,
     pub notes: Vec<String>,
 }
@@ -74,7 +72,6 @@ impl Study {
             complete: !outcome.interrupted,
             references,
             fastest: fastest(&points, &terms.bounds),
-            variations: variations(&points),
             terms,
             points,
             findings: Vec::new(),
@@ -114,7 +111,7 @@ impl Study {
 fn observables(scene: &MeasuredScene, plan: &Plan, outcome: &Outcome, bounds: &[Bound]) -> Vec<(String, String)> {
     let mut names: Vec<(String, String)> = Vec::new();
     let finest = plan.refinements.iter().flat_map(|refinement| &outcome.runs[refinement.grids[2]]);
-    for measurement in finest.flat_map(|kept| &kept.run.measurements) {
+    for measurement in finest.flat_map(|run| &run.measurements) {
         let name = &measurement.observable;
         let asked = scene.compare.is_empty()
             || scene.compare.iter().any(|expectation| expectation.observable == *name)
@@ -149,19 +146,13 @@ impl Table<'_> {
 
     fn values(&self, place: usize, observable: &str) -> Values {
         let runs = self.outcome.runs[place].iter();
-        runs.filter_map(|kept| Some((kept.run.seed, kept.run.value(observable)?))).collect()
+        runs.filter_map(|run| Some((run.seed, run.value(observable)?))).collect()
     }
 
     /// Differences from the reference at a stiffness, of the seeds that both have.
     fn differences(&self, values: &Values, factor: f64, observable: &str) -> Option<Values> {
         let converged = self.values(self.plan.refinement(factor)?.grids[2], observable);
         Some(values.iter().filter_map(|(seed, value)| Some((*seed, value - converged.get(seed)?))).collect())
-    }
-
-    /// Differences from the reference at the scene's stiffness; absent for values at that stiffness.
-    fn shifts(&self, values: &Values, factor: f64, observable: &str) -> Option<Vec<f64>> {
-        let shifts = self.differences(values, 1.0, observable).filter(|_| factor != 1.0);
-        shifts.filter(|shifts| !shifts.is_empty()).map(|shifts| shifts.into_values().collect())
     }
 
     /// The rows of a converged reference.
@@ -177,7 +168,8 @@ impl Table<'_> {
             let seeds: Vec<&u64> = grids[2].keys().filter(is_common).collect();
             let paired = grids.each_ref().map(|grid| seeds.iter().map(|seed| grid[*seed]).collect::<Vec<f64>>());
             let convergence = Convergence::of(paired.each_ref().map(Vec::as_slice));
-            let shifts = self.shifts(&grids[2], factor, name);
+            let shifts = self.differences(&grids[2], 1.0, name).filter(|shifts| factor != 1.0 && !shifts.is_empty());
+            let shifts: Option<Vec<f64>> = shifts.map(|shifts| shifts.into_values().collect());
             Some(Reference {
                 stiffness_factor: factor,
                 youngs_modulus: self.youngs_modulus(factor),
@@ -203,7 +195,7 @@ impl Table<'_> {
         let configuration = &self.plan.configurations[place];
         let runs = &self.outcome.runs[place];
         let first = runs.first()?;
-        let pace = || runs.iter().map(KeptRun::pace);
+        let pace = || runs.iter().map(MeasuredRun::pace);
         let deviations: Vec<Deviation> =
             self.names.iter().filter_map(|(name, unit)| self.deviation(place, name, unit)).collect();
         let failed = self.outcome.failures.contains_key(&place);
@@ -216,22 +208,19 @@ impl Table<'_> {
         };
         Some(Point {
             code: configuration.code.clone(),
-            version: first.run.version.clone(),
+            version: first.version.clone(),
             setting: configuration.setting(),
-            short_setting: configuration.short_setting(),
             stiffness_factor: configuration.stiffness_factor,
             youngs_modulus: self.youngs_modulus(configuration.stiffness_factor),
-            time_step: first.run.time_step,
+            time_step: first.time_step,
             rayleigh_fraction: configuration.rayleigh_fraction(),
             sweeps: configuration.sweeps(),
             variation: configuration.variation().map(String::from),
-            seeds: runs.iter().map(|kept| kept.run.seed).collect(),
+            seeds: runs.iter().map(|run| run.seed).collect(),
             wall_seconds_per_simulated_second: median(pace()),
             wall_seconds_per_simulated_second_least: pace().fold(f64::INFINITY, f64::min),
             wall_seconds_per_simulated_second_most: pace().fold(0.0, f64::max),
-            core_share_least: runs.iter().filter_map(|kept| kept.core_share).reduce(f64::min),
-            simulated_seconds: first.run.simulated_seconds,
-            extrapolated: runs.iter().any(|kept| kept.extrapolated),
+            simulated_seconds: first.simulated_seconds,
             reference: self.plan.refinements.iter().any(|refinement| refinement.grids[2] == place),
             failed,
             within_bounds: verdict(|deviation| deviation.within),
@@ -259,7 +248,6 @@ impl Table<'_> {
             deviation: ensemble.mean,
             deviation_standard_error: interval90.map(|_| ensemble.standard_deviation / (ensemble.seeds as f64).sqrt()),
             interval90,
-            deviation_from_scene: self.shifts(&own, factor, observable).as_deref().map(mean),
             bound,
             within: bound.map(|bound| ensemble.mean.abs() <= bound),
             interval_within: bound.and_then(|bound| interval90.map(|[low, high]| -bound <= low && high <= bound)),
@@ -344,30 +332,6 @@ fn fastest_within<'a>(points: impl Iterator<Item = &'a Point>) -> Option<&'a Poi
     points.filter(|point| point.within_bounds == Some(true)).min_by(|a, b| pace(a).total_cmp(&pace(b)))
 }
 
-/// The best setting of each variation of the solver, in the order of the plan, over the best that varies step and sweeps alone.
-fn variations(points: &[Point]) -> Vec<Varied> {
-    let own = || points.iter().filter(|point| point.is_of("Makadam", 1.0));
-    let best = |variation: Option<&str>| fastest_within(own().filter(|point| point.variation.as_deref() == variation));
-    let plain = best(None).map(|point| point.wall_seconds_per_simulated_second);
-    let mut rows: Vec<Varied> = Vec::new();
-    for variation in own().filter_map(|point| point.variation.as_deref()) {
-        if rows.iter().any(|row| row.variation == variation) {
-            continue;
-        }
-        let best = best(Some(variation));
-        let wall = best.map(|best| best.wall_seconds_per_simulated_second);
-        rows.push(Varied {
-            variation: variation.into(),
-            settings: own().filter(|point| point.variation.as_deref() == Some(variation)).count(),
-            setting: best.map(|best| best.setting.clone()),
-            wall_seconds_per_simulated_second: wall,
-            intervals_within_bounds: best.and_then(|best| best.intervals_within_bounds),
-            ratio_to_plain: wall.zip(plain).map(|(wall, plain)| wall / plain),
-        });
-    }
-    rows
-}
-
 /// Indices of the points of the Pareto front, from the cheapest to the most accurate.
 ///
 /// A point is a wall time and an error. Errors below `floor`, the error of the reference itself, count as equal to it: the cheapest
@@ -394,7 +358,7 @@ const TAIL: f64 = 0.05;
 
 /// True if the mean deviations of a point over a sample of seeds keep all bounds.
 fn keeps_bounds(point: &Point, bounds: &[Bound], sample: &[u64]) -> bool {
-    point.is_complete()
+    !point.failed
         && bounds.iter().all(|bound| {
             let differences = point.deviation(&bound.observable).map(|deviation| &deviation.differences);
             let values: Vec<f64> = sample.iter().filter_map(|seed| differences?.get(seed).copied()).collect();
@@ -406,7 +370,7 @@ fn keeps_bounds(point: &Point, bounds: &[Bound], sample: &[u64]) -> bool {
 /// the same grains; each sample has its own fastest settings, and a code that has none is slower than any number (percentile
 /// bootstrap, Efron and Tibshirani, An Introduction to the Bootstrap, 1993, chapter 13).
 fn fill_intervals(rows: &mut [Fastest], points: &[Point], bounds: &[Bound]) {
-    let deviations = points.iter().filter(|point| point.is_complete()).flat_map(|point| &point.deviations);
+    let deviations = points.iter().filter(|point| !point.failed).flat_map(|point| &point.deviations);
     let bounded = deviations.filter(|deviation| deviation.bound.is_some());
     let seeds: BTreeSet<u64> = bounded.flat_map(|deviation| deviation.differences.keys().copied()).collect();
     let seeds: Vec<u64> = seeds.into_iter().collect();

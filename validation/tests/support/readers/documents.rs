@@ -5,10 +5,8 @@ use makadam::snapshot::{Contact, DrivenWall, Particle, Partner, Snapshot};
 use makadam_compare::compare::MeasuredRun;
 use makadam_compare::study::{Key, sealed};
 use makadam_frames::plan::MeasuredScene;
-use makadam_frames::provenance::Build;
 use makadam_frames::recording::Recording;
 use makadam_measure::observables::Measurement;
-use makadam_studies::tradeoff::{Configuration, KeptRun, Knobs, run_key};
 use std::collections::HashMap;
 use std::path::Path;
 use std::sync::OnceLock;
@@ -367,14 +365,8 @@ pub fn references() -> Vec<Vec<u8>> {
     ]
 }
 
-fn configuration() -> Configuration {
-    let settings = scene(SMALL_SCENE).simulated.solver;
-    let knobs = Knobs::Solver { settings, variation: Some("warm start 0".into()) };
-    Configuration { code: "Makadam".into(), stiffness_factor: 10.0, knobs }
-}
-
 /// The run that is kept.
-pub fn kept() -> KeptRun {
+pub fn kept() -> MeasuredRun {
     let measurement = Measurement {
         observable: "packing_fraction".into(),
         unit: String::new(),
@@ -382,44 +374,27 @@ pub fn kept() -> KeptRun {
         standard_error: Some(1e-3),
         frames: 3,
     };
-    KeptRun {
-        configuration: configuration(),
-        extrapolated: false,
-        core_share: Some(0.97),
-        run: MeasuredRun {
-            code: "Makadam".into(),
-            version: "0.2.0".into(),
-            contact_law: "a law".into(),
-            seed: 1,
-            time_step: 5e-4,
-            rayleigh_fraction: None,
-            wall_seconds: 1.25,
-            core_seconds: None,
-            simulated_seconds: 1.5,
-            processor: "a processor".into(),
-            date: "2026-01-02T03:04:05Z".into(),
-            scene_hash: "0123456789abcdef".into(),
-            measurements: vec![measurement],
-        },
-        build: Build {
-            version: "0.2.0".into(),
-            build: "0.2.0-0123456789abcdef".into(),
-            commit: "1a2b3c4d".into(),
-            dirty: Some(false),
-            compiler: "rustc".into(),
-            target: "x86_64".into(),
-            profile: "release".into(),
-            instruction_set: "avx2".into(),
-            processor: "a processor".into(),
-        },
-        command: "makadam tradeoff small".into(),
+    MeasuredRun {
+        code: "Makadam".into(),
+        version: "0.2.0".into(),
+        contact_law: "a law".into(),
+        seed: 1,
+        time_step: 5e-4,
+        rayleigh_fraction: None,
+        wall_seconds: 1.25,
+        core_seconds: None,
+        simulated_seconds: 1.5,
+        processor: "a processor".into(),
+        date: "2026-01-02T03:04:05Z".into(),
+        scene_hash: "0123456789abcdef".into(),
+        measurements: vec![measurement],
     }
 }
 
 /// Its key.
 pub fn key() -> Key {
     static MADE: OnceLock<Key> = OnceLock::new();
-    let make = || run_key(&scene(SMALL_SCENE), &configuration(), "0.2.0", 1, "a processor");
+    let make = || Key::of_run("small".into(), &scene(SMALL_SCENE), 1, &["0.2.0", "a processor"]);
     MADE.get_or_init(make).clone()
 }
 

@@ -11,13 +11,12 @@ use makadam::scene::{Region, Stop};
 use makadam::snapshot::Snapshot;
 use makadam_compare::codes::liggghts::loop_seconds;
 use makadam_compare::codes::{lammps, yade};
-use makadam_compare::compare::Reference;
+use makadam_compare::compare::{MeasuredRun, Reference};
 use makadam_compare::study::unseal;
 use makadam_frames::import::{Manifest, StatedColumns, Tables, assemble, parse};
 use makadam_frames::plan::{MeasuredScene, physics_hash};
 use makadam_frames::recording::Recording;
 use makadam_measure::observables::{force_distribution, measure, series};
-use makadam_studies::tradeoff::KeptRun;
 use std::io::{Error, ErrorKind};
 use std::path::Path;
 use std::sync::LazyLock;
@@ -275,7 +274,7 @@ fn reference(bytes: &[u8]) -> bool {
 }
 
 fn kept_run(bytes: &[u8]) -> bool {
-    match unseal::<KeptRun>(bytes, &documents::key()) {
+    match unseal::<MeasuredRun>(bytes, &documents::key()) {
         Some(kept) => {
             assert_eq!(kept, documents::kept(), "damage that the seal does not show");
             true

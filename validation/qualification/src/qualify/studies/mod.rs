@@ -33,8 +33,6 @@ struct Item<'a> {
 /// Result of an item.
 #[derive(Clone, Default, Serialize, Deserialize)]
 struct Solved {
-    /// Words for the item in the scope of the study.
-    words: String,
     runs: usize,
     wall_seconds: f64,
     tests: Vec<StudyTest>,
@@ -64,7 +62,6 @@ impl<'a> Item<'a> {
 }
 
 impl<'a> Part<'a> {
-    /// `{items}` in the scope stands for the words of the items.
     fn new(name: &str, title: &str, scope: impl Into<String>, items: Vec<Item<'a>>) -> Part<'a> {
         let [name, title] = [name, title].map(String::from);
         Part { section: StudySection { name, title, scope: scope.into(), ..StudySection::default() }, items }
@@ -78,10 +75,8 @@ impl<'a> Part<'a> {
     /// Returns the section of the study once all jobs have ended.
     pub(super) fn section(self) -> Result<StudySection, RunError> {
         let Part { mut section, items } = self;
-        let mut words = Vec::new();
         for item in items {
             let solved = (item.solved)()?;
-            words.push(solved.words);
             section.runs += solved.runs;
             section.wall_seconds += solved.wall_seconds;
             section.tests.extend(solved.tests);
@@ -89,7 +84,6 @@ impl<'a> Part<'a> {
             section.figures.extend(solved.figures);
             section.files.extend(solved.files);
         }
-        section.scope = section.scope.replace("{items}", &words.join(", "));
         Ok(section)
     }
 }

@@ -1,25 +1,24 @@
-//! Studies of the numerics: contact problems by several solvers, convergence of methods, accuracy against time.
+//! Studies of the numerics: contact problems by several solvers, convergence of methods, accuracy of settings.
 
 use super::{Item, Job, Named, Part, Place, QualifyError, Solved, named, unless_fatal, weight};
 use crate::report::{StudyOutcome, StudyTest};
 use makadam::{BUILD, Simulation};
-use makadam_compare::codes::{Code, Makadam};
-pub use makadam_compare::compare::{FEW_SEEDS, MeasuredRun, Runs};
+use makadam_compare::codes::Makadam;
+pub use makadam_compare::compare::{MeasuredRun, Runs};
 use makadam_compare::prepared::{Start, StartError, start};
 use makadam_compare::study::{Document, Key, RunError};
 use makadam_frames::execution::Execution;
 use makadam_frames::plan::MeasuredScene;
-use makadam_frames::provenance::{Provenance, account, machine};
+use makadam_frames::provenance::{Provenance, machine};
 use makadam_frames::stepping::{Stepping, steps_in};
 use makadam_measure::statistics::Ensemble;
 use makadam_studies::convergence::{Curve, Effort, TOLERANCES, measure, methods};
 use makadam_studies::problem::{
     self, AGREEMENT, Answer, Check, FromSiconos, Method, ProblemFile, RECORDED, Recorded, SICONOS, pose,
-    siconos_version,
 };
-use makadam_studies::tradeoff::{Bound, Campaign, Outcome, Plan, QUICK_TIME_LIMIT, Study, Terms};
+use makadam_studies::tradeoff::{Bound, Plan};
 use makadam_view::draw::numbers::Rounding;
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Seed of the scenes whose contact problems are posed.
@@ -30,33 +29,27 @@ const PROBLEMS: &str = "contact-problems";
 /// The contact problem of one step by Makadam's sweeps, by two solvers apart from them, and by Siconos, a code of contact dynamics that shares
 /// no line with them.
 ///
-/// The problem is posed by this build. Siconos solves it where it is run; its recorded answers are to recorded problems, which Makadam's
-/// solvers then solve too.
+/// The problem is posed by this build. The recorded answers of Siconos are to recorded problems, which Makadam's solvers then solve too.
 pub(super) fn contact_problems(place: Place<'_>) -> Result<Part<'_>, QualifyError> {
-    // Version of Siconos, or the reason for which it is not run.
-    let siconos = Arc::new(match place.settings.live {
-        true => siconos_version().map_err(|error| format!("Siconos was not run: {error}.")),
-        false => Err("Siconos was not run: its answers are the recorded ones.".into()),
-    });
     let cache = Arc::new(place.open(PROBLEMS)?);
     let item = |recorded: &'static Recorded| {
         let weight = recorded.scene().map_or(0.0, |scene| weight(&scene));
-        let (siconos, cache) = (siconos.clone(), cache.clone());
+        let cache = cache.clone();
         Item::of(format!("contact problem {}", recorded.name), weight, false, move || {
-            let version = siconos.as_deref().unwrap_or("recorded");
-            let key = Key::new(recorded.name.into(), &[recorded.name, version, BUILD, makadam_compare::BUILD]);
-            cache.take(&key, || solve_problem(recorded, &siconos, place))
+            let key = Key::new(recorded.name.into(), &[recorded.name, BUILD, makadam_compare::BUILD]);
+            cache.take(&key, || solve_problem(recorded, place))
         })
     };
-    let scope = "The contact problem of one step of {items}, by the sweeps of the simulation, by Newton's method, by projected Gauss-Seidel on \
-                 plain data, which is the reference, and by Siconos: velocities side by side.";
-    let mut part = Part::new(PROBLEMS, "Contact problems", scope, RECORDED.iter().map(item).collect());
-    part.section.notes.extend(siconos.as_ref().as_ref().err().cloned());
-    Ok(part)
+    let scope = format!(
+        "The contact problem of one step of {}, by the sweeps of the simulation, by Newton's method, by projected Gauss-Seidel on plain data, \
+         which is the reference, and by Siconos {SICONOS}, whose answers are recorded: velocities side by side.",
+        RECORDED.each_ref().map(|recorded| recorded.name).join(", ")
+    );
+    Ok(Part::new(PROBLEMS, "Contact problems", scope, RECORDED.iter().map(item).collect()))
 }
 
-/// Poses the problem of a scene, and has it solved by every solver there is.
-fn solve_problem(recorded: &Recorded, siconos: &Result<String, String>, place: Place<'_>) -> Result<Solved, RunError> {
+/// Poses the problem of a scene, and has it and the recorded one solved by every solver there is.
+fn solve_problem(recorded: &Recorded, place: Place<'_>) -> Result<Solved, RunError> {
     let clock = Instant::now();
     let share = (place.settings.announce)(&format!("{} contact problem", recorded.name));
     let scene = recorded.scene().map_err(|error| no_problem(error.to_string()))?;
@@ -65,20 +58,16 @@ fn solve_problem(recorded: &Recorded, siconos: &Result<String, String>, place: P
     let settled = Stepping::new(steps, &*share).carry_out(&mut simulation, |_, _| {});
     settled.map_err(|_| RunError::Interrupted)?;
     let title = format!("{}, seed {SEED}, t = {} s", scene.name, simulation.time());
-    let posed = pose(&simulation, &title);
-    let (own, with_siconos, origin) = match siconos {
-        Ok(version) => (check(&posed, &FromSiconos::Run)?, None, format!("Siconos {version}, run live")),
-        Err(_) => {
-            let answers = FromSiconos::Recorded(recorded.siconos().map_err(no_problem)?);
-            let with_siconos = check(&recorded.problem().map_err(no_problem)?, &answers)?;
-            (check(&posed, &FromSiconos::Nothing)?, Some(with_siconos), format!("Siconos {SICONOS}, recorded"))
-        }
-    };
-    let mut tests = [Method::Direct, Method::Lanes].map(|method| problem_test(recorded, &own, method)).to_vec();
-    let with_siconos = problem_test(recorded, with_siconos.as_ref().unwrap_or(&own), Method::Siconos);
-    tests.push(StudyTest { remark: Some(origin), ..with_siconos });
-    let words = format!("{} ({} contacts)", recorded.name, own.contacts);
-    Ok(Solved { words, runs: 1, wall_seconds: clock.elapsed().as_secs_f64(), tests, ..Solved::default() })
+    let own = check(&pose(&simulation, &title), &FromSiconos::Nothing)?;
+    let answers = FromSiconos::Recorded(recorded.siconos().map_err(no_problem)?);
+    let with_siconos = check(&recorded.problem().map_err(no_problem)?, &answers)?;
+    let tests = [(&own, Method::Direct), (&own, Method::Lanes), (&with_siconos, Method::Siconos)];
+    Ok(Solved {
+        runs: 1,
+        wall_seconds: clock.elapsed().as_secs_f64(),
+        tests: tests.map(|(check, method)| problem_test(recorded, check, method)).into(),
+        ..Solved::default()
+    })
 }
 
 fn no_problem(problem: String) -> RunError {
@@ -169,7 +158,6 @@ fn solve_step(Named { name, file, scene }: &Named, place: Place<'_>) -> Result<S
         notes: study.findings.iter().map(|finding| format!("{name}: {finding}")).collect(),
         figures: study.figures(),
         files: named("convergence", name, study.tables()?),
-        ..Solved::default()
     })
 }
 
@@ -188,30 +176,19 @@ fn method_test(scene: &str, curve: &Curve, unit: &str) -> StudyTest {
     test.with_exception(known.map(|(.., reason)| *reason))
 }
 
-/// Accuracy against time: few settings of Makadam, timed one after the other, alone on the machine; and the settings of the scenes against
-/// their converged references, side by side.
+/// The settings of the scenes against their converged references, over as many seeds as it takes to tell.
 pub(super) fn tradeoff<'a>(scenes: &[(&'static str, u64)], place: Place<'a>) -> Result<Part<'a>, QualifyError> {
     let item = |&(name, seeds): &(&'static str, u64)| {
         let own = Arc::new(OwnSettings::new(Named::open(name, place)?, seeds, place));
-        let timed = own.clone();
-        let timed = Job {
-            identity: format!("tradeoff {name}"),
-            weight: 0.0,
-            alone: true,
-            work: Box::new(move || timed.time()),
-        };
-        let jobs = [timed].into_iter().chain(OwnSettings::jobs(&own)).collect();
-        Ok(Item { jobs, solved: Box::new(move || own.solved()) })
+        Ok(Item { jobs: OwnSettings::jobs(&own), solved: Box::new(move || own.solved()) })
     };
-    let scope = format!(
-        "Makadam at few settings, {FEW_SEEDS} seeds each, against its own converged reference: timed one after the other on one core, alone on \
-         the machine. The settings that the scenes come with are judged with as many seeds as it takes to tell."
-    );
+    let scope = "The settings that the scenes come with, against the converged reference of `makadam tradeoff`, with as many seeds as it takes \
+                 to tell.";
     let items = scenes.iter().map(item).collect::<Result<_, QualifyError>>()?;
-    Ok(Part::new("tradeoff", "What accuracy costs", scope, items))
+    Ok(Part::new("tradeoff", "Accuracy of the settings of scenes", scope, items))
 }
 
-/// A scene with the settings of its file, and with those of its converged reference, over as many seeds as it takes to tell.
+/// A scene with the settings of its file, and with those of its converged reference.
 struct OwnSettings<'a> {
     place: Place<'a>,
     named: Named,
@@ -220,41 +197,15 @@ struct OwnSettings<'a> {
     /// The reference's settings in words.
     reference: String,
     seeds: u64,
-    /// Few settings of Makadam.
-    plan: Plan,
-    /// These settings, timed alone on the machine.
-    timed: OnceLock<Outcome>,
 }
 
 impl<'a> OwnSettings<'a> {
     fn new(named: Named, seeds: u64, place: Place<'a>) -> OwnSettings<'a> {
-        let plan = Plan::new(&named.scene, true, &["Makadam"], &[1.0]);
+        let plan = Plan::new(&named.scene, &["Makadam"], &[1.0]);
         let finest = plan.refinement(1.0).map(|refinement| &plan.configurations[refinement.grids[2]]);
         let finest = finest.expect("a plan has a reference at the scene's stiffness");
         let (versions, reference) = ([named.scene.clone(), finest.scene(&named.scene)], finest.setting());
-        OwnSettings { place, named, versions, reference, seeds, plan, timed: OnceLock::new() }
-    }
-
-    /// Times few settings of Makadam.
-    fn time(&self) -> Result<(), RunError> {
-        let Named { name, file, scene } = &self.named;
-        let codes: [Box<dyn Code>; 1] = [Box::new(Makadam)];
-        let campaign = Campaign {
-            scene,
-            scene_file: file,
-            plan: &self.plan,
-            seeds: FEW_SEEDS,
-            codes: &codes,
-            time_limit: QUICK_TIME_LIMIT,
-            cache: &self.place.open(&format!("tradeoff/{name}"))?,
-            progress: Arc::new(|_, _| {}),
-        };
-        let outcome = campaign.carry_out()?;
-        if outcome.interrupted {
-            return Err(RunError::Interrupted);
-        }
-        self.timed.get_or_init(|| outcome);
-        Ok(())
+        OwnSettings { place, named, versions, reference, seeds }
     }
 
     fn jobs(own: &Arc<OwnSettings<'a>>) -> Vec<Job<'a>> {
@@ -271,30 +222,8 @@ impl<'a> OwnSettings<'a> {
         runs.map(job).collect()
     }
 
-    fn solved(&self) -> Result<Solved, RunError> {
-        let Named { name, scene, .. } = &self.named;
-        let outcome = self.timed.get().expect("it was run alone on the machine");
-        let terms = Terms {
-            quick: true,
-            seeds: FEW_SEEDS,
-            bounds: Bound::usual(),
-            time_limit: QUICK_TIME_LIMIT,
-            provenance: account(1, &[scene]),
-        };
-        let study = Study::new(scene, &self.plan, outcome, terms);
-        Ok(Solved {
-            runs: outcome.runs.iter().flatten().count(),
-            wall_seconds: outcome.runs.iter().flatten().map(|kept| kept.run.wall_seconds).sum::<f64>(),
-            tests: self.tests()?,
-            notes: study.findings.iter().map(|finding| format!("{name}: {finding}")).collect(),
-            figures: study.figures(),
-            files: named("tradeoff", name, study.tables()?),
-            ..Solved::default()
-        })
-    }
-
     /// Returns a test for each bounded observable of the scene, from finished runs.
-    fn tests(&self) -> Result<Vec<StudyTest>, RunError> {
+    fn solved(&self) -> Result<Solved, RunError> {
         let (mut pairs, mut failure) = (Vec::new(), None);
         for seed in 1..=self.seeds {
             let mut of = |version: &MeasuredScene| match self.take(version, seed) {
@@ -309,7 +238,13 @@ impl<'a> OwnSettings<'a> {
         }
         let is_compared = |bound: &Bound| self.versions[0].compare.iter().any(|one| one.observable == bound.observable);
         let bounds = Bound::usual().into_iter().filter(is_compared);
-        Ok(bounds.map(|bound| self.test(&bound, &pairs, failure.clone())).collect())
+        let ended = || pairs.iter().flatten().flatten();
+        Ok(Solved {
+            runs: ended().count(),
+            wall_seconds: ended().map(|run| run.wall_seconds).sum(),
+            tests: bounds.map(|bound| self.test(&bound, &pairs, failure.clone())).collect(),
+            ..Solved::default()
+        })
     }
 
     /// Tests that the 90% interval of the deviation, seed by seed, lies within the bound.

@@ -92,7 +92,6 @@ fn law_solved(result: LawResult) -> Result<Solved, DocumentError> {
         notes: vec![format!("{}: {}. {}", result.name, result.statement, result.source)],
         files: vec![laws::runs(&result.rows).csv(&format!("laws-{}", result.name))?],
         figures: result.figures,
-        ..Solved::default()
     })
 }
 
