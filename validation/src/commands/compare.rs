@@ -32,13 +32,10 @@ pub(super) struct CompareArguments {
     /// without --own-code each folder is a run of Makadam, or all its files hold grains.
     #[arg(long, num_args = 1.., value_name = "FOLDERS", conflicts_with_all = ["seeds", "record"])]
     pub frames: Vec<String>,
-    /// Record results of the other codes as the scene's references. Only seeds not yet recorded for the same scene, version and
-    /// time step are measured from raw recordings or run.
+    /// Record results of the other codes as the scene's references, in place of those recorded before. Raw recordings of the same scene,
+    /// version and time step are measured again; other seeds are run.
     #[arg(long, conflicts_with_all = ["json", "output", "live"])]
     pub record: bool,
-    /// Start again: measure or run all seeds and replace the recorded ones; only with --record.
-    #[arg(long, requires = "record")]
-    pub restart: bool,
     /// Folder of raw recordings that --record reads and writes; if absent, in the user's cache.
     #[arg(long, requires = "record")]
     pub recordings: Option<PathBuf>,
@@ -259,11 +256,9 @@ fn record_codes(
             ..Runs::of_one_seed(scene, file, 1, Duration::from_secs_f64(arguments.time_limit), &bars)
         },
         seeds: arguments.seeds,
-        again: arguments.restart,
-        note: &|text| console.note(text),
         warn: &|text| console.warn(text),
     };
-    let mut recorded = recorder.record(reference_codes)?;
+    let mut recorded = recorder.record(&reference_codes)?;
     let state = if recorded.changed { "" } else { " (unchanged)" };
     recorded.lines.push(format!("references: {}{state}", recorded.folder.display()));
     console.result(&recorded.lines.join("\n"))?;

@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error)]
 pub enum ReferenceError {
     /// A file cannot be read.
-    #[error("{}: cannot be read: {source}; restore it from the repository, or record anew with 'makadam compare SCENE --record --restart'", file.display())]
+    #[error("{}: cannot be read: {source}; restore it from the repository, or remove its folder and record anew with 'makadam compare SCENE --record'", file.display())]
     Io {
         /// The file.
         file: PathBuf,
@@ -27,7 +27,7 @@ pub enum ReferenceError {
         source: std::io::Error,
     },
     /// A line is not what it should be.
-    #[error("{}:{line}: {problem}; restore the file from the repository, or record anew with 'makadam compare SCENE --record --restart'", file.display())]
+    #[error("{}:{line}: {problem}; restore the file from the repository, or remove its folder and record anew with 'makadam compare SCENE --record'", file.display())]
     Line {
         /// The file.
         file: PathBuf,
