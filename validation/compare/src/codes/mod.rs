@@ -135,19 +135,6 @@ pub enum CodeError {
         /// Log file, kept.
         log: PathBuf,
     },
-    /// It printed more than is kept, and was stopped.
-    #[error(
-        "{code} was stopped: it printed more than {mebibytes} MiB; the first of them are in {}; let it print less",
-        log.display()
-    )]
-    LongLog {
-        /// The code.
-        code: &'static str,
-        /// Limit, MiB.
-        mebibytes: u64,
-        /// Log file, kept, as long as the limit.
-        log: PathBuf,
-    },
     /// It came to a state that makes its numbers invalid.
     #[error("{code} came to a state that makes its numbers invalid: {alarm}")]
     InvalidState {
@@ -218,11 +205,11 @@ fn remedy(source: &std::io::Error) -> &'static str {
 }
 
 /// Writes files into a folder, which is made.
-fn write_files(folder: &Path, files: impl IntoIterator<Item = (impl AsRef<Path>, String)>) -> Result<(), CodeError> {
+fn write_files(folder: &Path, files: impl IntoIterator<Item = (impl AsRef<Path>, impl AsRef<[u8]>)>) -> Result<(), CodeError> {
     std::fs::create_dir_all(folder).map_err(|source| process::io(folder, source))?;
-    for (name, text) in files {
+    for (name, content) in files {
         let path = folder.join(name);
-        std::fs::write(&path, text).map_err(|source| process::io(&path, source))?;
+        std::fs::write(&path, content).map_err(|source| process::io(&path, source))?;
     }
     Ok(())
 }

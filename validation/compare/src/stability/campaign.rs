@@ -149,7 +149,6 @@ impl Case {
             }
             Err(CodeError::Crashed { status, tail, .. }) => Err((Verdict::Crashed, format!("{status}: {tail}"))),
             Err(CodeError::Output { problem, .. }) => Err((Verdict::Crashed, problem)),
-            Err(error @ CodeError::LongLog { .. }) => Err((Verdict::Crashed, error.to_string())),
             Err(error) => return Err(error.into()),
         };
         Ok(self.judged(code.name(), &grains, run, start))

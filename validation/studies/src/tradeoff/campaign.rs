@@ -130,7 +130,6 @@ impl Campaign<'_> {
                     error @ (CodeError::Crashed { .. }
                     | CodeError::InvalidState { .. }
                     | CodeError::Output { .. }
-                    | CodeError::LongLog { .. }
                     | CodeError::TimedOut { .. }),
                 ) => {
                     outcome.failures.entry(place).or_insert((seed, error.to_string()));
