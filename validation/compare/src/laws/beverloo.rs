@@ -103,21 +103,12 @@ fn measure(case: &Case, run: &mut Run<'_>) -> Result<Values, RunError> {
 
 fn judge(means: &[Mean]) -> Vec<Finding> {
     let fit = Fit::of(means);
-    let mut findings = vec![
+    vec![
         Finding::near("exponent, with k = 1.4", fit.exponent, EXPONENT, TOLERANCE),
         Finding::reported("C, with k = 1.4 and the exponent 2.5 (published: 0.58)", fit.c),
         Finding::reported("k, with the exponent 2.5 (published: 1.4)", fit.free[1]),
         Finding::reported("  C of that fit", fit.free[0]),
-    ];
-    for mean in means {
-        let hole = mean.of_value("hole");
-        let at = format!("D = {hole} d");
-        findings
-            .push(Finding::reported(format!("flow over the law's, {at}"), mean.of_value("flow_scaled") / law(hole)));
-        let steady = mean.of_value("flow_second_over_first_half");
-        findings.push(Finding::reported(format!("  flow in the second half of the time over the first, {at}"), steady));
-    }
-    findings
+    ]
 }
 
 fn figures(means: &[Mean]) -> Vec<Figure> {

@@ -108,47 +108,23 @@ fn measure(case: &Case, run: &mut Run<'_>) -> Result<Values, RunError> {
 
 fn judge(means: &[Mean]) -> Vec<Finding> {
     let saturated = saturated(means);
-    let deviation = |mean: &&Mean| {
+    let deviations = fitted(means).map(|mean| {
         let [mass, apparent] = ["mass", "apparent_mass"].map(|name| mean.of_value(name) / saturated);
         apparent - law(mass)
-    };
-    let deviations: Vec<f64> = fitted(means).map(|mean| deviation(&mean)).collect();
+    });
     // What is not a number counts as the largest; `max` would pass it over.
     let larger = |a: f64, b: f64| if a >= b.abs() || a.is_nan() { a } else { b.abs() };
-    let largest = deviations.iter().fold(0.0, |largest, &one| larger(largest, one));
-    let rms = (deviations.iter().map(|one| one * one).sum::<f64>() / deviations.len() as f64).sqrt();
+    let largest = deviations.fold(0.0, larger);
     let densest = fitted(means).last();
     let density = densest.map_or(f64::NAN, |mean| mean.of_value("bulk_density"));
     let radius = densest.map_or(f64::NAN, |mean| mean.of_value("radius"));
-    let mobilised = densest.map_or(f64::NAN, |mean| mean.of_value("mobilisation"));
     let ratio = density * PI * radius.powi(3) / (2.0 * WALL_FRICTION * saturated);
     let [active, passive] = rankine(INTERNAL_FRICTION);
-    let mut findings = vec![
+    vec![
         Finding::at_most("largest deviation from Janssen's curve over M_s", largest, TOLERANCE),
         Finding::between("K, between Rankine's limits", ratio, active, passive),
-        Finding::reported("K, by the friction that is mobilised in the fullest tube", ratio / mobilised),
-        Finding::reported("root mean square deviation over M_s", rms),
         Finding::reported("saturated mass M_s", saturated).in_unit("kg"),
-    ];
-    for mean in means.iter().filter(|mean| mean.of_value("speed_share") == 1.0) {
-        let at = format!("H = {} D", mean.of_value("filling"));
-        let drift = mean.of_value("apparent_mass_drift") / saturated;
-        findings.extend([
-            Finding::reported(format!("deviation over M_s, {at}"), deviation(&mean)),
-            Finding::reported(format!("  drift over M_s within the measurement, {at}"), drift),
-            Finding::reported(format!("  mobilised share of the wall's friction, {at}"), mean.of_value("mobilisation")),
-            Finding::reported(format!("  forces on floor and wall over weight, {at}"), mean.of_value("balance")),
-        ]);
-    }
-    for slow in means.iter().filter(|mean| mean.of_value("speed_share") != 1.0) {
-        let same = fitted(means).find(|mean| mean.of_value("filling") == slow.of_value("filling"));
-        if let Some(same) = same {
-            let change = (slow.of_value("apparent_mass") - same.of_value("apparent_mass")) / saturated;
-            let words = format!("change over M_s at half the speed, H = {} D", slow.of_value("filling"));
-            findings.push(Finding::reported(words, change));
-        }
-    }
-    findings
+    ]
 }
 
 fn figures(means: &[Mean]) -> Vec<Figure> {

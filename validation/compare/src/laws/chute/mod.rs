@@ -143,21 +143,6 @@ fn judge(means: &[Mean]) -> Vec<Finding> {
         let what = format!("friction less the published one at {}, I = {inertial:.3}", words(mean));
         judge(what, beyond, 0.0, TOLERANCE.1);
     }
-    for mean in means {
-        let tangent = mean.of_value("angle").to_radians().tan();
-        let mut say =
-            |what: &str, value: f64| findings.push(Finding::reported(format!("  {what} at {}", words(mean)), value));
-        say(
-            "friction on planes along the chute, less that of glass beads",
-            mean.of_value("friction") - mean.of_value("friction_of_beads"),
-        );
-        say("force on the bed over what the slope says", mean.of_value("friction") / tangent);
-        say("shear in the layer over what the slope says", mean.of_value("shear_over_normal_stress") / tangent);
-        say("stress along the chute over that normal to it", mean.of_value("along_over_normal_stress"));
-        say("stress across the chute over that normal to it", mean.of_value("across_over_normal_stress"));
-        say("kinetic energy in the second half over the first", mean.of_value("kinetic_energy_later_over_earlier"));
-        say("solid fraction", mean.of_value("solid_fraction"));
-    }
     findings
 }
 
