@@ -28,9 +28,6 @@ pub use yade::Yade;
 /// Hertz's spring and Mindlin's, both damped for the restitution of the scene: what explicit codes do where nothing else is said.
 pub const HERTZ_MINDLIN: &str = "Hertz-Mindlin, damped";
 
-/// Law of decks of earlier versions: the tangential spring without damping.
-pub const UNDAMPED_TANGENT: &str = "Hertz-Mindlin, tangent undamped";
-
 /// Purpose of a run. Scene and time step are the same either way.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Purpose {

@@ -163,43 +163,24 @@ struct MeasurementLine {
     frames: usize,
 }
 
-/// A line of `forces.csv`.
-#[derive(Deserialize)]
-struct ForceLine {
-    code: String,
-    force_over_mean: f64,
-    density: f64,
-    samples: usize,
-}
+/// Columns of `runs.csv`.
+const RUN_COLUMNS: &str = "code version contact_law seed time_step rayleigh_fraction wall_seconds simulated_seconds processor date scene_hash";
 
-/// A line of `series.csv`.
-#[derive(Deserialize)]
-struct SeriesLine {
-    code: String,
-    seed: u64,
-    observable: String,
-    time: f64,
-    value: f64,
-}
+/// Columns of `measurements.csv`.
+const MEASUREMENT_COLUMNS: &str =
+    "code version seed time_step rayleigh_fraction observable unit value standard_error frames";
 
-/// A line of `final-state-CODE.csv`; metres, m/s and rad/s.
-#[derive(Deserialize)]
-struct GrainLine {
-    id: u32,
-    radius: f64,
-    x: f64,
-    y: f64,
-    z: f64,
-    vx: f64,
-    vy: f64,
-    vz: f64,
-    wx: f64,
-    wy: f64,
-    wz: f64,
-}
+/// Columns of `forces.csv`, and a line of it.
+const FORCE_COLUMNS: &str = "code force_over_mean density samples";
+type ForceLine = (String, f64, f64, usize);
 
-/// Names of the columns of `final-state-CODE.csv`.
-const GRAIN_COLUMNS: [&str; 11] = ["id", "radius", "x", "y", "z", "vx", "vy", "vz", "wx", "wy", "wz"];
+/// Columns of `series.csv`, and a line of it.
+const SERIES_COLUMNS: &str = "code seed observable time value";
+type SeriesLine = (String, u64, String, f64, f64);
+
+/// Columns of `final-state-CODE.csv` (m, m/s, rad/s), and a line of it.
+const GRAIN_COLUMNS: &str = "id radius x y z vx vy vz wx wy wz";
+type GrainLine = (u32, f64, [f64; 3], [f64; 3], [f64; 3]);
 
 /// Name of the file with a code's final state.
 fn final_state_file(code: &str) -> String {
