@@ -5,7 +5,7 @@
 
 use super::campaign::values;
 use super::results::line;
-use super::{Case, Law, Mean, Run, RunError, Values, figure};
+use super::{Case, DIAMETER, Law, Mean, Run, RunError, SPREAD, Values, figure, grains_of};
 use crate::sketch::{GRAVITY, Sketch};
 use crate::study::Finding;
 use makadam::scene::{Motion, Reaction, Region, Shape};
@@ -15,10 +15,6 @@ use makadam_view::draw::names::{CodeStyle, Marker};
 use makadam_view::draw::plot::{Axis, Key, Plot};
 use std::f64::consts::PI;
 
-/// Mean diameter of the grains, m.
-const DIAMETER: f64 = 0.01;
-/// Half width of the radii's distribution over their mean, so that the grains form no crystal.
-const SPREAD: f64 = 0.1;
 /// Density of the grains, kg/m3.
 const DENSITY: f64 = 2500.0;
 /// Friction of the grains and of all walls.
@@ -156,12 +152,8 @@ impl Fit {
     }
 }
 
-fn grain_volume() -> f64 {
-    PI / 6.0 * DIAMETER.powi(3) * (1.0 + SPREAD * SPREAD)
-}
-
 fn grain_mass() -> f64 {
-    DENSITY * grain_volume()
+    DENSITY * (PI / 6.0 * DIAMETER.powi(3) * (1.0 + SPREAD * SPREAD))
 }
 
 fn mass(grain: &Particle) -> f64 {
@@ -197,7 +189,7 @@ fn filling(frame: &Snapshot, silo: f64) -> f64 {
 fn case(hole: f64, least: f64) -> Case {
     let silo = (SILO[0] * hole).max(least) * DIAMETER;
     let (radius, height, grain) = (0.5 * silo, FILLING[0] * silo, 0.5 * DIAMETER);
-    let count = (SOLID * PI * radius * radius * height / grain_volume()).round() as usize;
+    let count = grains_of(SOLID * PI * radius * radius * height);
     // The lattice that grains start on is less than half as dense as the bed.
     let room = 3.0 * height + 10.0 * DIAMETER;
     let open = 0.4 + 2.0 * (2.0 * height / GRAVITY).sqrt();

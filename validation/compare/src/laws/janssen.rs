@@ -7,7 +7,7 @@
 
 use super::campaign::values;
 use super::results::least;
-use super::{Case, Law, Mean, Run, RunError, Values, figure};
+use super::{Case, DIAMETER, Law, Mean, Run, RunError, SPREAD, Values, figure, grains_of};
 use crate::sketch::{GRAVITY, Sketch};
 use crate::study::Finding;
 use makadam::scene::{Motion, Region, Shape};
@@ -17,10 +17,6 @@ use makadam_view::draw::names::{CodeStyle, Marker};
 use makadam_view::draw::plot::{Axis, Key, Plot};
 use std::f64::consts::PI;
 
-/// Mean diameter of the grains, m.
-const DIAMETER: f64 = 0.01;
-/// Half width of the radii's distribution over their mean, so that the grains form no crystal.
-const SPREAD: f64 = 0.1;
 /// Density of the grains, kg/m3.
 const DENSITY: f64 = 2500.0;
 /// Friction of the grains with each other and with the floor.
@@ -209,8 +205,7 @@ fn case(diameters: f64, filling: f64, speed_share: f64) -> Case {
     let radius = 0.5 * diameters * DIAMETER;
     let height = filling * 2.0 * radius;
     let grain = 0.5 * DIAMETER;
-    let volume = 4.0 / 3.0 * PI * grain.powi(3) * (1.0 + SPREAD * SPREAD);
-    let count = (SOLID * PI * radius * radius * height / volume).round() as usize;
+    let count = grains_of(SOLID * PI * radius * radius * height);
     // The lattice that grains start on is less than half as dense as the bed.
     let room = 3.0 * height + 10.0 * DIAMETER;
     let start = 0.4 + 2.5 * (2.0 * height / GRAVITY).sqrt();

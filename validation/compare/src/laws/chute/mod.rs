@@ -13,7 +13,7 @@ mod profile;
 
 use self::profile::Profile;
 use super::campaign::values;
-use super::{Case, Law, Mean, Run, RunError, Values, figure};
+use super::{Case, DIAMETER, Law, Mean, Run, RunError, SPREAD, Values, figure, grains_of};
 use crate::sketch::{GRAVITY, Sketch};
 use crate::study::Finding;
 use makadam::scene::{Axis as Periodic, Motion, Region, Shape};
@@ -24,10 +24,6 @@ use makadam_view::draw::plot::{Axis, Key, Plot};
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
-/// Mean diameter of the grains, m.
-const DIAMETER: f64 = 0.01;
-/// Half width of the radii's distribution over their mean, so that the layer forms no crystal.
-const SPREAD: f64 = 0.1;
 /// Friction and restitution of grains and bed: those of Silbert et al. (2001).
 const FRICTION: f64 = 0.5;
 const RESTITUTION: f64 = 0.88;
@@ -183,8 +179,7 @@ fn case(angle: f64, layer: Layer, coarseness: f64) -> Case {
     let [length, width] = PERIOD.map(|diameters| diameters * DIAMETER);
     let (radius, turn) = (0.5 * DIAMETER, angle.to_radians());
     let room = (10.0 + 2.3 * layer.depth) * DIAMETER;
-    let volume = 4.0 / 3.0 * PI * radius.powi(3) * (1.0 + SPREAD * SPREAD);
-    let count = (0.57 * length * width * layer.depth * DIAMETER / volume).round() as usize;
+    let count = grains_of(0.57 * length * width * layer.depth * DIAMETER);
     let name = if coarseness == 1.0 { format!("chute-{angle}") } else { format!("chute-{angle}-coarse") };
     let [from, until] = layer.measured;
     let scene = Sketch::new(name, until)

@@ -25,10 +25,10 @@ mod deposit;
 
 use super::campaign::values;
 use super::results::{at_zero, line};
-use super::{Case, Law, Mean, Run, RunError, Values, figure};
+use super::{Case, DIAMETER, Law, Mean, Run, RunError, Values, figure};
 use crate::sketch::GRAVITY;
 use crate::study::Finding;
-use column::{DIAMETER, Part, case, heap};
+use column::{Part, case, heap};
 use deposit::{
     angle_of_repose, centre_of_mass, connected, coverage, edge, height_at_axis, holding, solid_volume, speed,
 };
