@@ -234,37 +234,16 @@ pub(super) fn locate(program: &OsStr) -> Option<PathBuf> {
     std::env::split_paths(&std::env::var_os("PATH")?).map(|folder| folder.join(program)).find(|file| file.is_file())
 }
 
-/// Reads a program's answer about its version; none if it is not there, empty if it cannot be started or does
-/// not answer in time. Why it cannot be started is told by the run that follows.
+/// Reads a program's answer about its version; none if it is not there, empty if it cannot be started. Why it cannot be started is told by
+/// the run that follows.
 fn first_words(program: &OsStr, arguments: &[&str]) -> Option<String> {
-    let program = locate(program)?;
-    let mut command = Command::new(program);
-    command.args(arguments).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::null()).process_group(0);
-    let Ok(child) = command.spawn() else { return Some(String::new()) };
-    let mut group = Group(child);
-    let mut pipe = group.0.stdout.take()?;
-    let reader = std::thread::spawn(move || {
-        let mut words = vec![0; 4096];
-        let mut length = 0;
-        while length < words.len() {
-            match pipe.read(&mut words[length..]) {
-                Ok(0) | Err(_) => break,
-                Ok(count) => length += count,
-            }
-        }
-        words.truncate(length);
-        String::from_utf8_lossy(&words).into_owned()
-    });
-    let start = Instant::now();
-    while !reader.is_finished() && start.elapsed() < Duration::from_secs(10) {
-        std::thread::sleep(Duration::from_millis(5));
-    }
-    drop(group);
-    Some(reader.join().unwrap_or_default())
+    let mut command = Command::new(locate(program)?);
+    let answer = command.args(arguments).stdin(Stdio::null()).stderr(Stdio::null()).output();
+    Some(answer.map_or_else(|_| String::new(), |answer| String::from_utf8_lossy(&answer.stdout).into_owned()))
 }
 
 /// End of a log file.
-fn ending(log: &Path) -> String {
+pub(super) fn ending(log: &Path) -> String {
     let read = || -> std::io::Result<Vec<u8>> {
         let mut file = File::open(log)?;
         let length = file.metadata()?.len();

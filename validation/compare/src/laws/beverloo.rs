@@ -6,7 +6,7 @@
 use super::campaign::values;
 use super::results::line;
 use super::{Case, DIAMETER, Law, Mean, Run, RunError, SPREAD, Values, figure, grains_of};
-use crate::sketch::{GRAVITY, Sketch};
+use crate::sketch::{DENSITY, GRAVITY, Sketch};
 use crate::study::Finding;
 use makadam::scene::{Motion, Reaction, Region, Shape};
 use makadam::snapshot::{Particle, Snapshot};
@@ -15,8 +15,6 @@ use makadam_view::draw::names::{CodeStyle, Marker};
 use makadam_view::draw::plot::{Axis, Key, Plot};
 use std::f64::consts::PI;
 
-/// Density of the grains, kg/m3.
-const DENSITY: f64 = 2500.0;
 /// Friction of the grains and of all walls.
 const FRICTION: f64 = 0.5;
 /// Diameter of the silo, at least: over the hole's, and over the grains'. Narrower ones feel their walls.
@@ -210,7 +208,6 @@ fn case(hole: f64, least: f64) -> Case {
         })
         // Grains below the floor may roll away.
         .with(|scene| scene.watch.on_escape = Reaction::Ignore)
-        .change_material("grain", |grain| grain.density = DENSITY)
         .named_wall("floor", "wall", disc(radius + DIAMETER, opening), Motion::Fixed)
         .named_wall("lid", "wall", disc(opening, 0.0), lid)
         .named_wall("ground", "wall", Shape::Plane { point: [0.0, 0.0, below], normal: up }, Motion::Fixed)

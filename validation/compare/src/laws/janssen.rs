@@ -8,7 +8,7 @@
 use super::campaign::values;
 use super::results::least;
 use super::{Case, DIAMETER, Law, Mean, Run, RunError, SPREAD, Values, figure, grains_of};
-use crate::sketch::{GRAVITY, Sketch};
+use crate::sketch::{DENSITY, GRAVITY, Sketch};
 use crate::study::Finding;
 use makadam::scene::{Motion, Region, Shape};
 use makadam::snapshot::{Partner, Snapshot};
@@ -17,8 +17,6 @@ use makadam_view::draw::names::{CodeStyle, Marker};
 use makadam_view::draw::plot::{Axis, Key, Plot};
 use std::f64::consts::PI;
 
-/// Density of the grains, kg/m3.
-const DENSITY: f64 = 2500.0;
 /// Friction of the grains with each other and with the floor.
 const FRICTION: f64 = 0.5;
 /// Friction of the tube: below that of the grains, so that they slip at the wall and not beside it.
@@ -227,7 +225,7 @@ fn case(diameters: f64, filling: f64, speed_share: f64) -> Case {
         )
         .with(|scene| scene.description = format!("Grains to {filling} diameters of a tube whose wall rises slowly."))
         .change_material("wall", |wall| wall.friction = WALL_FRICTION)
-        .change_material("grain", |grain| (grain.friction, grain.density) = (FRICTION, DENSITY))
+        .change_material("grain", |grain| grain.friction = FRICTION)
         .named_wall("floor", "floor", Shape::Plane { point: [0.0; 3], normal: up }, Motion::Fixed)
         .polydisperse(
             count,

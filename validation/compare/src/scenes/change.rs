@@ -53,36 +53,13 @@ impl fmt::Display for Change {
 }
 
 /// The steps of a dotted key; quotes hold what has dots or blanks of its own. `population[0].count`, as messages print it, is
-/// `population.0.count`.
+/// `population.0.count`; a key with quotes has dots alone.
 pub fn key_of(key: &str) -> Vec<String> {
-    let dotted = with_dots(key);
+    let dotted = if key.contains(['"', '\'']) { key.into() } else { key.replace('[', ".").replace(']', "") };
     match Key::parse(&dotted) {
         Ok(steps) => steps.iter().map(|step| step.get().to_string()).collect(),
         Err(_) => dotted.split('.').map(|step| step.trim().to_string()).collect(),
     }
-}
-
-/// A key with every number in brackets as a step of its own; what stands in quotes is left as it is.
-fn with_dots(key: &str) -> String {
-    let mut dotted = String::with_capacity(key.len());
-    let mut rest = key;
-    let mut quote = None;
-    while let Some(next) = rest.chars().next() {
-        let number = rest.strip_prefix('[').filter(|_| quote.is_none()).and_then(|rest| rest.split_once(']'));
-        if let Some((number, after)) = number.filter(|(number, _)| number.parse::<usize>().is_ok()) {
-            dotted += &format!(".{number}");
-            rest = after;
-            continue;
-        }
-        match quote {
-            Some(open) if open == next => quote = None,
-            None if next == '"' || next == '\'' => quote = Some(next),
-            _ => {}
-        }
-        dotted.push(next);
-        rest = &rest[next.len_utf8()..];
-    }
-    dotted
 }
 
 impl Change {

@@ -160,7 +160,6 @@ impl Campaign<'_> {
                 }
             }
         }
-        outcome.notes.extend(self.cache.damaged());
         let reference = self.plan.refinement(1.0).map(|refinement| refinement.grids[2]);
         let cost = |place: usize| costs.seconds(&self.plan.configurations[place]);
         missing.sort_by(|a, b| {

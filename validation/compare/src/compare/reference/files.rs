@@ -11,7 +11,6 @@ use makadam_frames::output::cells::as_meant;
 use makadam_frames::output::{WriteError, create_folder, write_whole};
 use makadam_frames::recording::LARGEST;
 use makadam_measure::observables::Measurement;
-use makadam_measure::observables::catalogue::{Definition, definition};
 use serde::de::DeserializeOwned;
 use std::path::{Path, PathBuf};
 
@@ -98,18 +97,6 @@ impl Reference {
             }
             if line.value.is_nan() || line.value.abs() >= LARGEST {
                 return refused(format!("{} of {of_run} is {}, which nothing measures", line.observable, line.value));
-            }
-            let in_runs = (&run.version, run.time_step, run.rayleigh_fraction);
-            if (&line.version, line.time_step, line.rayleigh_fraction) != in_runs {
-                return refused(format!(
-                    "{of_run} has another version, time step or share of the Rayleigh step than in runs.csv"
-                ));
-            }
-            let is_other = |known: &&Definition| known.unit.split(" or ").all(|unit| unit != line.unit);
-            if let Some(Definition { unit, .. }) = definition(&line.observable).filter(is_other) {
-                let words = |unit: &str| if unit.is_empty() { "no unit".into() } else { format!("the unit {unit}") };
-                let (own, right) = (words(&line.unit), words(unit));
-                return refused(format!("{} of {of_run} has {own}, and is told with {right}", line.observable));
             }
             run.measurements.push(Measurement {
                 observable: line.observable,

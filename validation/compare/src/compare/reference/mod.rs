@@ -152,10 +152,6 @@ fn days(runs: &[MeasuredRun]) -> String {
 struct MeasurementLine {
     code: String,
     seed: u64,
-    // What stands in `runs.csv` too has to be the same here.
-    version: String,
-    time_step: f64,
-    rayleigh_fraction: Option<f64>,
     observable: String,
     unit: String,
     value: f64,
