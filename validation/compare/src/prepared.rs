@@ -80,7 +80,8 @@ pub fn start(
     };
     let file = state_file(scene, seed)?;
     // A state that is missing or damaged is prepared.
-    if let Some(mut simulation) = std::fs::read(&file).ok().and_then(|state| Simulation::start_from(scene, &state).ok()) {
+    if let Some(mut simulation) = std::fs::read(&file).ok().and_then(|state| Simulation::start_from(scene, &state).ok())
+    {
         execution.apply(&mut simulation)?;
         return Ok((simulation, Start::Prepared(file)));
     }

@@ -1,8 +1,6 @@
 //! Builder of the scenes of stress tests and laws.
 
-use makadam::scene::{
-    Domain, GrainEntry, Material, Motion, Population, RadiusDistribution, Region, Shape, Stop, Wall,
-};
+use makadam::scene::{Domain, GrainEntry, Material, Motion, Population, RadiusDistribution, Region, Shape, Stop, Wall};
 use makadam_frames::plan::{Measure, MeasuredScene};
 
 /// Radius of a grain where a case says nothing else, m.

@@ -160,12 +160,7 @@ impl External {
     }
 
     /// Reads the frames of a run that the description names; `grains` are those that it was started from, where they are known.
-    fn recording(
-        &self,
-        job: &Job<'_>,
-        grains: Option<&[Grain]>,
-        wall_seconds: f64,
-    ) -> Result<Recording, CodeError> {
+    fn recording(&self, job: &Job<'_>, grains: Option<&[Grain]>, wall_seconds: f64) -> Result<Recording, CodeError> {
         let manifest = Manifest {
             name: Some(self.name.into()),
             version: Some(self.version.clone()),

@@ -202,7 +202,10 @@ fn remedy(source: &std::io::Error) -> &'static str {
 }
 
 /// Writes files into a folder, which is made.
-fn write_files(folder: &Path, files: impl IntoIterator<Item = (impl AsRef<Path>, impl AsRef<[u8]>)>) -> Result<(), CodeError> {
+fn write_files(
+    folder: &Path,
+    files: impl IntoIterator<Item = (impl AsRef<Path>, impl AsRef<[u8]>)>,
+) -> Result<(), CodeError> {
     std::fs::create_dir_all(folder).map_err(|source| process::io(folder, source))?;
     for (name, content) in files {
         let path = folder.join(name);

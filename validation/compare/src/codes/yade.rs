@@ -204,7 +204,8 @@ fn job_file(
         Purpose::Measuring => VERLET_DISTANCE,
         Purpose::Timing => FASTEST_VERLET_DISTANCE,
     };
-    let material = |of: &Material| json!({ "young": of.youngs_modulus, "poisson": of.poisson_ratio, "density": of.density });
+    let material =
+        |of: &Material| json!({ "young": of.youngs_modulus, "poisson": of.poisson_ratio, "density": of.density });
     let grain = |grain: &Grain| {
         json!({
             "material": palette.index(&grain.material, false),

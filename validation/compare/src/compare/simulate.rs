@@ -128,7 +128,8 @@ impl Runs<'_> {
         if let Some(file) = kept.as_ref().filter(|file| file.is_file()) {
             let (installed, recording) = (code.version(), Recording::load(file));
             // Versions do not mix: what another one left behind, or what is damaged, is run again, unless no code is there to run.
-            let is_right = recording.as_ref().is_ok_and(|found| installed.as_ref().is_none_or(|own| *own == found.version));
+            let is_right =
+                recording.as_ref().is_ok_and(|found| installed.as_ref().is_none_or(|own| *own == found.version));
             if is_right || installed.is_none() {
                 let ended = file.metadata().and_then(|data| data.modified()).unwrap_or_else(|_| SystemTime::now());
                 let _ = std::fs::remove_dir_all(&work_folder);

@@ -1,8 +1,8 @@
 //! Files of recorded references; an error of reading names the file and the line.
 
 use super::{
-    FORCE_COLUMNS, FinalState, ForceDistribution, ForceLine, GRAIN_COLUMNS, GrainLine, MEASUREMENT_COLUMNS, MeasuredRun,
-    MeasurementLine, RUN_COLUMNS, Reference, SERIES_COLUMNS, Series, SeriesLine, final_state_file,
+    FORCE_COLUMNS, FinalState, ForceDistribution, ForceLine, GRAIN_COLUMNS, GrainLine, MEASUREMENT_COLUMNS,
+    MeasuredRun, MeasurementLine, RUN_COLUMNS, Reference, SERIES_COLUMNS, Series, SeriesLine, final_state_file,
 };
 use crate::scenes;
 use crate::study::{DocumentError, File, Table, cells};

@@ -158,7 +158,7 @@ fn wedge() -> Case {
 
 fn impossible_gap(law: NormalLaw) -> Case {
     let name = if law == NormalLaw::Rigid { "impossible-gap-rigid" } else { "impossible-gap" };
-    let scene = closing(name, 0.0).with(|scene| scene.solver.normal_law = law.clone()).scene();
+    let scene = closing(name, 0.0).with(|scene| scene.solver.normal_law = law).scene();
     let right = "a grain between walls that close altogether stays there under a bounded force";
     let (bound, source) = match law {
         NormalLaw::Rigid => (

@@ -19,7 +19,8 @@ const FAST: f64 = 100.0 * 2.0 * RADIUS / STEP;
 const RESTITUTION: f64 = 0.5;
 
 pub(super) fn cases() -> Vec<Case> {
-    let mut cases = vec![plane("fast-plane", RESTITUTION, NormalLaw::Hertz), plane("fast-inelastic", 0.0, NormalLaw::Hertz)];
+    let mut cases =
+        vec![plane("fast-plane", RESTITUTION, NormalLaw::Hertz), plane("fast-inelastic", 0.0, NormalLaw::Hertz)];
     cases.extend([plane("fast-rigid", RESTITUTION, NormalLaw::Rigid), corner(), disc(), shell(), moving_wall()]);
     cases.push(time_step(1e-6).long());
     cases.extend([1e-5, 1e-4, 1e-3, 1e-2, 1e-1].map(time_step));
