@@ -6,7 +6,7 @@ use super::console::Colour;
 use super::{Console, Failure, within_tolerance};
 use clap::Args;
 use makadam_compare::codes::{Code, CodeError, CodeName, External, absent, codes_of};
-use makadam_compare::compare::{CodeSummary, Recorder, Row, Runs};
+use makadam_compare::compare::{CodeSummary, Row, Runs};
 use makadam_frames::output::{JSON_VERSION, cache_folder, create_folder};
 use makadam_frames::plan::MeasuredScene;
 use makadam_qualification::qualify::{Judged, OneScene, codes_against, usual_codes};
@@ -249,16 +249,13 @@ fn record_codes(
         None => cache_folder()?.join("recordings"),
     };
     let bars = console.bars();
-    let recorder = Recorder {
-        runs: Runs {
-            rayleigh_fraction: arguments.rayleigh_fraction.unwrap_or(0.1),
-            recordings: Some(recordings),
-            ..Runs::of_one_seed(scene, file, 1, Duration::from_secs_f64(arguments.time_limit), &bars)
-        },
-        seeds: arguments.seeds,
-        warn: &|text| console.warn(text),
+    let runs = Runs {
+        rayleigh_fraction: arguments.rayleigh_fraction.unwrap_or(0.1),
+        recordings: Some(recordings),
+        ..Runs::of_one_seed(scene, file, 1, Duration::from_secs_f64(arguments.time_limit), &bars)
     };
-    let mut recorded = recorder.record(&reference_codes)?;
+    let warn = |text: &str| console.warn(text);
+    let mut recorded = makadam_compare::compare::record(&reference_codes, &runs, arguments.seeds, &warn)?;
     let state = if recorded.changed { "" } else { " (unchanged)" };
     recorded.lines.push(format!("references: {}{state}", recorded.folder.display()));
     console.result(&recorded.lines.join("\n"))?;

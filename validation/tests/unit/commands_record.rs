@@ -117,6 +117,10 @@ fn what_ended_well_is_taken_in_beside_a_failure() {
     assert_eq!(desk.record("--seeds 2", "1", &[]), (vec![], false), "fewer runs than are recorded replace none");
     desk.forget_raw_recordings();
     assert_eq!(desk.record("", "1", &[]), (vec![1, 2, 3], true), "as many as are recorded");
+    let written = || std::fs::metadata(Reference::folder(&desk.scene).join("runs.csv")).unwrap().modified().unwrap();
+    let before = written();
+    assert_eq!(desk.record("", "1", &[]), (vec![], true));
+    assert_eq!(written(), before, "nothing new leaves the files alone");
 }
 
 #[test]

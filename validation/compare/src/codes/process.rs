@@ -184,10 +184,7 @@ fn last_words(printed: &str, own_logs: &[String]) -> String {
     let texts = || std::iter::once(printed).chain(own_logs.iter().map(String::as_str));
     let tells = |line: &&str| line.contains("ERROR") || line.contains("Error:");
     let reason = texts().find_map(|text| text.lines().rev().find(tells));
-    let mut start = printed.len().saturating_sub(TAIL);
-    while !printed.is_char_boundary(start) {
-        start += 1;
-    }
+    let start = printed.ceil_char_boundary(printed.len().saturating_sub(TAIL));
     let words = reason.into_iter().chain([&printed[start..]]).flat_map(str::split_whitespace);
     shown(&words.collect::<Vec<_>>().join(" "), false).into_owned()
 }

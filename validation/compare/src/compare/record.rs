@@ -3,23 +3,13 @@
 use super::{CodeRuns, Reference, ReferenceError, Runs, distinct};
 use crate::codes::{Code, CodeError};
 use makadam_frames::output::WriteError;
-use makadam_frames::plan::physics_hash;
+use makadam_frames::plan::{MeasuredScene, physics_hash};
 use makadam_measure::statistics::Ensemble;
 use rayon::prelude::*;
 use std::path::PathBuf;
 
 /// Seeds where nothing is recorded and none are asked for.
 pub const FEW_SEEDS: u64 = 3;
-
-/// Records frames and measurements of reference codes as a reference of a scene.
-pub struct Recorder<'a> {
-    /// Runs for measuring of the scene, but for their seeds, with the folder of raw recordings.
-    pub runs: Runs<'a>,
-    /// Number of seeds, counted from 1; absent, those that the scene registers, else as many as are recorded, and [`FEW_SEEDS`] at least.
-    pub seeds: Option<u64>,
-    /// Receives a sentence per run that failed.
-    pub warn: &'a dyn Fn(&str),
-}
 
 /// Result of a recording.
 pub struct Recorded {
@@ -51,68 +41,67 @@ pub enum RecordError {
     Refused(String),
 }
 
-impl Recorder<'_> {
-    /// Replaces the recorded runs of some codes by runs of today: of raw recordings where there are some, else made now. Fewer runs than are
-    /// recorded replace none.
-    ///
-    /// # Errors
-    /// [`RecordError::Reference`] or [`RecordError::Write`] if the references cannot be read or written.
-    pub fn record(&self, codes: &[Box<dyn Code>]) -> Result<Recorded, RecordError> {
-        let folder = Reference::folder(self.runs.scene_file);
-        let before = Reference::load(&folder)?.unwrap_or_default();
-        let usual = || before.seeds().max(FEW_SEEDS);
-        let seeds: Vec<u64> = (1..=self.seeds.or(self.runs.scene.measure.seeds).unwrap_or_else(usual)).collect();
-        let (runs, hash) = (self.runs.of_seeds(&seeds), physics_hash(self.runs.scene));
-        let simulated: Vec<_> = codes.par_iter().map(|code| runs.simulate(code.as_ref())).collect();
-        let mut reference = before.clone();
-        let mut recorded = Recorded { folder, changed: false, whole: true, lines: Vec::new(), failure: None };
-        let mut failures = Vec::new();
-        for (code, simulated) in codes.iter().zip(simulated) {
-            let code = code.name();
-            for (seed, error) in simulated.failures {
-                (self.warn)(&format!("{code}, seed {seed}: {error}"));
-                failures.push(error);
-            }
-            let new = CodeRuns::live(code, rayon::current_num_threads(), simulated.harvests);
-            match refusal(&new, before.of(code).count()) {
-                Some(problem) => recorded.failure = recorded.failure.or(Some(RecordError::Refused(problem))),
-                None => reference.replace(new, &hash),
-            }
-            recorded.whole &= self.describe(&reference, code, &mut recorded.lines);
+/// Replaces the recorded runs of some codes by runs of today: of raw recordings where there are some, else made now. Fewer runs than are
+/// recorded replace none. `runs` are for measuring, with the folder of raw recordings; their seeds are 1 to `seeds` or, if absent, those that
+/// the scene registers, else as many as are recorded, and [`FEW_SEEDS`] at least. `warn` receives a sentence per run that failed.
+///
+/// # Errors
+/// [`RecordError::Reference`] or [`RecordError::Write`] if the references cannot be read or written.
+pub fn record(
+    codes: &[Box<dyn Code>],
+    runs: &Runs<'_>,
+    seeds: Option<u64>,
+    warn: &dyn Fn(&str),
+) -> Result<Recorded, RecordError> {
+    let folder = Reference::folder(runs.scene_file);
+    let before = Reference::load(&folder)?.unwrap_or_default();
+    let seeds = seeds.or(runs.scene.measure.seeds).unwrap_or_else(|| before.seeds().max(FEW_SEEDS));
+    let (runs, hash) = (runs.of_seeds(&(1..=seeds).collect::<Vec<_>>()), physics_hash(runs.scene));
+    let simulated: Vec<_> = codes.par_iter().map(|code| runs.simulate(code.as_ref())).collect();
+    let mut reference = before.clone();
+    let mut recorded = Recorded { folder, changed: false, whole: true, lines: Vec::new(), failure: None };
+    let mut failures = Vec::new();
+    for (code, simulated) in codes.iter().zip(simulated) {
+        let code = code.name();
+        for (seed, error) in simulated.failures {
+            warn(&format!("{code}, seed {seed}: {error}"));
+            failures.push(error);
         }
-        recorded.failure = CodeError::foremost(failures).map(RecordError::Code).or(recorded.failure);
-        // Nothing new leaves the files alone, down to their dates.
-        recorded.changed = reference != before;
-        if recorded.changed {
-            reference.save(&recorded.folder)?;
+        let new = CodeRuns::live(code, rayon::current_num_threads(), simulated.harvests);
+        match refusal(&new, before.of(code).count()) {
+            Some(problem) => recorded.failure = recorded.failure.or(Some(RecordError::Refused(problem))),
+            None => reference.replace(new, &hash),
         }
-        Ok(recorded)
+        recorded.whole &= describe(&reference, runs.scene, code, &mut recorded.lines);
     }
+    recorded.failure = CodeError::foremost(failures).map(RecordError::Code).or(recorded.failure);
+    recorded.changed = !reference.runs.is_empty() && reference.save(&recorded.folder)?;
+    Ok(recorded)
+}
 
-    /// Adds mean and standard deviation of what is recorded of a code; whether every run has a value of all that is compared.
-    fn describe(&self, reference: &Reference, code: &str, lines: &mut Vec<String>) -> bool {
-        let runs = reference.of(code).count();
-        let mut whole = true;
-        for expectation in &self.runs.scene.compare {
-            let observable = &expectation.observable;
-            let recorded = reference.of(code);
-            let values: Vec<f64> = recorded.filter_map(|run| run.value(observable)).collect();
-            let lacking = match runs - values.len() {
-                0 => String::new(),
-                _ => format!("; not measured in {} of {runs}", runs - values.len()),
-            };
-            whole &= lacking.is_empty() && runs > 0;
-            let text = match Ensemble::of(&values) {
-                Some(ensemble) => format!(
-                    "{:.5} +- {:.5} ({} seeds{lacking})",
-                    ensemble.mean, ensemble.standard_deviation, ensemble.seeds
-                ),
-                None => format!("not measured in any of {runs} seeds"),
-            };
-            lines.push(format!("{code:<10} {observable:<28} {text}"));
-        }
-        whole
+/// Adds mean and standard deviation of what is recorded of a code; whether every run has a value of all that is compared.
+fn describe(reference: &Reference, scene: &MeasuredScene, code: &str, lines: &mut Vec<String>) -> bool {
+    let runs = reference.of(code).count();
+    let mut whole = true;
+    for expectation in &scene.compare {
+        let observable = &expectation.observable;
+        let recorded = reference.of(code);
+        let values: Vec<f64> = recorded.filter_map(|run| run.value(observable)).collect();
+        let lacking = match runs - values.len() {
+            0 => String::new(),
+            _ => format!("; not measured in {} of {runs}", runs - values.len()),
+        };
+        whole &= lacking.is_empty() && runs > 0;
+        let text = match Ensemble::of(&values) {
+            Some(ensemble) => format!(
+                "{:.5} +- {:.5} ({} seeds{lacking})",
+                ensemble.mean, ensemble.standard_deviation, ensemble.seeds
+            ),
+            None => format!("not measured in any of {runs} seeds"),
+        };
+        lines.push(format!("{code:<10} {observable:<28} {text}"));
     }
+    whole
 }
 
 /// Reason for which new runs of a code do not replace the recorded ones.

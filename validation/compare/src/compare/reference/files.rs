@@ -242,16 +242,14 @@ fn parse<T: DeserializeOwned>(columns: &str, bytes: &[u8]) -> Result<Vec<(u64, T
 }
 
 impl Reference {
-    /// Writes the recorded references into a folder.
+    /// Writes the recorded references into a folder; returns false if its files hold them already, and stay as they are.
     ///
     /// # Errors
     /// [`WriteError`] if the system refuses; files not yet reached stay as they were.
-    pub fn save(&self, folder: &Path) -> Result<(), WriteError> {
+    pub fn save(&self, folder: &Path) -> Result<bool, WriteError> {
         create_folder(folder)?;
-        for table in [self.run_lines(), self.measurement_lines(), self.force_lines(), self.series_lines()] {
-            let (name, bytes) = table.expect("numbers and text can be written to memory");
-            write_whole(&folder.join(name), &bytes)?;
-        }
+        let tables = [self.run_lines(), self.measurement_lines(), self.force_lines(), self.series_lines()];
+        let mut files = tables.map(|table| table.expect("numbers and text can be written to memory")).to_vec();
         for state in &self.final_states {
             let mut text = GRAIN_COLUMNS.replace(' ', ",") + "\n";
             for grain in &state.particles {
@@ -262,9 +260,11 @@ impl Reference {
                 }
                 text.push('\n');
             }
-            write_whole(&folder.join(final_state_file(&state.code)), text.as_bytes())?;
+            files.push((final_state_file(&state.code), text.into_bytes()));
         }
-        Ok(())
+        files.retain(|(name, bytes)| std::fs::read(folder.join(name)).ok().as_ref() != Some(bytes));
+        files.iter().try_for_each(|(name, bytes)| write_whole(&folder.join(name), bytes))?;
+        Ok(!files.is_empty())
     }
 
     fn run_lines(&self) -> Result<File, DocumentError> {
