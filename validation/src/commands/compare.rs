@@ -32,7 +32,7 @@ pub(super) struct CompareArguments {
     /// without --own-code each folder is a run of Makadam, or all its files hold grains.
     #[arg(long, num_args = 1.., value_name = "FOLDERS", conflicts_with_all = ["seeds", "record"])]
     pub frames: Vec<String>,
-    /// Record results of the other codes as the scene's references, in place of those recorded before. Raw recordings of the same scene,
+    /// Record results of the other codes as the scene's references, instead of those recorded before. Raw recordings of the same scene,
     /// version and time step are measured again; other seeds are run.
     #[arg(long, conflicts_with_all = ["json", "output", "live"])]
     pub record: bool,

@@ -215,14 +215,13 @@ fn job_file(
             "spin": grain.spin,
         })
     };
-    let wall = |(wall, (mesh, planes)): (&Wall, (Mesh, Vec<(usize, f64)>))| {
+    let wall = |(wall, (mesh, planes)): (&Wall, Surfaces)| {
         let phases = plan.phases(&wall.motion);
         json!({
             "material": palette.index(&wall.material, true),
             // Triangles that approximate a curved surface.
             "curved": mesh.bend > 0.0,
             "triangles": mesh.triangles,
-            // Endless planes across an axis: the axis, 0 to 2, and their place on it, m.
             "planes": planes,
             "motions": phases.iter().filter_map(|phase| motion_entry(&wall.motion, phase)).collect::<Vec<_>>(),
             "drive": drive_entry(&wall.motion, plan),
@@ -247,9 +246,12 @@ fn job_file(
     })
 }
 
+/// Triangles of a wall, and its endless planes across an axis: the axis, 0 to 2, and their place on it, m.
+type Surfaces = (Mesh, Vec<(usize, f64)>);
+
 /// The surfaces of each wall: triangles, and for timing planes in their place where a wall is some. Planes resist rolling otherwise than
 /// facets do, which the coefficient stands for.
-fn surfaces(job: &Job<'_>, grains: &[Grain], rolls: bool) -> Vec<(Mesh, Vec<(usize, f64)>)> {
+fn surfaces(job: &Job<'_>, grains: &[Grain], rolls: bool) -> Vec<Surfaces> {
     let Job { scene, purpose, .. } = job;
     let smallest = grains.iter().map(|grain| grain.radius).fold(f64::INFINITY, f64::min);
     let (fineness, found) = match purpose {
