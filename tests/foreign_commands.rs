@@ -180,7 +180,7 @@ fn a_code_of_ones_own_is_judged_and_found_to_disagree() {
     let here = PathBuf::from(&described).parent().unwrap().display().to_string();
     let toml = toml.replace("{here}", &here);
     let refused = [
-        (toml.replace("out.csv", "other.csv"), 1, "the run has left no file other.csv"),
+        (toml.replace("out.csv", "other.csv"), 1, "other.csv: line 1: No such file or directory"),
         (toml.replace("python3", "no-such-program"), 2, "there is no program 'no-such-program'"),
         (toml.replace("\"Dropped\"", "\"yade\""), 2, "is no name for a code of your own"),
         (toml.replace("\"Dropped\"", "\" YADE \""), 2, "'YADE' is no name for a code of your own"),

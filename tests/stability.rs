@@ -60,22 +60,3 @@ fn a_case_that_does_not_exist_is_a_usage_error() {
     assert!(message.contains("'sizeratio'") && message.contains("size-ratio"), "{message}");
     assert!(!folder.path().join("results").exists(), "nothing was run");
 }
-
-#[test]
-fn a_killed_study_keeps_the_cases_that_were_finished() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_makadam"));
-    command.current_dir(folder.path()).args(["stability", "mass-ratio-1e1", "drum-froude-1e-5", "-q"]);
-    let mut child = command.spawn().unwrap();
-    let file = folder.path().join("results/stability/stability.json");
-    let patience = std::time::Instant::now();
-    while !file.is_file() && patience.elapsed() < Duration::from_secs(60) {
-        std::thread::sleep(Duration::from_millis(20));
-    }
-    child.kill().unwrap();
-    child.wait().unwrap();
-    let study: serde_json::Value = serde_json::from_slice(&std::fs::read(&file).unwrap()).unwrap();
-    assert_eq!(study["cases"][0]["name"], "mass-ratio-1e1");
-    assert_eq!(study["cases"][0]["outcomes"][0]["verdict"], "as-stated");
-    assert_eq!(study["unfinished"][0], "drum-froude-1e-5");
-}

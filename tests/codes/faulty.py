@@ -53,8 +53,3 @@ if fault == "parts":
 if fault == "some-contacts":
     force = [[times[0], 0, 1, 0, 0, -1]]
     leave("contacts.csv", ["time", "first", "second", "fx", "fy", "fz"], force)
-if fault == "linked":
-    os.rename(f"{folder}/out_{round(times[-1] * 1000)}.csv", f"{folder}/../elsewhere-{seed}.csv")
-    os.symlink(f"../elsewhere-{seed}.csv", f"{folder}/out_{round(times[-1] * 1000)}.csv")
-if fault == "stale":
-    os.utime(f"{folder}/out_{round(times[-1] * 1000)}.csv", (time.time() - 3600,) * 2)

@@ -9,13 +9,15 @@ pub fn record(folder: &Path, scene_file: &Path) {
     let hash = physics_hash(&MeasuredScene::load(scene_file).unwrap());
     std::fs::create_dir_all(folder).unwrap();
     let mut runs = String::from(
-        "code,version,seed,time_step,rayleigh_fraction,wall_seconds,simulated_seconds,processor,date,scene_hash\n",
+        "code,version,contact_law,seed,time_step,rayleigh_fraction,wall_seconds,simulated_seconds,processor,date,\
+         scene_hash\n",
     );
     let mut measurements =
         String::from("code,version,seed,time_step,rayleigh_fraction,observable,unit,value,standard_error,frames\n");
     for code in ["YADE", "LIGGGHTS"] {
         for seed in 1..=3 {
-            runs += &format!("{code},1.0,{seed},1e-5,0.1,4.0,0.4,invented,2026-01-01T00:00:00Z,{hash}\n");
+            let law = "\"Hertz-Mindlin, damped\"";
+            runs += &format!("{code},1.0,{law},{seed},1e-5,0.1,4.0,0.4,invented,2026-01-01T00:00:00Z,{hash}\n");
             let value = 1.0 + 0.001 * f64::from(seed);
             measurements += &format!("{code},1.0,{seed},1e-5,0.1,wall_force_over_weight,,{value},,1\n");
         }

@@ -371,7 +371,7 @@ fn a_folder_that_cannot_be_written_is_named() {
     let file = folder.path().join("occupied");
     fs::write(&file, "not a folder").expect("a file");
     let error = write(&all(Outcome::Agree), &file).expect_err("no report in a file");
-    assert!(matches!(error, DocumentError::Io { .. }));
+    assert!(matches!(error, DocumentError::Write(_)));
     assert!(error.to_string().contains("occupied"), "{error}");
 }
 

@@ -1,7 +1,7 @@
 //! Start of a run: the jittered lattice, or a flowing state that is prepared once and stored on the machine.
 
 use crate::scenes::{SceneError, in_file};
-use makadam::checkpoint::{CheckpointError, open, seal, write_atomically};
+use makadam::checkpoint::{CheckpointError, write_atomically};
 use makadam::watch::{Alarm, Watchdog};
 use makadam::{BUILD, Simulation};
 use makadam_frames::execution::Execution;
@@ -10,7 +10,6 @@ use makadam_frames::plan::MeasuredScene;
 use makadam_frames::provenance::scene_hash;
 use makadam_frames::stepping::{Halt, Stepping, steps_in};
 use serde::{Deserialize, Serialize};
-use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 /// Error of a run that cannot start.
@@ -43,14 +42,9 @@ pub enum Start {
     Fresh,
     /// From a flowing state in this file.
     Prepared(PathBuf),
-    /// From a flowing state in this file, made anew in place of one that was refused for this reason.
-    Remade(PathBuf, String),
 }
 
-/// First bytes of a flowing state; the last one is the version of the format.
-const MARK: [u8; 8] = *b"mkd-flw\x01";
-
-/// Identity of a stored state. It comes first in a file and its layout stays, so that every build can read it.
+/// Identity of the state of a run. It comes first in a file and its layout stays, so that every build can read it.
 #[derive(Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Label {
     /// [`BUILD`] of the program that stored the state.
@@ -85,15 +79,12 @@ pub fn start(
         return Ok((simulation, Start::Fresh));
     };
     let file = state_file(scene, seed)?;
-    // A state that cannot be taken is made anew.
-    let refused = match start_from(scene, seed, &file) {
-        Some(Ok(mut simulation)) => {
-            execution.apply(&mut simulation)?;
-            return Ok((simulation, Start::Prepared(file)));
-        }
-        Some(Err(reason)) => Some(reason),
-        None => None,
-    };
+    // A state that is missing or damaged is prepared.
+    if let Some(mut simulation) = std::fs::read(&file).ok().and_then(|state| Simulation::start_from(scene, &state).ok())
+    {
+        execution.apply(&mut simulation)?;
+        return Ok((simulation, Start::Prepared(file)));
+    }
     let mut beforehand = scene.clone();
     beforehand.solver.step = prepare.step;
     let mut simulation = Simulation::new(&beforehand, seed).map_err(in_file(scene_file))?;
@@ -109,61 +100,19 @@ pub fn start(
         create_folder(folder)?;
     }
     let state = simulation.checkpoint();
-    let labelled = postcard::to_stdvec(&(Label::of(scene, seed), &state)).expect("numbers, text and bytes");
-    write_atomically(&file, &seal(MARK, &labelled)).map_err(|error| WriteError::new(&file, error))?;
+    write_atomically(&file, &state).map_err(|error| WriteError::new(&file, error))?;
     let mut simulation = Simulation::start_from(scene, &state)?;
     execution.apply(&mut simulation)?;
-    Ok((
-        simulation,
-        refused.map_or_else(|| Start::Prepared(file.clone()), |reason| Start::Remade(file.clone(), reason)),
-    ))
-}
-
-/// Starts from a state that is kept: `None` if there is none, and the reason if it is refused.
-fn start_from(scene: &MeasuredScene, seed: u64, file: &Path) -> Option<Result<Simulation, String>> {
-    let bytes = match std::fs::read(file) {
-        Ok(bytes) => bytes,
-        Err(error) if error.kind() == ErrorKind::NotFound => return None,
-        Err(error) => return Some(Err(format!("cannot be read: {error}"))),
-    };
-    let state = labelled_state(scene, seed, &bytes);
-    let started = |state: Vec<u8>| {
-        Simulation::start_from(scene, &state).map_err(|error| match error {
-            CheckpointError::Format { problem } => problem,
-            other => other.to_string(),
-        })
-    };
-    Some(state.and_then(started))
-}
-
-/// The state in the bytes of a file, if it is one of this scene, seed and build.
-fn labelled_state(scene: &MeasuredScene, seed: u64, bytes: &[u8]) -> Result<Vec<u8>, String> {
-    let unfit = |error| format!("does not hold what it should ({error})");
-    let (label, rest) = postcard::take_from_bytes::<Label>(open(MARK, bytes)?).map_err(unfit)?;
-    let wanted = Label::of(scene, seed);
-    if label.build != wanted.build {
-        return Err(format!("was prepared by build {}, and this is build {}", label.build, wanted.build));
-    }
-    if label != wanted {
-        return Err(format!(
-            "is a state of {} with seed {} (scene {:016x}), not of {} with seed {seed} (scene {:016x})",
-            label.scene, label.seed, label.scene_hash, wanted.scene, wanted.scene_hash
-        ));
-    }
-    postcard::from_bytes(rest).map_err(unfit)
+    Ok((simulation, Start::Prepared(file)))
 }
 
 /// Returns true if a run can start at once: the scene prepares no flowing state, or it is in the cache.
 pub fn is_ready(scene: &MeasuredScene, seed: u64) -> bool {
-    let takes = |file: PathBuf| std::fs::read(file).is_ok_and(|bytes| labelled_state(scene, seed, &bytes).is_ok());
-    scene.prepare.is_none() || state_file(scene, seed).is_ok_and(takes)
+    scene.prepare.is_none() || state_file(scene, seed).is_ok_and(|file| file.is_file())
 }
 
+/// File of the state of a scene, a seed and a build.
 fn state_file(scene: &MeasuredScene, seed: u64) -> Result<PathBuf, WriteError> {
-    let name = format!("{}-s{seed}-{:016x}.state", file_stem(&scene.name), scene_hash(scene));
+    let name = format!("{}-s{seed}-{:016x}-{BUILD}.state", file_stem(&scene.name), scene_hash(scene));
     Ok(cache_folder()?.join("prepared").join(name))
 }
-
-#[cfg(test)]
-#[path = "../tests/unit/prepared.rs"]
-mod tests;

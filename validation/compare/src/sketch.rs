@@ -1,8 +1,6 @@
 //! Builder of the scenes of stress tests and laws.
 
-use makadam::scene::{
-    Domain, GrainEntry, Material, Motion, NormalLaw, Population, RadiusDistribution, Region, Shape, Stop, Wall,
-};
+use makadam::scene::{Domain, GrainEntry, Material, Motion, Population, RadiusDistribution, Region, Shape, Stop, Wall};
 use makadam_frames::plan::{Measure, MeasuredScene};
 
 /// Radius of a grain where a case says nothing else, m.
@@ -77,15 +75,6 @@ impl Sketch {
         self.materials(|material| material.friction = friction)
     }
 
-    /// Rolling friction of grains, and three quarters of it on walls: YADE knows no other.
-    pub fn rolling_friction(self, coefficient: f64) -> Sketch {
-        self.with(|scene| {
-            for (name, material) in &mut scene.material {
-                material.rolling_friction = if name == "wall" { 0.75 * coefficient } else { coefficient };
-            }
-        })
-    }
-
     /// Restitution of all materials.
     pub fn restitution(self, restitution: f64) -> Sketch {
         self.materials(|material| material.restitution = restitution)
@@ -104,15 +93,6 @@ impl Sketch {
     /// Time step, s.
     pub fn step(self, step: f64) -> Sketch {
         self.with(|scene| scene.solver.step = step)
-    }
-
-    /// Makes contacts rigid, or leaves them as they are.
-    pub fn rigid(self, rigid: bool) -> Sketch {
-        self.with(|scene| {
-            if rigid {
-                scene.solver.normal_law = NormalLaw::Rigid;
-            }
-        })
     }
 
     /// A fixed number of sweeps a step.
@@ -149,14 +129,6 @@ impl Sketch {
     /// Adds a box whose top is open.
     pub fn open_box(self, min: [f64; 3], max: [f64; 3]) -> Sketch {
         self.wall(Shape::Box { min, max, open: vec!["+z".into()] })
-    }
-
-    /// Adds a drum with end caps about the y axis, its length centred, turning by the right-hand rule.
-    pub fn drum(self, radius: f64, length: f64, motion: Motion) -> Sketch {
-        let (y, axis) = (0.5 * length, [0.0, 1.0, 0.0]);
-        self.moving_wall(Shape::Cylinder { base: [0.0, -y, 0.0], axis, radius, length }, motion.clone())
-            .moving_wall(Shape::Disc { centre: [0.0, -y, 0.0], normal: axis, radius, hole: 0.0 }, motion.clone())
-            .moving_wall(Shape::Disc { centre: [0.0, y, 0.0], normal: [0.0, -1.0, 0.0], radius, hole: 0.0 }, motion)
     }
 
     /// Adds a grain at rest.

@@ -126,12 +126,8 @@ pub(super) fn begin(
     }
     let bar = console.bar("preparing the flow");
     let (simulation, start) = start(scene, seed, file, execution, &|fraction| bar.set(fraction))?;
-    match &start {
-        Start::Fresh => {}
-        Start::Prepared(file) => console.note(&format!("starting from the flowing state {}", file.display())),
-        Start::Remade(file, reason) => {
-            console.warn(&format!("{} {reason}; it was made anew, and the run starts from it", file.display()));
-        }
+    if let Start::Prepared(file) = &start {
+        console.note(&format!("starting from the flowing state {}", file.display()));
     }
     Ok((simulation, start))
 }

@@ -6,7 +6,7 @@ use super::{Console, Failure};
 use crate::forecast::Forecast;
 use clap::Args;
 use makadam::scene::Accuracy;
-use makadam_compare::scenes::{self, Change};
+use makadam_compare::scenes;
 use std::process::ExitCode;
 
 #[derive(Debug, Args)]
@@ -28,13 +28,7 @@ pub(super) fn check(arguments: &CheckArguments, console: &Console) -> Result<Exi
         scene.ask(accuracy);
     }
     let text = scenes::text(&file)?;
-    let mut forecast = Forecast::of(&scene, &text).map_err(scenes::in_file(&file))?;
-    for setting in &mut forecast.settings {
-        let is_set = |change: &Change| format!("{}.", change.key()).starts_with(&format!("{}.", setting.key));
-        if arguments.scene.source.changes.iter().any(is_set) {
-            setting.why = "given by --set".into();
-        }
-    }
+    let forecast = Forecast::of(&scene, &text).map_err(scenes::in_file(&file))?;
     if !arguments.json {
         tell_findings(&scene, &file, console);
     }

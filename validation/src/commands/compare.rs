@@ -6,7 +6,7 @@ use super::console::Colour;
 use super::{Console, Failure, within_tolerance};
 use clap::Args;
 use makadam_compare::codes::{Code, CodeError, CodeName, External, absent, codes_of};
-use makadam_compare::compare::{CodeSummary, Recorder, Row, Runs};
+use makadam_compare::compare::{CodeSummary, Row, Runs};
 use makadam_frames::output::{JSON_VERSION, cache_folder, create_folder};
 use makadam_frames::plan::MeasuredScene;
 use makadam_qualification::qualify::{Judged, OneScene, codes_against, usual_codes};
@@ -32,13 +32,10 @@ pub(super) struct CompareArguments {
     /// without --own-code each folder is a run of Makadam, or all its files hold grains.
     #[arg(long, num_args = 1.., value_name = "FOLDERS", conflicts_with_all = ["seeds", "record"])]
     pub frames: Vec<String>,
-    /// Record results of the other codes as the scene's references. Only seeds not yet recorded for the same scene, version and
-    /// time step are measured from raw recordings or run.
+    /// Record results of the other codes as the scene's references, instead of those recorded before. Raw recordings of the same scene,
+    /// version and time step are measured again; other seeds are run.
     #[arg(long, conflicts_with_all = ["json", "output", "live"])]
     pub record: bool,
-    /// Start again: measure or run all seeds and replace the recorded ones; only with --record.
-    #[arg(long, requires = "record")]
-    pub restart: bool,
     /// Folder of raw recordings that --record reads and writes; if absent, in the user's cache.
     #[arg(long, requires = "record")]
     pub recordings: Option<PathBuf>,
@@ -252,18 +249,13 @@ fn record_codes(
         None => cache_folder()?.join("recordings"),
     };
     let bars = console.bars();
-    let recorder = Recorder {
-        runs: Runs {
-            rayleigh_fraction: arguments.rayleigh_fraction.unwrap_or(0.1),
-            recordings: Some(recordings),
-            ..Runs::of_one_seed(scene, file, 1, Duration::from_secs_f64(arguments.time_limit), &bars)
-        },
-        seeds: arguments.seeds,
-        again: arguments.restart,
-        note: &|text| console.note(text),
-        warn: &|text| console.warn(text),
+    let runs = Runs {
+        rayleigh_fraction: arguments.rayleigh_fraction.unwrap_or(0.1),
+        recordings: Some(recordings),
+        ..Runs::of_one_seed(scene, file, 1, Duration::from_secs_f64(arguments.time_limit), &bars)
     };
-    let mut recorded = recorder.record(reference_codes)?;
+    let warn = |text: &str| console.warn(text);
+    let mut recorded = makadam_compare::compare::record(&reference_codes, &runs, arguments.seeds, &warn)?;
     let state = if recorded.changed { "" } else { " (unchanged)" };
     recorded.lines.push(format!("references: {}{state}", recorded.folder.display()));
     console.result(&recorded.lines.join("\n"))?;

@@ -15,7 +15,6 @@ mod picture;
 mod print;
 mod problem;
 mod qualify;
-mod renamed;
 mod run;
 mod stability;
 mod studies;
@@ -151,7 +150,7 @@ pub fn run_program(arguments: Vec<OsString>) -> ExitCode {
     makadam_frames::provenance::set_command_line(&arguments);
     let arguments = match Arguments::read(&arguments) {
         Ok(arguments) => arguments,
-        Err(message) => return print_clap(&renamed::with_new_name(message, &arguments)),
+        Err(message) => return print_clap(&message),
     };
     let console = Console::new(arguments.quiet, arguments.verbose);
     makadam_frames::interrupt::listen();

@@ -1,14 +1,13 @@
-//! Preflight summary of a run: grains, scales, settings with the reason for each, memory and time.
+//! Preflight summary of a run: grains, scales, step and stopping rule, memory and time.
 //!
 //! ```text
-//! scene ─> grains placed ─> scales (bed, walls, contacts) ─┐
-//!      └─> settings, each with why ────────────────────────┴─> forecast ─> words, JSON
+//! scene ─> grains placed ─> scales (bed, walls, contacts) ─> forecast ─> words, JSON
 //! ```
 
 mod pace;
 mod scales;
 
-use makadam::scene::{DocumentPath, Finding, NormalLaw, Reaction, Stop, TangentialLaw, populate};
+use makadam::scene::{Finding, Reaction, Stop, populate};
 use makadam::solve::{residual_text, residual_unit_name};
 use makadam_frames::execution::threads_for;
 use makadam_frames::plan::MeasuredScene;
@@ -41,8 +40,8 @@ pub struct Forecast {
     pub seconds: f64,
     pub steps: u64,
     pub frames: u64,
-    /// Settings with the reason for each.
-    pub settings: Vec<Setting>,
+    /// Step and stopping rule.
+    pub solver: String,
     /// Numbers that characterise the flow and the contacts; those that do not exist are left out.
     pub scales: Vec<Scale>,
     /// Memory, bytes.
@@ -55,15 +54,6 @@ pub struct Forecast {
     pub notes: Vec<String>,
     /// Preflight warnings.
     pub findings: Vec<Finding>,
-}
-
-/// A setting and why it is so.
-#[derive(Clone, Debug, Serialize)]
-pub struct Setting {
-    pub key: &'static str,
-    pub value: String,
-    /// Who says so.
-    pub why: String,
 }
 
 /// A number that characterises the flow or the contacts.
@@ -103,7 +93,7 @@ impl Forecast {
             seconds: scene.duration,
             steps,
             frames: frames(scene),
-            settings: settings(scene, text),
+            solver: chosen(scene),
             scales: bed.scales(scene, &grains),
             bytes: scene.memory(),
             wall_seconds: Pace::here().seconds(&Work::of(scene, scene.seed)),
@@ -147,46 +137,6 @@ fn stop_of(scene: &MeasuredScene) -> String {
     }
 }
 
-/// The settings that decide on accuracy and cost, with the reason for each.
-fn settings(scene: &MeasuredScene, text: &str) -> Vec<Setting> {
-    let solver = &scene.solver;
-    let why = |table: &'static str, key: &'static str| {
-        let line = DocumentPath::default().key(table).key(key).line(text);
-        line.map_or("default".into(), |line| format!("line {line}"))
-    };
-    let by_accuracy = |table, key| match scene.accuracy {
-        Some(_) => "follows from accuracy".into(),
-        None => why(table, key),
-    };
-    let law = match solver.normal_law {
-        NormalLaw::Rigid => "rigid".into(),
-        NormalLaw::Linear { stiffness } => format!("linear, {stiffness:e} N/m"),
-        NormalLaw::Hertz => "Hertz".to_string(),
-    };
-    let setting = |key, value: String, why: String| Setting { key, value, why };
-    let spring = match solver.tangential_law {
-        TangentialLaw::Rigid => None,
-        TangentialLaw::Spring { stiffness_ratio: None } => Some("a spring of Mindlin's stiffness".to_string()),
-        TangentialLaw::Spring { stiffness_ratio: Some(ratio) } => {
-            Some(format!("a spring of {ratio} of the normal stiffness"))
-        }
-    };
-    let spring = spring.map(|words| setting("solver.tangential_law", words, why("solver", "tangential_law")));
-    let mut settings = vec![
-        setting("solver.step", format!("{:e} s", solver.step), by_accuracy("solver", "step")),
-        setting("solver.stop", stop_of(scene), by_accuracy("solver", "stop")),
-        setting("solver.method", solver.method.name().into(), why("solver", "method")),
-        setting("solver.normal_law", law, why("solver", "normal_law")),
-        setting("measure.interval", format!("{} s", scene.measure.interval), why("measure", "interval")),
-        match scene.measure.from {
-            Some(from) => setting("measure.from", format!("{from} s"), why("measure", "from")),
-            None => setting("measure.from", "the last frame alone is measured".into(), "default".into()),
-        },
-    ];
-    settings.extend(spring);
-    settings
-}
-
 impl Forecast {
     /// All of it, as a text of several lines.
     pub fn text(&self) -> String {
@@ -213,6 +163,7 @@ impl Forecast {
             count(self.steps as usize),
             count(self.frames as usize)
         );
+        let _ = writeln!(text, "solver    {}", self.solver);
         let _ = writeln!(text, "memory    {:.1} MB", self.bytes as f64 / 1e6);
         let _ = writeln!(
             text,
@@ -220,20 +171,14 @@ impl Forecast {
             duration(self.wall_seconds),
             plural(self.threads, "thread")
         );
-        let rows = self
-            .settings
-            .iter()
-            .map(|setting| vec![setting.key.to_string(), setting.value.clone(), setting.why.clone()]);
-        let head = |names: [&str; 3]| names.map(String::from).to_vec();
-        let rows: Vec<Vec<String>> = [head(["setting", "value", "why"])].into_iter().chain(rows).collect();
-        let _ = write!(text, "\n{}", wrapped(&rows));
         let rows = self.scales.iter().map(|scale| {
             let value = format!("{} {}", compact(scale.value), scale.unit);
             vec![scale.name.to_string(), value.trim_end().to_string(), scale.formula.clone()]
         });
-        let rows: Vec<Vec<String>> = [head(["number", "value", "how"])].into_iter().chain(rows).collect();
+        let head = ["number", "value", "how"].map(String::from).to_vec();
+        let rows: Vec<Vec<String>> = [head].into_iter().chain(rows).collect();
         if !self.scales.is_empty() {
-            let _ = write!(text, "\n\n{}", wrapped(&rows));
+            let _ = write!(text, "\n{}", wrapped(&rows));
         }
         for note in &self.notes {
             let _ = write!(text, "\n\nnote: {note}");

@@ -108,24 +108,19 @@ impl Desk {
 }
 
 #[test]
-fn only_missing_seeds_are_run_and_later_seeds_stay() {
-    let desk = Desk::new();
-    assert_eq!(desk.record("--seeds 2", "1", &[]), (vec![1, 2], true));
-    desk.forget_raw_recordings();
-    assert_eq!(desk.record("--seeds 4", "1", &[]), (vec![3, 4], true));
-    assert_eq!(desk.record("--seeds 1", "1", &[]), (vec![], true));
-    assert_eq!(desk.record("", "1", &[]), (vec![], true), "as many as are recorded");
-    assert_eq!(desk.seeds(), [1, 2, 3, 4]);
-}
-
-#[test]
 fn what_ended_well_is_taken_in_beside_a_failure() {
     let desk = Desk::new();
     assert_eq!(desk.record("--seeds 3", "1", &[2]), (vec![1, 2, 3], false));
     assert_eq!(desk.seeds(), [1, 3]);
-    desk.forget_raw_recordings();
     assert_eq!(desk.record("--seeds 4", "1", &[4]), (vec![2, 4], false));
     assert_eq!(desk.seeds(), [1, 2, 3]);
+    assert_eq!(desk.record("--seeds 2", "1", &[]), (vec![], false), "fewer runs than are recorded replace none");
+    desk.forget_raw_recordings();
+    assert_eq!(desk.record("", "1", &[]), (vec![1, 2, 3], true), "as many as are recorded");
+    let written = || std::fs::metadata(Reference::folder(&desk.scene).join("runs.csv")).unwrap().modified().unwrap();
+    let before = written();
+    assert_eq!(desk.record("", "1", &[]), (vec![], true));
+    assert_eq!(written(), before, "nothing new leaves the files alone");
 }
 
 #[test]
@@ -143,16 +138,16 @@ fn raw_recordings_of_another_deck_are_not_taken_up() {
     let desk = Desk::new();
     desk.record("--seeds 2", "1", &[]);
     desk.deck.set("skin 2");
-    assert_eq!(desk.record("--seeds 2 --restart", "1", &[]), (vec![1, 2], true));
-    assert_eq!(desk.record("--seeds 2 --restart", "1", &[]), (vec![], true));
+    assert_eq!(desk.record("--seeds 2", "1", &[]), (vec![1, 2], true));
+    assert_eq!(desk.record("--seeds 2", "1", &[]), (vec![], true));
     desk.deck.set("skin 1");
-    assert_eq!(desk.record("--seeds 2 --restart", "1", &[]), (vec![], true));
+    assert_eq!(desk.record("--seeds 2", "1", &[]), (vec![], true));
 }
 
 #[test]
 fn another_time_step_or_scene_replaces_all_runs() {
     let desk = Desk::new();
-    desk.record("--seeds 3", "1", &[]);
+    desk.record("--seeds 2", "1", &[]);
     assert_eq!(desk.record("--seeds 2 --rayleigh-fraction 0.2", "1", &[]), (vec![1, 2], true));
     assert_eq!(desk.seeds(), [1, 2]);
     // Raw recordings of the scene as it was are still there, and are none of this one.
@@ -165,44 +160,18 @@ fn another_time_step_or_scene_replaces_all_runs() {
 fn a_replacement_that_failed_in_part_costs_nothing() {
     let desk = Desk::new();
     desk.record("--seeds 2", "1", &[]);
-    assert_eq!(desk.record("--seeds 3", "2", &[3]), (vec![1, 2, 3], false));
+    assert_eq!(desk.record("--seeds 2", "2", &[2]), (vec![1, 2], false));
     assert_eq!(desk.recorded(), [(1, "1".into()), (2, "1".into())]);
-    assert_eq!(desk.record("--seeds 3", "2", &[]), (vec![3], true), "the runs that ended were kept");
-    assert_eq!(desk.seeds(), [1, 2, 3]);
+    assert_eq!(desk.record("--seeds 3", "2", &[]), (vec![2, 3], true), "the run that ended was kept");
+    assert!(desk.recorded().iter().all(|(_, version)| version == "2"));
 }
 
 #[test]
-fn again_replaces_what_is_recorded() {
+fn damaged_references_stay() {
     let desk = Desk::new();
-    desk.record("--seeds 3", "1", &[]);
-    assert_eq!(desk.record("--seeds 2 --restart", "1", &[]), (vec![], true), "measured from raw recordings");
-    assert_eq!(desk.seeds(), [1, 2]);
-    desk.forget_raw_recordings();
-    assert_eq!(desk.record("--seeds 2 --restart", "1", &[]), (vec![1, 2], true));
-}
-
-#[test]
-fn damaged_references_make_way_for_again_and_are_kept() {
-    let desk = Desk::new();
-    let references = Reference::folder(&desk.scene);
     desk.record("--seeds 2", "1", &[]);
-    let damages = [("series.csv", None, "reference-damaged"), ("runs.csv", Some("code\n"), "reference-damaged-2")];
-    for (name, text, aside) in damages {
-        let table = references.join(name);
-        match text {
-            Some(text) => std::fs::write(&table, text).unwrap(),
-            None => std::fs::remove_file(&table).unwrap(),
-        }
-        assert_eq!(desk.record("--seeds 2", "1", &[]), (vec![], false), "{name}: without --restart it is an error");
-        assert_eq!(desk.record("--seeds 2 --restart", "1", &[]), (vec![], true), "{name}: from raw recordings");
-        assert_eq!(desk.seeds(), [1, 2]);
-        let kept = desk.folder.path().join(aside);
-        assert!(kept.join("measurements.csv").is_file(), "{name}");
-        assert_eq!(std::fs::read_to_string(kept.join(name)).ok().as_deref(), text);
-    }
-    // Where nothing comes of it, they stay where they are.
-    std::fs::write(references.join("runs.csv"), "code\n").unwrap();
-    desk.forget_raw_recordings();
-    assert_eq!(desk.record("--seeds 1 --restart", "1", &[1]), (vec![1], false));
-    assert_eq!(std::fs::read_to_string(references.join("runs.csv")).unwrap(), "code\n");
+    let runs = Reference::folder(&desk.scene).join("runs.csv");
+    std::fs::write(&runs, "code\n").unwrap();
+    assert_eq!(desk.record("--seeds 2", "1", &[]), (vec![], false));
+    assert_eq!(std::fs::read_to_string(runs).unwrap(), "code\n");
 }

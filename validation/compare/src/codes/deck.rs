@@ -1,7 +1,7 @@
 //! Codes that take a deck and leave dumps, LIGGGHTS and LAMMPS: grains and values of the decks, a run, and the frames in its dumps.
 
 use super::input::{Palette, Plan};
-use super::process::{Program, Run, disk_has_room, io};
+use super::process::{Program, Run, disk_has_room, ending, io};
 use super::{CodeError, Job, Purpose};
 use makadam::effects::catalogue::{
     COMPLIANCE, Effect, FRICTION, GRAVITY, RESTITUTION, ROLLING, SIZE_SPREAD, SPIN, TANGENTIAL_SPRING, VISCOSITY,
@@ -17,8 +17,6 @@ use minijinja::{Environment, UndefinedBehavior, Value, context};
 use nalgebra::Vector3;
 use std::ffi::OsString;
 use std::fmt::Write;
-use std::fs::File;
-use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
 /// Effects that the decks of both codes express; a scene with any other effect is refused. Three that LIGGGHTS has differ from the scene's:
@@ -213,12 +211,7 @@ fn frames(scene: &MeasuredScene, manifest: &Manifest) -> Result<Vec<Snapshot>, I
 
 /// Reads the last step in a log.
 fn last_step(log: &Path) -> Option<u64> {
-    let mut file = File::open(log).ok()?;
-    let length = file.metadata().ok()?.len();
-    file.seek(SeekFrom::Start(length.saturating_sub(400))).ok()?;
-    let mut bytes = Vec::new();
-    file.read_to_end(&mut bytes).ok()?;
-    let text = String::from_utf8_lossy(&bytes);
+    let text = ending(log);
     text.lines().rev().find_map(|line| {
         let mut words = line.split_whitespace().map(str::parse::<f64>);
         match (words.next(), words.next(), words.next(), words.next()) {

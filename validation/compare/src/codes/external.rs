@@ -5,10 +5,10 @@
 //! ```
 
 use super::input::stl;
-use super::process::{Run, RunFolder, check_pattern, locate};
-use super::{Code, CodeError, CodeName, Job, starting_grains};
+use super::process::{Run, check_pattern, io, locate};
+use super::{Code, CodeError, CodeName, Job, starting_grains, write_files};
 use makadam::scene::{Grain, Reaction};
-use makadam::snapshot::{Particle, Snapshot};
+use makadam::snapshot::Particle;
 use makadam_frames::import::{FilePattern, ImportError, Manifest, Tables, assemble, unlike};
 use makadam_frames::output::mesh::{FINE, wall_mesh};
 use makadam_frames::output::{RunFiles, cells::csv_below, shown};
@@ -18,6 +18,7 @@ use makadam_frames::run_frames::RunFrames;
 use makadam_measure::observables::measured_frames;
 use std::collections::BTreeMap;
 use std::ffi::{OsStr, OsString};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -138,43 +139,40 @@ impl External {
         CodeError::Output { code: self.name, file, line, problem }
     }
 
-    /// Reads the files that the description names and a run has left.
-    fn tables_of(&self, run: &RunFolder, folder: &Path) -> Result<Tables, CodeError> {
-        let named = |pattern: &FilePattern| -> Result<Vec<PathBuf>, CodeError> {
-            let mut found = run.files(&pattern.glob()).map_err(|problem| self.output(folder, 1, problem))?;
-            found.retain(|file| pattern.names(file));
-            Ok(found)
-        };
-        let (mut tables, own) = (Tables::default(), &self.description);
-        for (is_contacts, patterns) in [&own.grains, &own.contacts].into_iter().enumerate() {
-            for pattern in patterns {
-                let mut found = named(pattern)?.into_iter();
-                found
-                    .try_for_each(|file| tables.add(is_contacts == 1, &file, pattern, own))
-                    .map_err(|error| self.refused(error))?;
+    /// Empties the folder of a run, or makes it, and writes the input. The description must name none of its files as frames.
+    fn prepare(&self, job: &Job<'_>, input: Vec<(String, Vec<u8>)>) -> Result<(), CodeError> {
+        let folder = job.work_folder;
+        match std::fs::remove_dir_all(folder) {
+            Err(source) if source.kind() != ErrorKind::NotFound => return Err(io(folder, source)),
+            _ => write_files(folder, input)?,
+        }
+        let manifest = Manifest { folder: folder.into(), ..self.description.clone() };
+        let patterns = manifest.grains.iter().chain(&manifest.contacts);
+        let mut found = patterns.flat_map(|pattern| manifest.files(pattern).unwrap_or_default());
+        match found.find(|file| file.exists()) {
+            None => Ok(()),
+            Some(file) => {
+                let name = file.strip_prefix(folder).unwrap_or(&file).display();
+                let remedy = "let it leave its frames under another name, and name those alone";
+                Err(self.output(folder, 1, format!("{name} is what the run was given; {remedy}")))
             }
         }
-        Ok(tables)
     }
 
-    /// The frames of a run in tables; `grains` are those that it was started from, where they are known.
-    fn recording(
-        &self,
-        job: &Job<'_>,
-        tables: &Tables,
-        grains: Option<&[Grain]>,
-        wall_seconds: f64,
-    ) -> Result<Recording, CodeError> {
+    /// Reads the frames of a run that the description names; `grains` are those that it was started from, where they are known.
+    fn recording(&self, job: &Job<'_>, grains: Option<&[Grain]>, wall_seconds: f64) -> Result<Recording, CodeError> {
         let manifest = Manifest {
             name: Some(self.name.into()),
             version: Some(self.version.clone()),
             // What is run is told to number grains as grains.csv does.
             first_id: self.description.first_id.or(self.folders.is_none().then_some(0)),
             seed: Some(job.seed),
+            folder: self.place(job).into(),
             ..self.description.clone()
         };
+        let tables = Tables::read(&manifest).map_err(|error| self.refused(error))?;
         manifest.check(job.scene).map_err(|problem| self.output(self.place(job), 1, problem))?;
-        let mut recording = assemble(job.scene, &manifest, tables).map_err(|error| self.refused(error))?;
+        let mut recording = assemble(job.scene, &manifest, &tables).map_err(|error| self.refused(error))?;
         self.check_times(job, &recording)?;
         self.check_grains(job, grains, &recording)?;
         let unlike = unlike(job.scene, measured_frames(job.scene, &recording).into_iter());
@@ -230,29 +228,16 @@ impl External {
     /// Refuses a run of which other frames would be measured than those of frames.csv: a mean over others is another number.
     fn check_times(&self, job: &Job<'_>, recording: &Recording) -> Result<(), CodeError> {
         let refused = |problem: String| Err(self.output(self.place(job), 1, problem));
-        let slack = job.scene.measure.slack();
-        let asked = asked(job.scene);
-        let times = self.times();
-        let Some(first) = asked.first() else { return Ok(()) };
-        let due = recording.frames.iter().filter(|frame| frame.time >= first - slack);
-        if let Some(empty) = due.clone().find(|frame| frame.particles.is_empty()) {
+        let (slack, asked, times) = (job.scene.measure.slack(), asked(job.scene), self.times());
+        let measured: Vec<f64> = measured_frames(job.scene, recording).iter().map(|frame| frame.time).collect();
+        let is_among = |time: &f64, others: &[f64]| others.iter().any(|other| (time - other).abs() <= slack);
+        if let Some(other) = measured.iter().find(|time| !is_among(time, &asked)) {
             return refused(format!(
-                "the frame at {} s has no grains; leave all of them at each time {times}",
-                empty.time
+                "a frame at {other} s would be measured, and is not at a time {times}; leave those that are"
             ));
         }
-        // Where the first time is itself just before measure.from, a frame before it may be none that is measured.
-        let is_covered = |frame: &Snapshot| job.scene.measure.from.is_none() || job.scene.measure.covers(frame.time);
-        let is_at = |time: f64, frame: &Snapshot| (frame.time - time).abs() <= slack && is_covered(frame);
-        if let Some(time) = asked.iter().find(|time| !due.clone().any(|frame| is_at(**time, frame))) {
-            return refused(format!("no frame at {time} s; leave one at each time {times}"));
-        }
-        let measured = measured_frames(job.scene, recording);
-        if let Some(other) = measured.iter().find(|frame| !asked.iter().any(|time| is_at(*time, frame))) {
-            return refused(format!(
-                "a frame at {} s would be measured, and is not at a time {times}; leave those that are",
-                other.time
-            ));
+        if let Some(time) = asked.iter().find(|time| !is_among(time, &measured)) {
+            return refused(format!("no frame with grains at {time} s; leave one at each time {times}"));
         }
         match (measured.len(), asked.len()) {
             (found, wanted) if found == wanted => Ok(()),
@@ -302,12 +287,10 @@ impl Code for External {
                 let recording = run.recording(self.name, job.seed, job.scene);
                 return recording.map_err(|error| refused(error.to_string()));
             }
-            let manifest = Manifest { folder: folder.into(), ..self.description.clone() };
-            let tables = Tables::read(&manifest).map_err(|error| self.refused(error))?;
-            return self.recording(job, &tables, None, 0.0);
+            return self.recording(job, None, 0.0);
         }
         let grains = starting_grains(job)?;
-        let folder = RunFolder::fresh(job.work_folder, input(job, &grains))?;
+        self.prepare(job, input(job, &grains))?;
         let program = program_of(&self.description, &self.here);
         let arguments: Vec<OsString> = self.description.command[1..].iter().map(|word| self.word(word, job)).collect();
         let clock = Instant::now();
@@ -323,8 +306,7 @@ impl Code for External {
         }
         .execute()?;
         let wall_seconds = clock.elapsed().as_secs_f64();
-        let tables = self.tables_of(&folder, job.work_folder)?;
-        let recording = self.recording(job, &tables, Some(&grains), wall_seconds)?;
+        let recording = self.recording(job, Some(&grains), wall_seconds)?;
         (job.progress)(1.0);
         Ok(recording)
     }

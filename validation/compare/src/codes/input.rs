@@ -256,7 +256,7 @@ pub(super) fn closed_faces(min: &[f64; 3], max: &[f64; 3], open: &[String]) -> V
 }
 
 /// The axis of coordinates along which a direction lies, and its sign.
-fn along(direction: &[f64; 3]) -> Option<(usize, f64)> {
+pub(super) fn along(direction: &[f64; 3]) -> Option<(usize, f64)> {
     let unit = Vector3::from(*direction).try_normalize(0.0)?;
     let axis = unit.iamax();
     let across = (0..3).filter(|&other| other != axis).all(|other| unit[other].abs() < SLACK);

@@ -28,9 +28,6 @@ pub use yade::Yade;
 /// Hertz's spring and Mindlin's, both damped for the restitution of the scene: what explicit codes do where nothing else is said.
 pub const HERTZ_MINDLIN: &str = "Hertz-Mindlin, damped";
 
-/// Law of decks of earlier versions: the tangential spring without damping.
-pub const UNDAMPED_TANGENT: &str = "Hertz-Mindlin, tangent undamped";
-
 /// Purpose of a run. Scene and time step are the same either way.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Purpose {
@@ -135,19 +132,6 @@ pub enum CodeError {
         /// Log file, kept.
         log: PathBuf,
     },
-    /// It printed more than is kept, and was stopped.
-    #[error(
-        "{code} was stopped: it printed more than {mebibytes} MiB; the first of them are in {}; let it print less",
-        log.display()
-    )]
-    LongLog {
-        /// The code.
-        code: &'static str,
-        /// Limit, MiB.
-        mebibytes: u64,
-        /// Log file, kept, as long as the limit.
-        log: PathBuf,
-    },
     /// It came to a state that makes its numbers invalid.
     #[error("{code} came to a state that makes its numbers invalid: {alarm}")]
     InvalidState {
@@ -218,11 +202,14 @@ fn remedy(source: &std::io::Error) -> &'static str {
 }
 
 /// Writes files into a folder, which is made.
-fn write_files(folder: &Path, files: impl IntoIterator<Item = (impl AsRef<Path>, String)>) -> Result<(), CodeError> {
+fn write_files(
+    folder: &Path,
+    files: impl IntoIterator<Item = (impl AsRef<Path>, impl AsRef<[u8]>)>,
+) -> Result<(), CodeError> {
     std::fs::create_dir_all(folder).map_err(|source| process::io(folder, source))?;
-    for (name, text) in files {
+    for (name, content) in files {
         let path = folder.join(name);
-        std::fs::write(&path, text).map_err(|source| process::io(&path, source))?;
+        std::fs::write(&path, content).map_err(|source| process::io(&path, source))?;
     }
     Ok(())
 }

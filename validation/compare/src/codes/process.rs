@@ -1,30 +1,25 @@
-//! A code as a child process: started in its own group, watched, stopped whole; its share of a core, and its folder.
+//! A code as a child process: started in its own group, watched, stopped whole; its share of a core.
 //!
 //! On a busy machine wall time depends on other processes. The time of a run is the processor time of its stepping on one core, for every code:
 //! the wall time of the stepping, without set-up and output, times the share of a core that the run got.
-//!
-//! The folder of a run is made anew, given files, and searched for those that the run has left.
 
 use super::CodeError;
 use makadam_frames::output::shown;
 use rustix::process::{Pid, Signal, kill_process_group};
 use std::ffi::{OsStr, OsString};
 use std::fs::File;
-use std::io::{ErrorKind, Read, Seek, SeekFrom, Write};
+use std::io::{Read, Seek, SeekFrom, Write};
 use std::os::unix::process::CommandExt;
 use std::path::{Component, Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::OnceLock;
-use std::time::{Duration, Instant, SystemTime};
+use std::time::{Duration, Instant};
 
 /// Bytes of the log that an error quotes.
 const TAIL: usize = 600;
 
 /// Bytes of the end of a log that are searched for the reason of a failure.
 const SEARCHED: u64 = 1 << 16;
-
-/// MiB that a program may print: far more than any log, and far less than a disk.
-const LONGEST_LOG: u64 = 64;
 
 /// Free bytes below which a failure is put down to a full disk.
 const FULL_DISK: u64 = 1 << 20;
@@ -123,8 +118,7 @@ impl Run<'_> {
     pub fn execute(&self) -> Result<Option<f64>, CodeError> {
         let Some(program) = locate(self.program) else { return Err(CodeError::Missing { code: self.code }) };
         let log = File::create(&self.log).map_err(|source| io(&self.log, source))?;
-        let copy = || log.try_clone().map_err(|source| io(&self.log, source));
-        let (log_copy, printed) = (copy()?, copy()?);
+        let log_copy = log.try_clone().map_err(|source| io(&self.log, source))?;
         let mut command = tied(&program);
         command
             .args(self.arguments)
@@ -150,21 +144,12 @@ impl Run<'_> {
                 let seconds = self.limit.as_secs_f64();
                 return Err(CodeError::TimedOut { code: self.code, seconds, log: self.log.clone() });
             }
-            if is_too_long(&printed) {
-                drop(group);
-                return Err(self.cut(&printed));
-            }
             // Both times of the same moment: one that has ended tells no more.
             core_share = share_of(group.0.id(), start).or(core_share);
             std::thread::sleep(pause);
             pause = (pause * 2).min(Duration::from_millis(200));
             (self.watch)();
         };
-        if is_too_long(&printed) {
-            // What it has left running may still print.
-            drop(group);
-            return Err(self.cut(&printed));
-        }
         if status.success() {
             return Ok(core_share);
         }
@@ -174,16 +159,6 @@ impl Run<'_> {
         }
         disk_has_room(self.folder)?;
         Err(CodeError::Crashed { code: self.code, status: status.to_string(), log: self.log.clone(), tail })
-    }
-}
-
-impl Run<'_> {
-    /// Cuts the log off at the limit, and says why the run was stopped.
-    fn cut(&self, printed: &File) -> CodeError {
-        match printed.set_len(LONGEST_LOG << 20) {
-            Ok(()) => CodeError::LongLog { code: self.code, mebibytes: LONGEST_LOG, log: self.log.clone() },
-            Err(source) => io(&self.log, source),
-        }
     }
 
     /// Returns the program's own reason of its failure; the log named to the user holds all of its output.
@@ -203,20 +178,13 @@ impl Run<'_> {
     }
 }
 
-fn is_too_long(log: &File) -> bool {
-    log.metadata().is_ok_and(|log| log.len() > LONGEST_LOG << 20)
-}
-
 /// The last line that tells of an error, in what a program printed or in its own logs, before the end of what it printed. Programs
 /// that are aborted end with words of whoever aborts them.
 fn last_words(printed: &str, own_logs: &[String]) -> String {
     let texts = || std::iter::once(printed).chain(own_logs.iter().map(String::as_str));
     let tells = |line: &&str| line.contains("ERROR") || line.contains("Error:");
     let reason = texts().find_map(|text| text.lines().rev().find(tells));
-    let mut start = printed.len().saturating_sub(TAIL);
-    while !printed.is_char_boundary(start) {
-        start += 1;
-    }
+    let start = printed.ceil_char_boundary(printed.len().saturating_sub(TAIL));
     let words = reason.into_iter().chain([&printed[start..]]).flat_map(str::split_whitespace);
     shown(&words.collect::<Vec<_>>().join(" "), false).into_owned()
 }
@@ -263,37 +231,16 @@ pub(super) fn locate(program: &OsStr) -> Option<PathBuf> {
     std::env::split_paths(&std::env::var_os("PATH")?).map(|folder| folder.join(program)).find(|file| file.is_file())
 }
 
-/// Reads a program's answer about its version; none if it is not there, empty if it cannot be started or does
-/// not answer in time. Why it cannot be started is told by the run that follows.
+/// Reads a program's answer about its version; none if it is not there, empty if it cannot be started. Why it cannot be started is told by
+/// the run that follows.
 fn first_words(program: &OsStr, arguments: &[&str]) -> Option<String> {
-    let program = locate(program)?;
-    let mut command = Command::new(program);
-    command.args(arguments).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::null()).process_group(0);
-    let Ok(child) = command.spawn() else { return Some(String::new()) };
-    let mut group = Group(child);
-    let mut pipe = group.0.stdout.take()?;
-    let reader = std::thread::spawn(move || {
-        let mut words = vec![0; 4096];
-        let mut length = 0;
-        while length < words.len() {
-            match pipe.read(&mut words[length..]) {
-                Ok(0) | Err(_) => break,
-                Ok(count) => length += count,
-            }
-        }
-        words.truncate(length);
-        String::from_utf8_lossy(&words).into_owned()
-    });
-    let start = Instant::now();
-    while !reader.is_finished() && start.elapsed() < Duration::from_secs(10) {
-        std::thread::sleep(Duration::from_millis(5));
-    }
-    drop(group);
-    Some(reader.join().unwrap_or_default())
+    let mut command = Command::new(locate(program)?);
+    let answer = command.args(arguments).stdin(Stdio::null()).stderr(Stdio::null()).output();
+    Some(answer.map_or_else(|_| String::new(), |answer| String::from_utf8_lossy(&answer.stdout).into_owned()))
 }
 
 /// End of a log file.
-fn ending(log: &Path) -> String {
+pub(super) fn ending(log: &Path) -> String {
     let read = || -> std::io::Result<Vec<u8>> {
         let mut file = File::open(log)?;
         let length = file.metadata()?.len();
@@ -359,86 +306,6 @@ fn seconds_in(line: &str) -> Option<f64> {
     let fields: Vec<&str> = line.rsplit_once(')')?.1.split_whitespace().collect();
     let ticks = |field: usize| fields.get(field)?.parse::<f64>().ok();
     Some((ticks(OWN)? + ticks(OWN + 1)?) / TICKS)
-}
-
-/// Clocks of file systems are as coarse as this.
-const COARSE: Duration = Duration::from_secs(2);
-
-/// A folder in which nothing lies but what the run was given, and what it leaves.
-pub(super) struct RunFolder {
-    path: PathBuf,
-    /// Names of the files that it was given.
-    given: Vec<String>,
-    /// When it was given them, by the clock of the file system.
-    started: SystemTime,
-}
-
-impl RunFolder {
-    /// Empties the folder, or makes it, and writes files into it.
-    ///
-    /// # Errors
-    /// [`CodeError::Io`] if the system refuses.
-    pub fn fresh(path: &Path, input: Vec<(String, Vec<u8>)>) -> Result<RunFolder, CodeError> {
-        match std::fs::remove_dir_all(path) {
-            Err(source) if source.kind() != ErrorKind::NotFound => return Err(io(path, source)),
-            _ => {}
-        }
-        std::fs::create_dir_all(path).map_err(|source| io(path, source))?;
-        let (mut given, mut started) = (Vec::new(), SystemTime::now());
-        for (name, bytes) in input {
-            let file = path.join(&name);
-            let written = std::fs::write(&file, bytes).and_then(|()| file.metadata()?.modified());
-            let written = written.map_err(|source| io(&file, source))?;
-            // The clock of a disk elsewhere may be behind that of this machine.
-            started = started.min(written);
-            given.push(name);
-        }
-        Ok(RunFolder { path: path.to_path_buf(), given, started })
-    }
-
-    /// The files of a pattern, in the order of their names.
-    ///
-    /// # Errors
-    /// A sentence, if the pattern names no file or a file that is not of this run.
-    pub fn files(&self, pattern: &str) -> Result<Vec<PathBuf>, String> {
-        let whole = Path::new(&glob::Pattern::escape(&self.path.display().to_string())).join(pattern);
-        let paths = glob::glob(&whole.display().to_string()).map_err(|error| error.to_string())?;
-        let paths: Vec<PathBuf> = paths.collect::<Result<_, _>>().map_err(|error| error.to_string())?;
-        let mut files: Vec<PathBuf> = paths.into_iter().filter(|path| path.is_file()).collect();
-        if files.is_empty() {
-            return Err(format!("the run has left no file {pattern}"));
-        }
-        files.iter().try_for_each(|file| self.is_of_run(file))?;
-        files.sort();
-        Ok(files)
-    }
-
-    /// Refuses what the run did not make.
-    fn is_of_run(&self, file: &Path) -> Result<(), String> {
-        let whole = |path: &Path| path.canonicalize().map_err(|error| format!("{}: {error}", path.display()));
-        let (real, folder) = (whole(file)?, whole(&self.path)?);
-        let name = file.file_name().unwrap_or_default().display();
-        let Ok(below) = real.strip_prefix(&folder) else {
-            return Err(format!(
-                "{name} is a link to {}, out of the folder of the run; leave the file itself",
-                real.display()
-            ));
-        };
-        if self.given.iter().any(|given| Path::new(given) == below) {
-            return Err(format!(
-                "{} is what the run was given; let it leave its frames under another name, and name those alone",
-                below.display()
-            ));
-        }
-        let modified = real.metadata().and_then(|data| data.modified()).map_err(|error| format!("{name}: {error}"))?;
-        match self.started.duration_since(modified) {
-            Ok(before) if before > COARSE => Err(format!(
-                "{name} was written {:.0} s before the run began: it is of another one; let each run write its frames anew",
-                before.as_secs_f64()
-            )),
-            _ => Ok(()),
-        }
-    }
 }
 
 /// Checks that a pattern names files below the folder of a run.

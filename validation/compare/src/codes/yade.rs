@@ -8,13 +8,14 @@ use makadam::effects::catalogue::{
     COHESION, COMPLIANCE, DRIVEN_WALLS, Effect, FRICTION, GRAVITY, RESTITUTION, ROLLING, SIZE_SPREAD, SPIN,
     TANGENTIAL_SPRING, VISCOSITY, WALL_MOTION,
 };
-use makadam::scene::{Cohesion, Grain, Motion, Wall};
+use makadam::scene::{Cohesion, Grain, Material, Motion, Wall};
 use makadam::snapshot::{DrivenWall, Particle, Partner, Snapshot};
 use makadam_frames::import::{contact_from_force, measurable, merge_wall_contacts};
-use makadam_frames::output::mesh::{COARSE, FINE, Mesh, Triangle, wall_mesh};
+use makadam_frames::output::mesh::{COARSE, FINE, Mesh, wall_mesh};
 use makadam_frames::recording::Recording;
 use nalgebra::Vector3;
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
+use serde_json::{Value, json};
 use std::ffi::OsString;
 use std::path::Path;
 
@@ -54,80 +55,6 @@ installed!(
     Yade,
     "yade"
 );
-
-#[derive(Serialize)]
-struct JobFile<'a> {
-    time_step: f64,
-    steps: u64,
-    frames: Vec<u64>,
-    gravity: [f64; 3],
-    verlet_distance: f64,
-    materials: Vec<MaterialEntry>,
-    /// Two materials, friction angle (radians), restitution.
-    pairs: Vec<(usize, usize, f64, f64)>,
-    /// Absent where nothing resists rolling.
-    rolling: Option<Rolling>,
-    /// Surface energy of all contacts, J/m2; absent where nothing coheres.
-    cohesion: Option<f64>,
-    grains: Vec<GrainEntry<'a>>,
-    walls: Vec<WallEntry>,
-}
-
-#[derive(Serialize)]
-struct MaterialEntry {
-    young: f64,
-    poisson: f64,
-    density: f64,
-}
-
-#[derive(Serialize)]
-struct GrainEntry<'a> {
-    material: usize,
-    radius: f64,
-    position: &'a [f64; 3],
-    velocity: &'a [f64; 3],
-    spin: &'a [f64; 3],
-}
-
-#[derive(Serialize)]
-struct WallEntry {
-    material: usize,
-    /// True if the triangles approximate a curved surface.
-    curved: bool,
-    triangles: Vec<Triangle>,
-    /// Endless planes across an axis: the axis, 0 to 2, and where on it they are, m.
-    planes: Vec<(usize, f64)>,
-    motions: Vec<MotionEntry>,
-    /// Absent where no force drives it.
-    drive: Option<DriveEntry>,
-}
-
-#[derive(Serialize)]
-struct DriveEntry {
-    /// Unit vector of the axis.
-    axis: [f64; 3],
-    /// Force along it, N.
-    force: f64,
-    /// Mass, kg.
-    mass: f64,
-    /// Step at which it is let go.
-    first: u64,
-}
-
-#[derive(Serialize)]
-struct MotionEntry {
-    kind: &'static str,
-    /// Point of the axis, m.
-    point: [f64; 3],
-    /// Unit vector along the motion or the axis.
-    axis: [f64; 3],
-    /// Speed (m/s), angular velocity (rad/s), or largest displacement (m).
-    rate: f64,
-    /// Frequency, Hz, of a vibration.
-    frequency: f64,
-    first: u64,
-    last: u64,
-}
 
 /// Statement of the driver about the run.
 #[derive(Debug, Deserialize)]
@@ -240,10 +167,8 @@ fn write_input(job: &Job<'_>) -> Result<(Vec<Grain>, Plan), CodeError> {
     let palette = Palette::new(scene, &grains);
     let rolling = rolling(&palette, &grains).map_err(unsupported)?;
     let cohesion = surface_energy(&palette).map_err(unsupported)?;
-    let text = serde_json::to_string(&job_file(job, &grains, &plan, &palette, (rolling, cohesion)))
-        .map_err(|error| io(&job.work_folder.join("job.json"), error.into()))?;
-    let files = vec![("job.json".to_string(), text), ("yade_driver.py".to_string(), DRIVER.to_string())];
-    super::write_files(job.work_folder, files)?;
+    let text = job_file(job, &grains, &plan, &palette, (rolling, cohesion)).to_string();
+    super::write_files(job.work_folder, [("job.json", text.as_str()), ("yade_driver.py", DRIVER)])?;
     Ok((grains, plan))
 }
 
@@ -265,71 +190,68 @@ fn surface_energy(palette: &Palette<'_>) -> Result<Option<f64>, String> {
     }
 }
 
-fn job_file<'a>(
+/// The job as the driver reads it.
+fn job_file(
     job: &Job<'_>,
-    grains: &'a [Grain],
+    grains: &[Grain],
     plan: &Plan,
     palette: &Palette<'_>,
     (rolling, cohesion): (Option<Rolling>, Option<f64>),
-) -> JobFile<'a> {
+) -> Value {
     let scene = job.scene;
     let smallest = grains.iter().map(|grain| grain.radius).fold(f64::INFINITY, f64::min);
-    let surfaces = surfaces(job, grains, rolling.is_some());
-    let pairs = palette.pairs().map(|(a, b, pair)| (a, b, pair.friction.atan(), pair.restitution)).collect();
-    JobFile {
-        time_step: plan.time_step,
-        steps: plan.steps,
-        frames: plan.frames(),
-        gravity: scene.gravity,
-        verlet_distance: smallest
-            * match job.purpose {
-                Purpose::Measuring => VERLET_DISTANCE,
-                Purpose::Timing => FASTEST_VERLET_DISTANCE,
-            },
-        materials: palette
-            .materials()
-            .map(|material| MaterialEntry {
-                young: material.youngs_modulus,
-                poisson: material.poisson_ratio,
-                density: material.density,
-            })
-            .collect(),
-        pairs,
-        rolling,
-        cohesion,
-        grains: grains
-            .iter()
-            .map(|grain| GrainEntry {
-                material: palette.index(&grain.material, false),
-                radius: grain.radius,
-                position: &grain.position,
-                velocity: &grain.velocity,
-                spin: &grain.spin,
-            })
-            .collect(),
-        walls: scene
-            .wall
-            .iter()
-            .zip(surfaces)
-            .map(|(wall, (mesh, planes))| WallEntry {
-                material: palette.index(&wall.material, true),
-                curved: mesh.bend > 0.0,
-                triangles: mesh.triangles,
-                planes,
-                motions: plan
-                    .phases(&wall.motion)
-                    .iter()
-                    .filter_map(|phase| motion_entry(&wall.motion, phase))
-                    .collect(),
-                drive: drive_entry(&wall.motion, plan),
-            })
-            .collect(),
-    }
+    let reach = match job.purpose {
+        Purpose::Measuring => VERLET_DISTANCE,
+        Purpose::Timing => FASTEST_VERLET_DISTANCE,
+    };
+    let material =
+        |of: &Material| json!({ "young": of.youngs_modulus, "poisson": of.poisson_ratio, "density": of.density });
+    let grain = |grain: &Grain| {
+        json!({
+            "material": palette.index(&grain.material, false),
+            "radius": grain.radius,
+            "position": grain.position,
+            "velocity": grain.velocity,
+            "spin": grain.spin,
+        })
+    };
+    let wall = |(wall, (mesh, planes)): (&Wall, Surfaces)| {
+        let phases = plan.phases(&wall.motion);
+        json!({
+            "material": palette.index(&wall.material, true),
+            // Triangles that approximate a curved surface.
+            "curved": mesh.bend > 0.0,
+            "triangles": mesh.triangles,
+            "planes": planes,
+            "motions": phases.iter().filter_map(|phase| motion_entry(&wall.motion, phase)).collect::<Vec<_>>(),
+            "drive": drive_entry(&wall.motion, plan),
+        })
+    };
+    let walls = scene.wall.iter().zip(surfaces(job, grains, rolling.is_some())).map(wall);
+    // Two materials, friction angle (radians), restitution.
+    let pairs = palette.pairs().map(|(a, b, pair)| (a, b, pair.friction.atan(), pair.restitution));
+    json!({
+        "time_step": plan.time_step,
+        "steps": plan.steps,
+        "frames": plan.frames(),
+        "gravity": scene.gravity,
+        "verlet_distance": smallest * reach,
+        "materials": palette.materials().map(material).collect::<Vec<_>>(),
+        "pairs": pairs.collect::<Vec<_>>(),
+        "rolling": rolling,
+        // Surface energy of all contacts, J/m2.
+        "cohesion": cohesion,
+        "grains": grains.iter().map(grain).collect::<Vec<_>>(),
+        "walls": walls.collect::<Vec<_>>(),
+    })
 }
+
+/// Triangles of a wall, and its endless planes across an axis: the axis, 0 to 2, and their place on it, m.
+type Surfaces = (Mesh, Vec<(usize, f64)>);
 
 /// The surfaces of each wall: triangles, and for timing planes in their place where a wall is some. Planes resist rolling otherwise than
 /// facets do, which the coefficient stands for.
-fn surfaces(job: &Job<'_>, grains: &[Grain], rolls: bool) -> Vec<(Mesh, Vec<(usize, f64)>)> {
+fn surfaces(job: &Job<'_>, grains: &[Grain], rolls: bool) -> Vec<Surfaces> {
     let Job { scene, purpose, .. } = job;
     let smallest = grains.iter().map(|grain| grain.radius).fold(f64::INFINITY, f64::min);
     let (fineness, found) = match purpose {
@@ -348,13 +270,16 @@ fn surfaces(job: &Job<'_>, grains: &[Grain], rolls: bool) -> Vec<(Mesh, Vec<(usi
     scene.wall.iter().zip(&found).map(of).collect()
 }
 
-fn drive_entry(motion: &Motion, plan: &Plan) -> Option<DriveEntry> {
+/// Unit vector of the axis, force along it (N), mass (kg) and first step of a wall that a force drives.
+fn drive_entry(motion: &Motion, plan: &Plan) -> Option<Value> {
     let Motion::ForceDriven { axis, force, mass, start } = *motion else { return None };
-    let axis = Vector3::from(axis).normalize().into();
-    Some(DriveEntry { axis, force, mass, first: plan.step_at(start) })
+    let axis: [f64; 3] = Vector3::from(axis).normalize().into();
+    Some(json!({ "axis": axis, "force": force, "mass": mass, "first": plan.step_at(start) }))
 }
 
-fn motion_entry(motion: &Motion, phase: &MotionPhase) -> Option<MotionEntry> {
+/// A phase of a motion: point of the axis (m), unit vector along motion or axis, and speed (m/s), angular velocity (rad/s) or largest
+/// displacement (m) with the frequency of the vibration (Hz).
+fn motion_entry(motion: &Motion, phase: &MotionPhase) -> Option<Value> {
     let size = |vector: &[f64; 3]| Vector3::from(*vector).norm();
     let (kind, point, direction, rate, frequency) = match motion {
         Motion::Fixed | Motion::ForceDriven { .. } | Motion::TorqueDriven { .. } => return None,
@@ -364,9 +289,11 @@ fn motion_entry(motion: &Motion, phase: &MotionPhase) -> Option<MotionEntry> {
             ("vibrating", [0.0; 3], *amplitude, size(amplitude), *frequency)
         }
     };
-    let axis = Vector3::from(direction).try_normalize(0.0)?.into();
-    let rate = phase.direction * rate;
-    Some(MotionEntry { kind, point, axis, rate, frequency, first: phase.first, last: phase.last })
+    let axis: [f64; 3] = Vector3::from(direction).try_normalize(0.0)?.into();
+    let (rate, [first, last]) = (phase.direction * rate, [phase.first, phase.last]);
+    Some(json!({
+        "kind": kind, "point": point, "axis": axis, "rate": rate, "frequency": frequency, "first": first, "last": last,
+    }))
 }
 
 /// Reads the driver's frames; any bytes are either frames or an error.

@@ -8,8 +8,7 @@ mod runs;
 mod simulate;
 
 pub use comparison::{CodeSummary, Comparison, FinalState, Row, Source, Timing, distinct};
-pub use record::{FEW_SEEDS, RecordError, Recorder};
-pub(crate) use reference::{Missing, Wanted};
+pub use record::{FEW_SEEDS, RecordError, record};
 pub use reference::{Reference, ReferenceError};
 pub use rows::{comparison, live_checks};
 pub use runs::{CodeRuns, Harvest, MeasuredRun, noticed};

@@ -1,29 +1,15 @@
-//! Recording: what is missing in a scene's references is measured or run, and taken in.
+//! Recording: runs of reference codes are measured and replace what a scene's references hold of them.
 
-use super::{CodeRuns, Missing, Reference, ReferenceError, Runs, Simulated, Wanted};
+use super::{CodeRuns, Reference, ReferenceError, Runs, distinct};
 use crate::codes::{Code, CodeError};
 use makadam_frames::output::WriteError;
-use makadam_frames::plan::physics_hash;
+use makadam_frames::plan::{MeasuredScene, physics_hash};
 use makadam_measure::statistics::Ensemble;
 use rayon::prelude::*;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Seeds where nothing is recorded and none are asked for.
 pub const FEW_SEEDS: u64 = 3;
-
-/// Records frames and measurements of reference codes as a reference of a scene.
-pub struct Recorder<'a> {
-    /// Runs for measuring of the scene, but for their seeds, with the folder of raw recordings.
-    pub runs: Runs<'a>,
-    /// Number of seeds, counted from 1; absent, those that the scene registers, else as many as are recorded, and [`FEW_SEEDS`] at least.
-    pub seeds: Option<u64>,
-    /// True if all recorded runs are replaced.
-    pub again: bool,
-    /// Told what will be run.
-    pub note: &'a dyn Fn(&str),
-    /// Told what will be replaced and what failed.
-    pub warn: &'a dyn Fn(&str),
-}
 
 /// Result of a recording.
 pub struct Recorded {
@@ -34,7 +20,7 @@ pub struct Recorded {
     pub whole: bool,
     /// Recorded values, one line per code and observable.
     pub lines: Vec<String>,
-    /// That the user asked to stop, else the first failure of a run, else why runs were not taken in; what ended well was.
+    /// That the user asked to stop, else the first failure of a run, else the reason for which recorded runs stayed.
     pub failure: Option<RecordError>,
 }
 
@@ -50,175 +36,85 @@ pub enum RecordError {
     /// A run failed.
     #[error(transparent)]
     Code(#[from] CodeError),
-    /// New runs cannot be merged with the recorded ones.
+    /// New runs do not replace the recorded ones.
     #[error("{0}")]
     Refused(String),
 }
 
-impl Recorder<'_> {
-    /// Records what is missing of some codes. What ended well is taken in even if other seeds failed.
-    ///
-    /// # Errors
-    /// [`RecordError::Reference`] or [`RecordError::Write`] if the references cannot be read or written.
-    pub fn record(&self, codes: Vec<Box<dyn Code>>) -> Result<Recorded, RecordError> {
-        let folder = Reference::folder(self.runs.scene_file);
-        let (mut reference, aside) = self.known(&folder)?;
-        let seeds: Vec<u64> =
-            (1..=self.seeds.or(self.runs.scene.measure.seeds).unwrap_or_else(|| reference.seeds().max(FEW_SEEDS)))
-                .collect();
-        let hash = physics_hash(self.runs.scene);
-        // Said before the hours that the runs may take, so that a fraction mistyped is noticed in time.
-        let plan = |code: Box<dyn Code>| {
-            let missing = self.missing(code.as_ref(), &reference, &hash, &seeds);
-            self.say(code.name(), &missing, &reference, &seeds);
-            (code, missing)
-        };
-        let plans: Vec<(Box<dyn Code>, Missing)> = codes.into_iter().map(plan).collect();
-        let jobs: Vec<(&dyn Code, Runs<'_>)> =
-            plans.iter().map(|(code, missing)| (code.as_ref(), self.runs.of_seeds(&missing.seeds))).collect();
-        let simulated: Vec<_> = jobs.par_iter().map(|(code, runs)| runs.simulate(*code)).collect();
-        let mut recorded = Recorded { folder, changed: false, whole: true, lines: Vec::new(), failure: None };
-        let mut failures = Vec::new();
-        for ((code, missing), simulated) in plans.iter().zip(simulated) {
-            let code = code.name();
-            let (new, failed) = self.split(code, simulated);
-            match self.take_in(&mut reference, new, missing, failed.is_empty(), &hash) {
-                Ok(taken) => recorded.changed |= taken,
-                Err(problem) => {
-                    (self.warn)(&format!("{code}: its references stay as they were: {problem}"));
-                    recorded.failure = recorded.failure.or(Some(problem));
-                }
-            }
-            failures.extend(failed);
-            recorded.whole &= self.describe(&reference, code, &mut recorded.lines);
+/// Replaces the recorded runs of some codes by runs of today: of raw recordings where there are some, else made now. Fewer runs than are
+/// recorded replace none. `runs` are for measuring, with the folder of raw recordings; their seeds are 1 to `seeds` or, if absent, those that
+/// the scene registers, else as many as are recorded, and [`FEW_SEEDS`] at least. `warn` receives a sentence per run that failed.
+///
+/// # Errors
+/// [`RecordError::Reference`] or [`RecordError::Write`] if the references cannot be read or written.
+pub fn record(
+    codes: &[Box<dyn Code>],
+    runs: &Runs<'_>,
+    seeds: Option<u64>,
+    warn: &dyn Fn(&str),
+) -> Result<Recorded, RecordError> {
+    let folder = Reference::folder(runs.scene_file);
+    let before = Reference::load(&folder)?.unwrap_or_default();
+    let seeds = seeds.or(runs.scene.measure.seeds).unwrap_or_else(|| before.seeds().max(FEW_SEEDS));
+    let (runs, hash) = (runs.of_seeds(&(1..=seeds).collect::<Vec<_>>()), physics_hash(runs.scene));
+    let simulated: Vec<_> = codes.par_iter().map(|code| runs.simulate(code.as_ref())).collect();
+    let mut reference = before.clone();
+    let mut recorded = Recorded { folder, changed: false, whole: true, lines: Vec::new(), failure: None };
+    let mut failures = Vec::new();
+    for (code, simulated) in codes.iter().zip(simulated) {
+        let code = code.name();
+        for (seed, error) in simulated.failures {
+            warn(&format!("{code}, seed {seed}: {error}"));
+            failures.push(error);
         }
-        recorded.failure = CodeError::foremost(failures).map(RecordError::Code).or(recorded.failure);
-        // Nothing new leaves the files alone, down to their dates.
-        if recorded.changed {
-            if let Some(aside) = aside {
-                std::fs::rename(&recorded.folder, &aside)
-                    .map_err(|source| WriteError::new(&recorded.folder, source))?;
-            }
-            reference.save(&recorded.folder)?;
+        let new = CodeRuns::live(code, rayon::current_num_threads(), simulated.harvests);
+        match refusal(&new, before.of(code).count()) {
+            Some(problem) => recorded.failure = recorded.failure.or(Some(RecordError::Refused(problem))),
+            None => reference.replace(new, &hash),
         }
-        Ok(recorded)
+        recorded.whole &= describe(&reference, runs.scene, code, &mut recorded.lines);
     }
-
-    /// Reads the references of a folder. Where all is replaced, unreadable ones count as none, and the path to move them to is returned.
-    fn known(&self, folder: &Path) -> Result<(Reference, Option<PathBuf>), RecordError> {
-        match Reference::load(folder) {
-            Ok(reference) => Ok((reference.unwrap_or_default(), None)),
-            Err(problem) if self.again => {
-                let aside = aside(folder);
-                (self.warn)(&format!(
-                    "{problem}; --restart starts from nothing, and moves {} to {} once a run has ended: runs of codes that are not \
-                     recorded now are in that folder alone, so ask for these codes too, with --codes",
-                    folder.display(),
-                    aside.display()
-                ));
-                Ok((Reference::default(), Some(aside)))
-            }
-            Err(problem) => Err(problem.into()),
-        }
-    }
-
-    fn missing(&self, code: &dyn Code, reference: &Reference, hash: &str, seeds: &[u64]) -> Missing {
-        if self.again {
-            let recorded = reference.of(code.name()).next();
-            return Missing { seeds: seeds.to_vec(), replaces: recorded.map(|_| "--restart asks for it".into()) };
-        }
-        reference.missing(&Wanted {
-            code: code.name(),
-            version: code.version().as_deref(),
-            contact_law: code.contact_law(),
-            scene_hash: hash,
-            rayleigh_fraction: self.runs.rayleigh_fraction,
-            seeds,
-        })
-    }
-
-    /// Says what will be kept and what will be replaced.
-    fn say(&self, code: &str, missing: &Missing, reference: &Reference, seeds: &[u64]) {
-        let recorded = reference.of(code).count();
-        match &missing.replaces {
-            Some(reason) => (self.warn)(&format!(
-                "{code}: all {recorded} recorded runs will be replaced by seeds 1 to {}, not mixed with them: {reason}",
-                seeds.len()
-            )),
-            None => (self.note)(&format!(
-                "{code}: {} of {} seeds are recorded already, {} to measure or run",
-                seeds.len() - missing.seeds.len(),
-                seeds.len(),
-                missing.seeds.len()
-            )),
-        }
-    }
-
-    /// The runs that ended well, and the failures of the others, all of which are said.
-    fn split(&self, code: &str, simulated: Simulated) -> (CodeRuns, Vec<CodeError>) {
-        let said = |(seed, error): (u64, CodeError)| {
-            (self.warn)(&format!("{code}, seed {seed}: {error}"));
-            error
-        };
-        let failures = simulated.failures.into_iter().map(said).collect();
-        (CodeRuns::live(code, rayon::current_num_threads(), simulated.harvests), failures)
-    }
-
-    /// Puts new runs beside the recorded ones or in their place; whether anything changed, or why the references stay.
-    fn take_in(
-        &self,
-        reference: &mut Reference,
-        new: CodeRuns,
-        missing: &Missing,
-        complete: bool,
-        hash: &str,
-    ) -> Result<bool, RecordError> {
-        if missing.replaces.is_some() && !complete {
-            // Half a replacement would cost recorded runs, and the raw recordings keep what was run.
-            let problem = "some seeds that were to replace them failed; the runs that ended are kept, so try again";
-            return Err(RecordError::Refused(problem.into()));
-        }
-        if new.runs.is_empty() {
-            return Ok(false);
-        }
-        match missing.replaces {
-            Some(_) => reference.replace(new, hash),
-            None => reference.add(new, hash).map_err(RecordError::Refused)?,
-        }
-        Ok(true)
-    }
-
-    /// Adds mean and standard deviation of what is recorded of a code; whether every run has a value of all that is compared.
-    fn describe(&self, reference: &Reference, code: &str, lines: &mut Vec<String>) -> bool {
-        let runs = reference.of(code).count();
-        let mut whole = true;
-        for expectation in &self.runs.scene.compare {
-            let observable = &expectation.observable;
-            let recorded = reference.of(code);
-            let values: Vec<f64> = recorded.filter_map(|run| run.value(observable)).collect();
-            let lacking = match runs - values.len() {
-                0 => String::new(),
-                _ => format!("; not measured in {} of {runs}", runs - values.len()),
-            };
-            whole &= lacking.is_empty() && runs > 0;
-            let text = match Ensemble::of(&values) {
-                Some(ensemble) => format!(
-                    "{:.5} +- {:.5} ({} seeds{lacking})",
-                    ensemble.mean, ensemble.standard_deviation, ensemble.seeds
-                ),
-                None => format!("not measured in any of {runs} seeds"),
-            };
-            lines.push(format!("{code:<10} {observable:<28} {text}"));
-        }
-        whole
-    }
+    recorded.failure = CodeError::foremost(failures).map(RecordError::Code).or(recorded.failure);
+    recorded.changed = !reference.runs.is_empty() && reference.save(&recorded.folder)?;
+    Ok(recorded)
 }
 
-/// Returns a free path next to damaged references, to move them to.
-fn aside(folder: &Path) -> PathBuf {
-    let name = folder.file_name().unwrap_or_default().to_string_lossy();
-    let numbered = (2..).map(|number| format!("{name}-damaged-{number}"));
-    let names = std::iter::once(format!("{name}-damaged")).chain(numbered);
-    let mut places = names.map(|name| folder.with_file_name(name));
-    places.find(|place| place.symlink_metadata().is_err()).expect("numbers do not end")
+/// Adds mean and standard deviation of what is recorded of a code; whether every run has a value of all that is compared.
+fn describe(reference: &Reference, scene: &MeasuredScene, code: &str, lines: &mut Vec<String>) -> bool {
+    let runs = reference.of(code).count();
+    let mut whole = true;
+    for expectation in &scene.compare {
+        let observable = &expectation.observable;
+        let recorded = reference.of(code);
+        let values: Vec<f64> = recorded.filter_map(|run| run.value(observable)).collect();
+        let lacking = match runs - values.len() {
+            0 => String::new(),
+            _ => format!("; not measured in {} of {runs}", runs - values.len()),
+        };
+        whole &= lacking.is_empty() && runs > 0;
+        let text = match Ensemble::of(&values) {
+            Some(ensemble) => format!(
+                "{:.5} +- {:.5} ({} seeds{lacking})",
+                ensemble.mean, ensemble.standard_deviation, ensemble.seeds
+            ),
+            None => format!("not measured in any of {runs} seeds"),
+        };
+        lines.push(format!("{code:<10} {observable:<28} {text}"));
+    }
+    whole
+}
+
+/// Reason for which new runs of a code do not replace the recorded ones.
+fn refusal(new: &CodeRuns, recorded: usize) -> Option<String> {
+    let (code, ended) = (&new.code, new.runs.len());
+    let versions = distinct(new.runs.iter().map(|run| run.version.as_str()));
+    match versions[..] {
+        [] => Some(format!("no run of {code} ended well; its references stay as they were")),
+        [_] if ended >= recorded => None,
+        [_] => Some(format!(
+            "{recorded} runs of {code} are recorded and {ended} ended well, so the recorded ones stay; try again, or remove them from \
+             runs.csv to record fewer"
+        )),
+        _ => Some(format!("raw recordings of {code} are of versions {}; keep those of one", versions.join(", "))),
+    }
 }

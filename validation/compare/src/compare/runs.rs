@@ -1,7 +1,6 @@
 //! Measured runs: the stored result of one, and all runs of one code on one scene.
 
 use super::{CodeSummary, FinalState, Source, Timing};
-use crate::codes::UNDAMPED_TANGENT;
 use makadam_frames::plan::MeasuredScene;
 use makadam_frames::provenance::processor;
 use makadam_frames::recording::{Content, Noticed, Recording};
@@ -18,7 +17,6 @@ pub struct MeasuredRun {
     /// Seed of the initial positions.
     pub seed: u64,
     /// The law of its contacts ([`Code::contact_law`](crate::codes::Code::contact_law)).
-    #[serde(default = "earlier_law")]
     pub contact_law: String,
     /// Time step, s; 0 where the code does not tell.
     pub time_step: f64,
@@ -41,11 +39,6 @@ pub struct MeasuredRun {
     /// Measurements; a line of `runs.csv` does not hold them.
     #[serde(default)]
     pub measurements: Vec<Measurement>,
-}
-
-/// The law of runs that were recorded before it was noted.
-fn earlier_law() -> String {
-    UNDAMPED_TANGENT.into()
 }
 
 impl MeasuredRun {

@@ -7,7 +7,7 @@ use makadam::checkpoint::checksum;
 use makadam_frames::output::{file_stem, run_folder};
 use makadam_frames::plan::{MeasuredScene, physics_hash};
 use makadam_frames::provenance::{machine, utc};
-use makadam_frames::recording::{Recording, RecordingError};
+use makadam_frames::recording::Recording;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
@@ -125,27 +125,22 @@ impl Runs<'_> {
             Some(folder) => Some(folder.join(format!("{name}{}.rec", inputs(code, &job(&|_| {}))?))),
             None => None,
         };
-        let mut again = String::new();
         if let Some(file) = kept.as_ref().filter(|file| file.is_file()) {
-            let installed = code.version();
-            match self.kept(code, seed, file) {
-                // Versions do not mix: what another one left behind is run again, unless no code is there to run.
-                Ok(recording) if installed.as_ref().is_none_or(|installed| *installed == recording.version) => {
-                    let ended = file.metadata().and_then(|data| data.modified()).unwrap_or_else(|_| SystemTime::now());
-                    let _ = std::fs::remove_dir_all(&work_folder);
-                    return Ok(Harvest::of(scene, &recording, code.contact_law(), utc(ended)));
-                }
-                Ok(recording) => again = format!(" (again: recorded with {})", recording.version),
-                Err(error) if installed.is_none() => return Err(error.into()),
-                // It can be made again.
-                Err(error) => again = format!(" (again: {error})"),
+            let (installed, recording) = (code.version(), Recording::load(file));
+            // Versions do not mix: what another one left behind, or what is damaged, is run again, unless no code is there to run.
+            let is_right =
+                recording.as_ref().is_ok_and(|found| installed.as_ref().is_none_or(|own| *own == found.version));
+            if is_right || installed.is_none() {
+                let ended = file.metadata().and_then(|data| data.modified()).unwrap_or_else(|_| SystemTime::now());
+                let _ = std::fs::remove_dir_all(&work_folder);
+                return Ok(Harvest::of(scene, &recording?, code.contact_law(), utc(ended)));
             }
         }
         if makadam_frames::interrupt::requested() {
             let _ = std::fs::remove_dir_all(&work_folder);
             return Err(CodeError::Interrupted { code: code.name() });
         }
-        let progress = (self.announce)(&format!("{} {} seed {seed}{again}", scene.name, code.name()));
+        let progress = (self.announce)(&format!("{} {} seed {seed}", scene.name, code.name()));
         let ended = code.simulate(&job(&*progress));
         // What was cut short tells nothing; what failed by itself does.
         if ended.as_ref().is_err_and(CodeError::is_interruption) {
@@ -216,17 +211,6 @@ impl Runs<'_> {
         let summary = runs.summary().expect("it has a run");
         let harvest = if timed.lacks.is_empty() { timed } else { self.take(cache, code, seed)? };
         Ok((summary, harvest))
-    }
-
-    /// A recording that is kept, if it is the one that its name says.
-    fn kept(&self, code: &dyn Code, seed: u64, file: &Path) -> Result<Recording, RecordingError> {
-        let recording = Recording::load(file)?;
-        let found = (recording.code.as_str(), recording.seed, recording.stiffness_factor);
-        if found == (code.name(), seed, self.stiffness_factor) {
-            return Ok(recording);
-        }
-        let problem = format!("is of {} with seed {} at {} times the stiffness", found.0, found.1, found.2);
-        Err(RecordingError::Format(file.display().to_string(), problem))
     }
 
     /// Name of a run; the hash tells the scene from what it was before a change.

@@ -5,8 +5,8 @@
 
 use super::campaign::values;
 use super::results::line;
-use super::{Case, Law, Mean, Run, RunError, Values, figure};
-use crate::sketch::{GRAVITY, Sketch};
+use super::{Case, DIAMETER, Law, Mean, Run, RunError, SPREAD, Values, figure, grains_of};
+use crate::sketch::{DENSITY, GRAVITY, Sketch};
 use crate::study::Finding;
 use makadam::scene::{Motion, Reaction, Region, Shape};
 use makadam::snapshot::{Particle, Snapshot};
@@ -15,12 +15,6 @@ use makadam_view::draw::names::{CodeStyle, Marker};
 use makadam_view::draw::plot::{Axis, Key, Plot};
 use std::f64::consts::PI;
 
-/// Mean diameter of the grains, m.
-const DIAMETER: f64 = 0.01;
-/// Half width of the radii's distribution over their mean, so that the grains form no crystal.
-const SPREAD: f64 = 0.1;
-/// Density of the grains, kg/m3.
-const DENSITY: f64 = 2500.0;
 /// Friction of the grains and of all walls.
 const FRICTION: f64 = 0.5;
 /// Diameter of the silo, at least: over the hole's, and over the grains'. Narrower ones feel their walls.
@@ -103,21 +97,12 @@ fn measure(case: &Case, run: &mut Run<'_>) -> Result<Values, RunError> {
 
 fn judge(means: &[Mean]) -> Vec<Finding> {
     let fit = Fit::of(means);
-    let mut findings = vec![
+    vec![
         Finding::near("exponent, with k = 1.4", fit.exponent, EXPONENT, TOLERANCE),
         Finding::reported("C, with k = 1.4 and the exponent 2.5 (published: 0.58)", fit.c),
         Finding::reported("k, with the exponent 2.5 (published: 1.4)", fit.free[1]),
         Finding::reported("  C of that fit", fit.free[0]),
-    ];
-    for mean in means {
-        let hole = mean.of_value("hole");
-        let at = format!("D = {hole} d");
-        findings
-            .push(Finding::reported(format!("flow over the law's, {at}"), mean.of_value("flow_scaled") / law(hole)));
-        let steady = mean.of_value("flow_second_over_first_half");
-        findings.push(Finding::reported(format!("  flow in the second half of the time over the first, {at}"), steady));
-    }
-    findings
+    ]
 }
 
 fn figures(means: &[Mean]) -> Vec<Figure> {
@@ -165,12 +150,8 @@ impl Fit {
     }
 }
 
-fn grain_volume() -> f64 {
-    PI / 6.0 * DIAMETER.powi(3) * (1.0 + SPREAD * SPREAD)
-}
-
 fn grain_mass() -> f64 {
-    DENSITY * grain_volume()
+    DENSITY * (PI / 6.0 * DIAMETER.powi(3) * (1.0 + SPREAD * SPREAD))
 }
 
 fn mass(grain: &Particle) -> f64 {
@@ -206,7 +187,7 @@ fn filling(frame: &Snapshot, silo: f64) -> f64 {
 fn case(hole: f64, least: f64) -> Case {
     let silo = (SILO[0] * hole).max(least) * DIAMETER;
     let (radius, height, grain) = (0.5 * silo, FILLING[0] * silo, 0.5 * DIAMETER);
-    let count = (SOLID * PI * radius * radius * height / grain_volume()).round() as usize;
+    let count = grains_of(SOLID * PI * radius * radius * height);
     // The lattice that grains start on is less than half as dense as the bed.
     let room = 3.0 * height + 10.0 * DIAMETER;
     let open = 0.4 + 2.0 * (2.0 * height / GRAVITY).sqrt();
@@ -227,7 +208,6 @@ fn case(hole: f64, least: f64) -> Case {
         })
         // Grains below the floor may roll away.
         .with(|scene| scene.watch.on_escape = Reaction::Ignore)
-        .change_material("grain", |grain| grain.density = DENSITY)
         .named_wall("floor", "wall", disc(radius + DIAMETER, opening), Motion::Fixed)
         .named_wall("lid", "wall", disc(opening, 0.0), lid)
         .named_wall("ground", "wall", Shape::Plane { point: [0.0, 0.0, below], normal: up }, Motion::Fixed)

@@ -7,8 +7,8 @@
 
 use super::campaign::values;
 use super::results::least;
-use super::{Case, Law, Mean, Run, RunError, Values, figure};
-use crate::sketch::{GRAVITY, Sketch};
+use super::{Case, DIAMETER, Law, Mean, Run, RunError, SPREAD, Values, figure, grains_of};
+use crate::sketch::{DENSITY, GRAVITY, Sketch};
 use crate::study::Finding;
 use makadam::scene::{Motion, Region, Shape};
 use makadam::snapshot::{Partner, Snapshot};
@@ -17,12 +17,6 @@ use makadam_view::draw::names::{CodeStyle, Marker};
 use makadam_view::draw::plot::{Axis, Key, Plot};
 use std::f64::consts::PI;
 
-/// Mean diameter of the grains, m.
-const DIAMETER: f64 = 0.01;
-/// Half width of the radii's distribution over their mean, so that the grains form no crystal.
-const SPREAD: f64 = 0.1;
-/// Density of the grains, kg/m3.
-const DENSITY: f64 = 2500.0;
 /// Friction of the grains with each other and with the floor.
 const FRICTION: f64 = 0.5;
 /// Friction of the tube: below that of the grains, so that they slip at the wall and not beside it.
@@ -108,47 +102,23 @@ fn measure(case: &Case, run: &mut Run<'_>) -> Result<Values, RunError> {
 
 fn judge(means: &[Mean]) -> Vec<Finding> {
     let saturated = saturated(means);
-    let deviation = |mean: &&Mean| {
+    let deviations = fitted(means).map(|mean| {
         let [mass, apparent] = ["mass", "apparent_mass"].map(|name| mean.of_value(name) / saturated);
         apparent - law(mass)
-    };
-    let deviations: Vec<f64> = fitted(means).map(|mean| deviation(&mean)).collect();
+    });
     // What is not a number counts as the largest; `max` would pass it over.
     let larger = |a: f64, b: f64| if a >= b.abs() || a.is_nan() { a } else { b.abs() };
-    let largest = deviations.iter().fold(0.0, |largest, &one| larger(largest, one));
-    let rms = (deviations.iter().map(|one| one * one).sum::<f64>() / deviations.len() as f64).sqrt();
+    let largest = deviations.fold(0.0, larger);
     let densest = fitted(means).last();
     let density = densest.map_or(f64::NAN, |mean| mean.of_value("bulk_density"));
     let radius = densest.map_or(f64::NAN, |mean| mean.of_value("radius"));
-    let mobilised = densest.map_or(f64::NAN, |mean| mean.of_value("mobilisation"));
     let ratio = density * PI * radius.powi(3) / (2.0 * WALL_FRICTION * saturated);
     let [active, passive] = rankine(INTERNAL_FRICTION);
-    let mut findings = vec![
+    vec![
         Finding::at_most("largest deviation from Janssen's curve over M_s", largest, TOLERANCE),
         Finding::between("K, between Rankine's limits", ratio, active, passive),
-        Finding::reported("K, by the friction that is mobilised in the fullest tube", ratio / mobilised),
-        Finding::reported("root mean square deviation over M_s", rms),
         Finding::reported("saturated mass M_s", saturated).in_unit("kg"),
-    ];
-    for mean in means.iter().filter(|mean| mean.of_value("speed_share") == 1.0) {
-        let at = format!("H = {} D", mean.of_value("filling"));
-        let drift = mean.of_value("apparent_mass_drift") / saturated;
-        findings.extend([
-            Finding::reported(format!("deviation over M_s, {at}"), deviation(&mean)),
-            Finding::reported(format!("  drift over M_s within the measurement, {at}"), drift),
-            Finding::reported(format!("  mobilised share of the wall's friction, {at}"), mean.of_value("mobilisation")),
-            Finding::reported(format!("  forces on floor and wall over weight, {at}"), mean.of_value("balance")),
-        ]);
-    }
-    for slow in means.iter().filter(|mean| mean.of_value("speed_share") != 1.0) {
-        let same = fitted(means).find(|mean| mean.of_value("filling") == slow.of_value("filling"));
-        if let Some(same) = same {
-            let change = (slow.of_value("apparent_mass") - same.of_value("apparent_mass")) / saturated;
-            let words = format!("change over M_s at half the speed, H = {} D", slow.of_value("filling"));
-            findings.push(Finding::reported(words, change));
-        }
-    }
-    findings
+    ]
 }
 
 fn figures(means: &[Mean]) -> Vec<Figure> {
@@ -233,8 +203,7 @@ fn case(diameters: f64, filling: f64, speed_share: f64) -> Case {
     let radius = 0.5 * diameters * DIAMETER;
     let height = filling * 2.0 * radius;
     let grain = 0.5 * DIAMETER;
-    let volume = 4.0 / 3.0 * PI * grain.powi(3) * (1.0 + SPREAD * SPREAD);
-    let count = (SOLID * PI * radius * radius * height / volume).round() as usize;
+    let count = grains_of(SOLID * PI * radius * radius * height);
     // The lattice that grains start on is less than half as dense as the bed.
     let room = 3.0 * height + 10.0 * DIAMETER;
     let start = 0.4 + 2.5 * (2.0 * height / GRAVITY).sqrt();
@@ -256,7 +225,7 @@ fn case(diameters: f64, filling: f64, speed_share: f64) -> Case {
         )
         .with(|scene| scene.description = format!("Grains to {filling} diameters of a tube whose wall rises slowly."))
         .change_material("wall", |wall| wall.friction = WALL_FRICTION)
-        .change_material("grain", |grain| (grain.friction, grain.density) = (FRICTION, DENSITY))
+        .change_material("grain", |grain| grain.friction = FRICTION)
         .named_wall("floor", "floor", Shape::Plane { point: [0.0; 3], normal: up }, Motion::Fixed)
         .polydisperse(
             count,

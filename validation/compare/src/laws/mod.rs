@@ -12,7 +12,6 @@ mod beverloo;
 mod campaign;
 mod chute;
 mod collapse;
-
 mod janssen;
 mod results;
 #[cfg(test)]
@@ -24,6 +23,18 @@ pub use campaign::{Case, Run, Values, row_of, run_cases, work};
 use makadam_view::draw::figure::Figure;
 use makadam_view::draw::plot::Plot;
 pub use results::{LawResult, Mean, Row, Study, figure_and_bounds, runs};
+use std::f64::consts::PI;
+
+/// Mean diameter of the grains of all laws, m.
+const DIAMETER: f64 = 0.01;
+
+/// Half width of the radii's distribution over their mean, so that the grains form no crystal.
+const SPREAD: f64 = 0.1;
+
+/// Number of grains of a solid volume, m3.
+fn grains_of(solid: f64) -> usize {
+    (solid / (PI / 6.0 * DIAMETER.powi(3) * (1.0 + SPREAD * SPREAD))).round() as usize
+}
 
 /// A published law.
 pub struct Law {

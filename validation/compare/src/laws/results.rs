@@ -1,12 +1,11 @@
 //! Results of laws: rows, means over seeds, findings; their report and files; fits by least squares.
 
 use super::{Law, Values};
-use crate::study::{Answer, Cell, Document, DocumentError, File, Finding, Report, Section, Table, cells};
+use crate::study::{Answer, Cell, Document, DocumentError, File, Finding, Medium, Report, Section, Table, cells};
 use makadam_frames::provenance::facts;
 use makadam_measure::statistics::{mean, standard_deviation};
 use makadam_view::draw::figure::Figure;
 use makadam_view::draw::numbers::{bounds, four_digits, plural};
-use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -105,7 +104,7 @@ impl LawResult {
         self.rows.iter().map(|row| row.wall_seconds).sum()
     }
 
-    fn section(&self) -> Section {
+    fn sections(&self) -> [Section; 2] {
         let verdict = if self.holds { "within tolerance" } else { "outside tolerance" };
         let table = Table::new(&["figure", "value", "bounds", "verdict"], &[]).of(&self.findings, |finding| {
             let [value, bounds] = figure_and_bounds(finding);
@@ -116,7 +115,16 @@ impl LawResult {
             };
             cells![&finding.what, value, bounds, verdict]
         });
-        Section::new(format!("{}: {verdict}", self.name), format!("{} ({}).", self.statement, self.source), table)
+        let names: BTreeSet<&String> = self.means.iter().flat_map(|mean| mean.values.keys()).collect();
+        let means = Table::new(&["case"], &[]).with_numbers(&names).of(&self.means, |mean| {
+            let value = |name: &&String| mean.values.get(*name).map(|value| four_digits(*value));
+            [Cell::from(&mean.case)].into_iter().chain(names.iter().map(|name| value(name).into())).collect()
+        });
+        let description = format!("{} ({}).", self.statement, self.source);
+        [
+            Section::new(format!("{}: {verdict}", self.name), description, table),
+            Section::new(format!("{}: means over seeds", self.name), "", means).only(Medium::Page),
+        ]
     }
 }
 
@@ -165,7 +173,7 @@ impl Document for Study {
                 if self.quick { "The cases are small (--quick).".into() } else { String::new() },
             ),
             findings: self.laws.iter().map(runs).collect(),
-            sections: self.laws.iter().map(LawResult::section).collect(),
+            sections: self.laws.iter().flat_map(LawResult::sections).collect(),
             notes: Vec::new(),
             limits: vec![
                 "Bounds were chosen before the first measurement; figures without bounds are reported only.".into(),
@@ -219,20 +227,6 @@ pub(super) fn at_zero(points: &[[f64; 2]]) -> Option<(f64, f64)> {
     let middle = points.iter().map(|[x, _]| x).sum::<f64>() / count;
     let square: f64 = points.iter().map(|[x, _]| (x - middle).powi(2)).sum();
     Some((intercept, (scatter * (1.0 / count + middle * middle / square)).sqrt()))
-}
-
-/// Value at zero of the least-squares parabola through points; `None` if they do not define one.
-pub(super) fn parabola_at_zero(points: &[[f64; 2]]) -> Option<f64> {
-    // In units of the largest x, so that the normal equations are of order one.
-    let unit = points.iter().map(|[x, _]| x.abs()).fold(0.0, f64::max);
-    let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
-    for [x, y] in points {
-        let powers = Vector3::new(1.0, x / unit, (x / unit).powi(2));
-        normal += powers * powers.transpose();
-        right += powers * *y;
-    }
-    let solution = normal.cholesky().map(|factor| factor.solve(&right));
-    solution.filter(|_| points.len() >= 3).map(|coefficients| coefficients[0])
 }
 
 /// Minimum of a function of one variable that falls and then rises, between two bounds: golden section.

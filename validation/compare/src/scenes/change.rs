@@ -53,36 +53,13 @@ impl fmt::Display for Change {
 }
 
 /// The steps of a dotted key; quotes hold what has dots or blanks of its own. `population[0].count`, as messages print it, is
-/// `population.0.count`.
+/// `population.0.count`; a key with quotes has dots alone.
 pub fn key_of(key: &str) -> Vec<String> {
-    let dotted = with_dots(key);
+    let dotted = if key.contains(['"', '\'']) { key.into() } else { key.replace('[', ".").replace(']', "") };
     match Key::parse(&dotted) {
         Ok(steps) => steps.iter().map(|step| step.get().to_string()).collect(),
         Err(_) => dotted.split('.').map(|step| step.trim().to_string()).collect(),
     }
-}
-
-/// A key with every number in brackets as a step of its own; what stands in quotes is left as it is.
-fn with_dots(key: &str) -> String {
-    let mut dotted = String::with_capacity(key.len());
-    let mut rest = key;
-    let mut quote = None;
-    while let Some(next) = rest.chars().next() {
-        let number = rest.strip_prefix('[').filter(|_| quote.is_none()).and_then(|rest| rest.split_once(']'));
-        if let Some((number, after)) = number.filter(|(number, _)| number.parse::<usize>().is_ok()) {
-            dotted += &format!(".{number}");
-            rest = after;
-            continue;
-        }
-        match quote {
-            Some(open) if open == next => quote = None,
-            None if next == '"' || next == '\'' => quote = Some(next),
-            _ => {}
-        }
-        dotted.push(next);
-        rest = &rest[next.len_utf8()..];
-    }
-    dotted
 }
 
 impl Change {
@@ -156,26 +133,8 @@ fn set(at: &mut Item, change: &Change, key: &[String], full: &mut Option<Item>) 
             }
         };
         let mut inner = full.take().and_then(|mut full| full.get_mut(place).map(std::mem::take));
-        return match at {
-            Item::ArrayOfTables(tables) => {
-                let mut table = Item::Table(std::mem::take(tables.get_mut(place).expect("it is one of them")));
-                let done = set(&mut table, change, rest, &mut inner);
-                if let Item::Table(table) = table {
-                    *tables.get_mut(place).expect("it is one of them") = table;
-                }
-                done
-            }
-            // An array in one line has no items of its own.
-            _ => {
-                let array = at.as_array_mut().expect("it has entries");
-                let mut entry = Item::Value(array.get(place).expect("it is one of them").clone());
-                let done = set(&mut entry, change, rest, &mut inner);
-                if let Item::Value(value) = entry {
-                    array.replace_formatted(place, value);
-                }
-                done
-            }
-        };
+        let entry = at.get_mut(place).expect("it is one of them");
+        return set(entry, change, rest, &mut inner);
     }
     if at.as_table_like().is_none() {
         let known = change.key[..change.key.len() - key.len()].join(".");
@@ -220,10 +179,7 @@ fn place_in(list: &Item, step: &str, length: usize) -> Option<usize> {
 
 /// Returns the name of an entry, or that of its observable.
 fn name_of(list: &Item, place: usize) -> Option<String> {
-    let text = |key: &str| match list {
-        Item::ArrayOfTables(tables) => tables.get(place)?.get(key)?.as_str().map(String::from),
-        _ => list.as_array()?.get(place)?.as_inline_table()?.get(key)?.as_str().map(String::from),
-    };
+    let text = |key: &str| Some(list.get(place)?.get(key)?.as_str()?.to_string());
     text("name").or_else(|| text("observable"))
 }
 

@@ -11,6 +11,7 @@ use makadam::scene::{SceneFileError, suggestion};
 use makadam_frames::plan::MeasuredScene;
 use makadam_measure::observables::catalogue;
 pub use schema::{page, schema};
+use std::collections::BTreeMap;
 use std::io::{Error, ErrorKind, Read};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
@@ -134,7 +135,7 @@ pub fn take(name: &str, roots: &[PathBuf], changes: &[Change]) -> Result<PathBuf
         path = format!("{} with {}", path.display(), written.join(" ")).into();
     }
     if let Some(text) = given {
-        give(path.clone(), text, origin);
+        GIVEN.lock().unwrap_or_else(PoisonError::into_inner).insert(path.clone(), (text, origin));
     }
     Ok(path)
 }
@@ -167,16 +168,8 @@ type Held = (&'static str, &'static [u8]);
 
 include!(concat!(env!("OUT_DIR"), "/scenes.rs"));
 
-/// A text that was given at the start, by a path that leads to no file.
-#[derive(Clone)]
-struct Given {
-    path: PathBuf,
-    text: String,
-    /// The file of which it is a change.
-    origin: Option<PathBuf>,
-}
-
-static GIVEN: Mutex<Vec<Given>> = Mutex::new(Vec::new());
+/// Texts that were given at the start, by paths that lead to no file; each with the file of which it is a change.
+static GIVEN: Mutex<BTreeMap<PathBuf, (String, Option<PathBuf>)>> = Mutex::new(BTreeMap::new());
 
 /// Names of the scenes that the program holds.
 pub fn names() -> impl Iterator<Item = &'static str> {
@@ -194,13 +187,6 @@ pub(super) fn bytes_of(path: &Path) -> Option<&'static [u8]> {
     HELD.iter().find(|(held, _)| *held == path).map(|(_, bytes)| *bytes)
 }
 
-/// Gives a text a path, under which it is read from then on, and the file of which it is a change.
-pub(super) fn give(path: PathBuf, text: String, origin: Option<PathBuf>) {
-    let mut given = GIVEN.lock().unwrap_or_else(PoisonError::into_inner);
-    given.retain(|known| known.path != path);
-    given.push(Given { path, text, origin });
-}
-
 /// Returns true for the path of a text that was given, which no file holds.
 pub fn is_given(path: &Path) -> bool {
     given(path).is_some()
@@ -208,12 +194,11 @@ pub fn is_given(path: &Path) -> bool {
 
 /// The file of a scene: of one that was changed when the program was started, the one that was changed.
 pub fn origin(path: &Path) -> PathBuf {
-    given(path).and_then(|given| given.origin).unwrap_or_else(|| path.to_path_buf())
+    given(path).and_then(|(_, origin)| origin).unwrap_or_else(|| path.to_path_buf())
 }
 
-fn given(path: &Path) -> Option<Given> {
-    let given = GIVEN.lock().unwrap_or_else(PoisonError::into_inner);
-    given.iter().find(|known| known.path == path).cloned()
+fn given(path: &Path) -> Option<(String, Option<PathBuf>)> {
+    GIVEN.lock().unwrap_or_else(PoisonError::into_inner).get(path).cloned()
 }
 
 /// Reads a file, whether it lies on a disk or in the program.
@@ -221,8 +206,8 @@ fn given(path: &Path) -> Option<Given> {
 /// # Errors
 /// The error of the system, or [`ErrorKind::NotFound`] for a path into the program that it does not hold.
 pub fn read(path: &Path) -> std::io::Result<Vec<u8>> {
-    if let Some(given) = given(path) {
-        return Ok(given.text.into_bytes());
+    if let Some((text, _)) = given(path) {
+        return Ok(text.into_bytes());
     }
     match is_built_in(path) {
         true => bytes_of(path).map(<[u8]>::to_vec).ok_or_else(|| ErrorKind::NotFound.into()),

@@ -1,5 +1,4 @@
-//! Runs of stress tests: cases in codes, side by side. Each outcome is stored when its run ends, and the study is written with each
-//! finished case.
+//! Runs of stress tests: cases in codes, side by side. Each outcome is stored when its run ends.
 
 use super::{Case, Evidence, Outcome, Verdict, figure};
 use crate::codes::{Code, CodeError, Job, Purpose};
@@ -19,7 +18,6 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 /// Time step of explicit codes over the Rayleigh step, where a case leaves the step to them.
@@ -44,25 +42,34 @@ impl<'a> Campaign<'a> {
     /// of the work that is done.
     ///
     /// # Errors
-    /// [`RunError`]; finished cases stay written.
+    /// [`RunError`]; outcomes stay stored.
     pub fn run(
         &self,
         ended: &(dyn Fn(&Case, &Outcome) + Sync),
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<Study<'a>, RunError> {
         write_scenes(self.cases.iter().map(|case| &case.scene), self.folder)?;
-        let study = Mutex::new(Study::new(self));
         let cases: Vec<&'a Case> = self.cases.iter().collect();
         let work = |case: &&Case| (case.scene.grain_count() + 1) as f64 * case.scene.duration / case.scene.solver.step;
-        run_jobs(&cases, work, progress, |&case, _| -> Result<(), RunError> {
+        let cases = run_jobs(&cases, work, progress, |&case, _| -> Result<_, RunError> {
             let outcome = |code: &dyn Code| self.outcome(case, code).inspect(|outcome| ended(case, outcome));
             let outcomes = self.codes.par_iter().map(|code| outcome(code.as_ref())).collect::<Result<_, _>>()?;
-            let mut study = study.lock().expect("nothing panics while it holds the lock");
-            study.add(case, outcomes, self.cases);
-            study.write(self.folder)?;
-            Ok(())
+            Ok(CaseResult { case, scene_hash: format!("{:016x}", scene_hash(&case.scene)), outcomes })
         })?;
-        Ok(study.into_inner().expect("nothing panics while it holds the lock"))
+        let of_makadam = cases.iter().flat_map(|case| &case.outcomes).filter(|outcome| outcome.code == "Makadam");
+        let as_stated = of_makadam.map(|outcome| outcome.verdict).all(|verdict| verdict == Verdict::AsStated);
+        let codes = self.codes.iter();
+        let study = Study {
+            version: JSON_VERSION,
+            command: "stability",
+            as_stated,
+            cases,
+            codes: codes.filter_map(|code| Some((code.name().to_string(), code.version()?))).collect(),
+            time_limit: self.time_limit,
+            provenance: account(rayon::current_num_threads(), &[]),
+        };
+        study.write(self.folder)?;
+        Ok(study)
     }
 
     /// Returns the outcome of a case in a code, stored or of a run now.
@@ -149,7 +156,6 @@ impl Case {
             }
             Err(CodeError::Crashed { status, tail, .. }) => Err((Verdict::Crashed, format!("{status}: {tail}"))),
             Err(CodeError::Output { problem, .. }) => Err((Verdict::Crashed, problem)),
-            Err(error @ CodeError::LongLog { .. }) => Err((Verdict::Crashed, error.to_string())),
             Err(error) => return Err(error.into()),
         };
         Ok(self.judged(code.name(), &grains, run, start))
@@ -194,10 +200,8 @@ pub struct Study<'a> {
     pub command: &'static str,
     /// True if all cases of Makadam ended as stated.
     pub as_stated: bool,
-    /// Finished cases, in the order of the catalogue.
+    /// Cases, in the order of the catalogue.
     pub cases: Vec<CaseResult<'a>>,
-    /// Names of the other cases.
-    pub unfinished: Vec<String>,
     /// Version of each code that ran.
     pub codes: BTreeMap<String, String>,
     /// Wall time after which a run was stopped, s.
@@ -206,31 +210,6 @@ pub struct Study<'a> {
 }
 
 impl<'a> Study<'a> {
-    /// Starts the study of a campaign, without finished cases.
-    pub(super) fn new(campaign: &Campaign<'a>) -> Study<'a> {
-        let codes = campaign.codes.iter();
-        Study {
-            version: JSON_VERSION,
-            command: "stability",
-            as_stated: true,
-            cases: Vec::new(),
-            unfinished: campaign.cases.iter().map(|case| case.name.clone()).collect(),
-            codes: codes.filter_map(|code| Some((code.name().to_string(), code.version()?))).collect(),
-            time_limit: campaign.time_limit,
-            provenance: account(rayon::current_num_threads(), &[]),
-        }
-    }
-
-    /// Adds a finished case of a catalogue.
-    pub(super) fn add(&mut self, case: &'a Case, outcomes: Vec<Outcome>, catalogue: &[Case]) {
-        self.unfinished.retain(|name| *name != case.name);
-        self.cases.push(CaseResult { case, scene_hash: format!("{:016x}", scene_hash(&case.scene)), outcomes });
-        self.cases.sort_by_key(|result| catalogue.iter().position(|case| case.name == result.case.name));
-        let outcomes = || self.cases.iter().flat_map(|case| &case.outcomes);
-        self.as_stated =
-            outcomes().filter(|outcome| outcome.code == "Makadam").all(|outcome| outcome.verdict == Verdict::AsStated);
-    }
-
     /// Codes of the columns.
     fn columns(&self) -> Vec<&str> {
         self.cases.first().map_or(Vec::new(), |case| case.outcomes.iter().map(|one| one.code.as_str()).collect())
@@ -271,8 +250,6 @@ impl Document for Study<'_> {
         sections.push(Section::new("Verdicts", "", short).only(Medium::Terminal));
         let codes = self.codes.iter().map(|(name, version)| format!("{name} {version}"));
         let counts: Vec<String> = columns.iter().enumerate().map(|(column, code)| self.count(column, code)).collect();
-        let unfinished =
-            (!self.unfinished.is_empty()).then(|| format!("Not finished: {}.", self.unfinished.join(", ")));
         let word = if self.as_stated { "As stated." } else { "Not as stated." };
         Report {
             kind: "Makadam, stress tests",
@@ -284,7 +261,7 @@ impl Document for Study<'_> {
             answer: Answer::of(self.as_stated, word.into(), counts.join(" ")),
             findings: Vec::new(),
             sections,
-            notes: self.cases.iter().flat_map(remarks).chain(unfinished).collect(),
+            notes: self.cases.iter().flat_map(remarks).collect(),
             limits: vec!["Bounds follow from closed forms, conservation laws and the geometry of containers.".into()],
             provenance: self.provenance.clone().into_iter().collect(),
             files: "stability.json",

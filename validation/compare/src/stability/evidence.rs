@@ -58,14 +58,9 @@ impl<'a> Evidence<'a> {
         self.masses[id]
     }
 
-    /// Force of the grains on the walls, N, averaged over the last share of the run.
-    pub(super) fn wall_force(&self, share: f64) -> Vector3<f64> {
-        self.mean_force(share, |_| true)
-    }
-
     /// Upward force of the walls over the weight, averaged over the last share of the run.
     pub(super) fn carried(&self, share: f64) -> f64 {
-        -self.wall_force(share).z / self.weight()
+        -self.mean_force(share, |_| true).z / self.weight()
     }
 
     /// Force on one wall.
@@ -73,6 +68,7 @@ impl<'a> Evidence<'a> {
         self.mean_force(share, |at| at == wall)
     }
 
+    /// Force of the grains on walls, N, averaged over the last share of the run.
     fn mean_force(&self, share: f64, counts: impl Fn(u32) -> bool) -> Vector3<f64> {
         let frames = self.ending(share);
         let contacts = frames.iter().flat_map(|frame| &frame.contacts);

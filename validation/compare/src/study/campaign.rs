@@ -1,8 +1,8 @@
 //! Execution of a campaign: jobs of (scene, code, seed, settings) on the thread pool, their results in the order of the jobs.
 //!
 //! A job takes its result from a [`RunCache`] where an earlier start has stored it, so that a campaign resumes: one file per run, written as a
-//! whole. A [`Key`] holds all that a run follows from: scene, seed, settings, builds. A file of another key belongs to another run: it counts
-//! as missing and is written over. A file with a wrong checksum is damaged: it is moved aside, and the run counts as missing.
+//! whole. A [`Key`] holds all that a run follows from: scene, seed, settings, builds. A file of another key belongs to another run, and one with
+//! a wrong checksum is damaged: the run counts as missing, and its file is written over.
 
 use super::DocumentError;
 use crate::codes::CodeError;
@@ -102,9 +102,6 @@ pub fn run_jobs<J: Sync, R: Send, E: Send>(
 /// Version of the layout; files of another one are damaged.
 const VERSION: u32 = 1;
 
-/// Extension of a damaged file.
-const DAMAGED: &str = "damaged";
-
 /// Identity of a run, and the name of its file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Key {
@@ -171,10 +168,10 @@ impl RunCache {
         self.folder.join(format!("{}.json", key.name))
     }
 
-    /// Returns a stored run. A damaged file is moved aside, and the run counts as missing.
+    /// Returns a stored run. That of a damaged file counts as missing.
     ///
     /// # Errors
-    /// [`RunError::Invalid`] of a run whose numbers are invalid; [`RunError::Write`] if the file cannot be read or moved.
+    /// [`RunError::Invalid`] of a run whose numbers are invalid; [`RunError::Write`] if the file cannot be read.
     pub fn find<T: Serialize + DeserializeOwned>(&self, key: &Key) -> Result<Option<T>, RunError> {
         let own = names(&self.made).contains(key.name());
         if self.again && !own {
@@ -186,13 +183,7 @@ impl RunCache {
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
             Err(error) => return Err(WriteError::new(&file, error).into()),
         };
-        let Some(sealed) = whole::<T>(&bytes) else {
-            std::fs::rename(&file, file.with_extension(DAMAGED)).map_err(|error| WriteError::new(&file, error))?;
-            return Ok(None);
-        };
-        if sealed.key != key.hash {
-            return Ok(None);
-        }
+        let Some(sealed) = whole::<T>(&bytes).filter(|sealed| sealed.key == key.hash) else { return Ok(None) };
         if !own {
             names(&self.taken).insert(key.name.clone());
         }
@@ -237,11 +228,6 @@ impl RunCache {
         made
     }
 
-    /// Lists damaged files, one sentence each ([`damaged_runs`]).
-    pub fn damaged(&self) -> Vec<String> {
-        damaged_runs(&self.folder)
-    }
-
     /// Numbers of runs that this start has made, and taken from earlier ones.
     pub fn counts(&self) -> [usize; 2] {
         [&self.made, &self.taken].map(|set| names(set).len())
@@ -250,26 +236,6 @@ impl RunCache {
 
 fn names(set: &Mutex<BTreeSet<String>>) -> std::sync::MutexGuard<'_, BTreeSet<String>> {
     set.lock().expect("nothing panics while it holds the lock")
-}
-
-/// Lists the damaged files of a folder and the folders in it that this start or an earlier one has moved aside, one sentence each.
-pub fn damaged_runs(folder: &Path) -> Vec<String> {
-    let mut damaged = Vec::new();
-    for path in std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path()) {
-        // No link is followed: a folder may hold one to itself.
-        match path.symlink_metadata() {
-            Ok(about) if about.is_dir() => damaged.extend(damaged_runs(&path)),
-            Ok(_) if path.extension().is_some_and(|extension| extension == DAMAGED) => {
-                damaged.push(format!(
-                    "a stored run was damaged and has been repeated; the file is now {}",
-                    path.display()
-                ));
-            }
-            _ => {}
-        }
-    }
-    damaged.sort();
-    damaged
 }
 
 /// Bytes of the file of a run.

@@ -2,12 +2,12 @@
 
 use super::report::Report;
 use makadam_frames::output::cells::csv;
-use makadam_frames::output::{WriteError, create_folder, write_whole};
+use makadam_frames::output::{Draft, WriteError, create_folder, write_whole};
 use makadam_frames::plan::MeasuredScene;
 use makadam_view::draw::figure::Figure;
 use makadam_view::draw::svg::standalone;
 use serde::Serialize;
-use std::io::{ErrorKind, Write as _};
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 /// Name and content of a file.
@@ -54,13 +54,8 @@ pub trait Document: Serialize {
 #[derive(Debug, thiserror::Error)]
 pub enum DocumentError {
     /// The system refused.
-    #[error("cannot write {}: {source}; {}", path.display(), remedy(source))]
-    Io {
-        /// File or folder.
-        path: PathBuf,
-        /// Reason.
-        source: std::io::Error,
-    },
+    #[error(transparent)]
+    Write(#[from] WriteError),
     /// The page's template does not fit its data.
     #[error("cannot render the page: {0:#}; this is a fault of the program")]
     Template(#[from] minijinja::Error),
@@ -70,19 +65,6 @@ pub enum DocumentError {
     /// The rows cannot be written as CSV.
     #[error("cannot write the rows as CSV: {0}; this is a fault of the program")]
     Csv(#[from] csv::Error),
-}
-
-fn remedy(source: &std::io::Error) -> &'static str {
-    match source.kind() {
-        ErrorKind::StorageFull | ErrorKind::QuotaExceeded => {
-            "the disk is full: free some room, or choose another folder"
-        }
-        ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => "choose a folder that you may write to",
-        ErrorKind::NotADirectory | ErrorKind::AlreadyExists => {
-            "a file stands where a folder is needed: choose another folder"
-        }
-        _ => "check that the folder exists and the disk has room",
-    }
 }
 
 /// Returns a CSV file of rows.
@@ -119,29 +101,15 @@ pub fn write_scenes<'a>(scenes: impl IntoIterator<Item = &'a MeasuredScene>, fol
 /// Writes files into a folder, which is made if it is not there. All of them are complete on disk under temporary names before
 /// the first is renamed, so that what an earlier command has written stays whole if this one fails.
 pub fn write_together(folder: &Path, files: &[File]) -> Result<(), DocumentError> {
-    let refused = |path: &Path| {
-        let path = path.to_path_buf();
-        move |source| DocumentError::Io { path, source }
-    };
-    std::fs::create_dir_all(folder).map_err(refused(folder))?;
-    // A temporary name beside a file, so that the rename stays within one file system.
-    let draft = |name: &str| folder.join(format!("{name}.{}.part", std::process::id()));
-    let written = files
-        .iter()
-        .try_for_each(|(name, bytes)| write_and_sync(&draft(name), bytes).map_err(refused(&folder.join(name))));
-    let renamed = written.and_then(|()| {
-        files.iter().try_for_each(|(name, _)| {
-            let path = folder.join(name);
-            std::fs::rename(draft(name), &path).map_err(refused(&path))
-        })
-    });
-    if renamed.is_err() {
-        for (name, _) in files {
-            // The first error is the one to report; a draft that cannot be removed was never a document.
-            let _ = std::fs::remove_file(draft(name));
-        }
+    create_folder(folder)?;
+    let mut drafts = Vec::new();
+    for (name, bytes) in files {
+        let path = folder.join(name);
+        let draft = Draft::of(&path);
+        write_and_sync(draft.name(), bytes).map_err(|source| WriteError::new(&path, source))?;
+        drafts.push(draft);
     }
-    renamed
+    Ok(drafts.into_iter().try_for_each(Draft::finish)?)
 }
 
 fn write_and_sync(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
@@ -150,7 +118,3 @@ fn write_and_sync(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     // Without this a full disk may show only after the rename.
     file.sync_all()
 }
-
-#[cfg(test)]
-#[path = "../../tests/unit/study_document.rs"]
-mod tests;

@@ -10,7 +10,7 @@ mod document;
 mod report;
 pub mod table;
 
-pub use campaign::{Key, RunCache, RunError, damaged_runs, run_jobs, sealed, unseal};
+pub use campaign::{Key, RunCache, RunError, run_jobs, sealed, unseal};
 pub use document::{Document, DocumentError, File, json, table, write_scenes, write_together};
 pub use report::{Answer, Finding, Medium, Report, Section, environment, style};
 pub use table::{Cell, Table, cells};

@@ -29,15 +29,6 @@ fn the_limit_of_endless_columns_is_judged_and_nothing_else() {
     assert_relative_eq!(value("r0 = 40 d"), 0.9, max_relative = 1e-12);
 }
 
-#[test]
-fn a_quarter_is_compared_with_the_whole_column() {
-    let mut quarter = mean(20.0, 0.9);
-    quarter.values.insert("share".into(), 0.25);
-    let findings = judge(&[mean(12.0, 0.8), mean(20.0, 1.0), quarter]);
-    let compared = findings.iter().find(|finding| finding.what.contains("of a quarter over")).unwrap();
-    assert_relative_eq!(compared.value, 0.9, max_relative = 1e-12);
-}
-
 fn mean(radius_in_diameters: f64, run_out: f64) -> Mean {
     let radius = radius_in_diameters * DIAMETER;
     let given = [("aspect", 1.0), ("nominal_aspect", 1.0), ("radius", radius), ("run_out", run_out), ("share", 1.0)];

@@ -24,13 +24,6 @@ fn a_line_at_zero_has_an_error_that_comes_from_the_scatter() {
 }
 
 #[test]
-fn a_parabola_is_found() {
-    let points = [0.02, 0.03, 0.05, 0.125].map(|x| [x, 0.9 - 4.0 * x + 7.0 * x * x]);
-    assert_relative_eq!(parabola_at_zero(&points).unwrap(), 0.9, max_relative = 1e-9);
-    assert!(parabola_at_zero(&points[..2]).is_none());
-}
-
-#[test]
 fn the_least_value_is_found() {
     assert_relative_eq!(least(|x| (x - 1.4).powi(2), 0.0, 9.0), 1.4, max_relative = 1e-7);
     assert_relative_eq!(least(|x| x, 2.0, 3.0), 2.0, max_relative = 1e-7);

@@ -15,7 +15,7 @@ use crate::report::{Qualification, StudySection};
 use makadam_compare::codes::{Code, CodeError, CodeName, Makadam, codes_of};
 use makadam_compare::compare::{Announce, Comparison, Reference, ReferenceError, Runs};
 use makadam_compare::scenes::{SceneError, find, known};
-use makadam_compare::study::{DocumentError, RunCache, RunError, damaged_runs};
+use makadam_compare::study::{DocumentError, RunCache, RunError};
 use makadam_frames::output::WriteError;
 use makadam_frames::plan::MeasuredScene;
 use makadam_frames::provenance::account;
@@ -187,7 +187,6 @@ fn notes(extent: &Extent, settings: &Settings<'_>, cache: &RunCache) -> Result<V
             "{taken} of {total} runs of scenes were taken from an earlier start in this folder; their wall times are those of then."
         ));
     }
-    notes.extend(damaged_runs(&settings.folder));
     Ok(notes)
 }
 

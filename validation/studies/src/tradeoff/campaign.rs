@@ -93,10 +93,7 @@ impl Campaign<'_> {
                 Err(
                     error @ (RunError::Invalid(_)
                     | RunError::Code(
-                        CodeError::Crashed { .. }
-                        | CodeError::Output { .. }
-                        | CodeError::LongLog { .. }
-                        | CodeError::TimedOut { .. },
+                        CodeError::Crashed { .. } | CodeError::Output { .. } | CodeError::TimedOut { .. },
                     )),
                 ) => {
                     outcome.failures.entry(place).or_insert((seed, error.to_string()));
@@ -104,7 +101,6 @@ impl Campaign<'_> {
                 Err(error) => return Err(error),
             }
         }
-        outcome.notes.extend(self.cache.damaged());
         Ok(outcome)
     }
 

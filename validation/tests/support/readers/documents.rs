@@ -352,9 +352,9 @@ pub fn references() -> Vec<Vec<u8>> {
     let made = "YADE,2023.02a,1,1e-5,0.1";
     vec![
         format!(
-            "{PART}runs.csv\ncode,version,seed,time_step,rayleigh_fraction,wall_seconds,simulated_seconds,\
-             processor,date,scene_hash\n{made},12.5,1.5,\"a processor, fast\",2026-01-02T03:04:05Z,0123456789abcdef\n\
-             LIGGGHTS,3.8.0,2,1e-5,,12.5,1.5,a processor,2026-01-02T03:04:05Z,0123456789abcdef\n\
+            "{PART}runs.csv\ncode,version,contact_law,seed,time_step,rayleigh_fraction,wall_seconds,simulated_seconds,\
+             processor,date,scene_hash\nYADE,2023.02a,a law,1,1e-5,0.1,12.5,1.5,\"a processor, fast\",2026-01-02T03:04:05Z,0123456789abcdef\n\
+             LIGGGHTS,3.8.0,a law,2,1e-5,,12.5,1.5,a processor,2026-01-02T03:04:05Z,0123456789abcdef\n\
              {PART}measurements.csv\ncode,version,seed,time_step,rayleigh_fraction,observable,unit,value,\
              standard_error,frames\n{made},packing_fraction,,0.59,,1\n{made},dynamic_angle,degrees,31.5,0.2,20\n\
              {PART}forces.csv\ncode,force_over_mean,density,samples\nYADE,0.125,0.5,77\nYADE,0.375,0.25,77\n\

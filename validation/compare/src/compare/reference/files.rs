@@ -1,8 +1,8 @@
 //! Files of recorded references; an error of reading names the file and the line.
 
 use super::{
-    FinalState, ForceDistribution, ForceLine, GRAIN_COLUMNS, GrainLine, MeasuredRun, MeasurementLine, Reference,
-    Series, SeriesLine, final_state_file,
+    FORCE_COLUMNS, FinalState, ForceDistribution, ForceLine, GRAIN_COLUMNS, GrainLine, MEASUREMENT_COLUMNS,
+    MeasuredRun, MeasurementLine, RUN_COLUMNS, Reference, SERIES_COLUMNS, Series, SeriesLine, final_state_file,
 };
 use crate::scenes;
 use crate::study::{DocumentError, File, Table, cells};
@@ -11,7 +11,6 @@ use makadam_frames::output::cells::as_meant;
 use makadam_frames::output::{WriteError, create_folder, write_whole};
 use makadam_frames::recording::LARGEST;
 use makadam_measure::observables::Measurement;
-use makadam_measure::observables::catalogue::{Definition, definition};
 use serde::de::DeserializeOwned;
 use std::path::{Path, PathBuf};
 
@@ -19,7 +18,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error)]
 pub enum ReferenceError {
     /// A file cannot be read.
-    #[error("{}: cannot be read: {source}; restore it from the repository, or record anew with 'makadam compare SCENE --record --restart'", file.display())]
+    #[error("{}: cannot be read: {source}; restore it from the repository, or remove its folder and record anew with 'makadam compare SCENE --record'", file.display())]
     Io {
         /// The file.
         file: PathBuf,
@@ -27,7 +26,7 @@ pub enum ReferenceError {
         source: std::io::Error,
     },
     /// A line is not what it should be.
-    #[error("{}:{line}: {problem}; restore the file from the repository, or record anew with 'makadam compare SCENE --record --restart'", file.display())]
+    #[error("{}:{line}: {problem}; restore the file from the repository, or remove its folder and record anew with 'makadam compare SCENE --record'", file.display())]
     Line {
         /// The file.
         file: PathBuf,
@@ -67,7 +66,7 @@ impl Reference {
     /// # Errors
     /// As [`Reference::load`].
     pub fn read(folder: &Path, bytes: Bytes<'_>) -> Result<Option<Reference>, ReferenceError> {
-        let Some(runs) = lines_if_there::<MeasuredRun>(&folder.join("runs.csv"), bytes)? else {
+        let Some(runs) = lines_if_there::<MeasuredRun>(&folder.join("runs.csv"), RUN_COLUMNS, bytes)? else {
             return Ok(None);
         };
         let file = folder.join("runs.csv");
@@ -85,7 +84,7 @@ impl Reference {
     }
 
     fn read_measurements(&mut self, file: &Path, bytes: Bytes<'_>) -> Result<(), ReferenceError> {
-        for (at, line) in lines::<MeasurementLine>(file, bytes)? {
+        for (at, line) in lines::<MeasurementLine>(file, MEASUREMENT_COLUMNS, bytes)? {
             let run = self.runs.iter_mut().find(|run| run.code == line.code && run.seed == line.seed);
             let Some(run) = run else {
                 let problem = format!("{} seed {} has no line in runs.csv", line.code, line.seed);
@@ -99,18 +98,6 @@ impl Reference {
             if line.value.is_nan() || line.value.abs() >= LARGEST {
                 return refused(format!("{} of {of_run} is {}, which nothing measures", line.observable, line.value));
             }
-            let in_runs = (&run.version, run.time_step, run.rayleigh_fraction);
-            if (&line.version, line.time_step, line.rayleigh_fraction) != in_runs {
-                return refused(format!(
-                    "{of_run} has another version, time step or share of the Rayleigh step than in runs.csv"
-                ));
-            }
-            let is_other = |known: &&Definition| known.unit.split(" or ").all(|unit| unit != line.unit);
-            if let Some(Definition { unit, .. }) = definition(&line.observable).filter(is_other) {
-                let words = |unit: &str| if unit.is_empty() { "no unit".into() } else { format!("the unit {unit}") };
-                let (own, right) = (words(&line.unit), words(unit));
-                return refused(format!("{} of {of_run} has {own}, and is told with {right}", line.observable));
-            }
             run.measurements.push(Measurement {
                 observable: line.observable,
                 unit: line.unit,
@@ -123,28 +110,26 @@ impl Reference {
     }
 
     fn read_forces(&mut self, file: &Path, bytes: Bytes<'_>) -> Result<(), ReferenceError> {
-        let lines: Vec<ForceLine> = lines(file, bytes)?.into_iter().map(|(_, line)| line).collect();
+        let lines: Vec<ForceLine> = lines(file, FORCE_COLUMNS, bytes)?.into_iter().map(|(_, line)| line).collect();
         let of_code = |lines: &[ForceLine]| ForceDistribution {
-            code: lines[0].code.clone(),
-            force: lines.iter().map(|line| line.force_over_mean).collect(),
-            density: lines.iter().map(|line| line.density).collect(),
-            samples: lines[0].samples,
+            code: lines[0].0.clone(),
+            force: lines.iter().map(|(_, force, ..)| *force).collect(),
+            density: lines.iter().map(|(_, _, density, _)| *density).collect(),
+            samples: lines[0].3,
         };
-        self.forces.extend(lines.chunk_by(|one, next| one.code == next.code).map(of_code));
+        self.forces.extend(lines.chunk_by(|one, next| one.0 == next.0).map(of_code));
         Ok(())
     }
 
     fn read_series(&mut self, file: &Path, bytes: Bytes<'_>) -> Result<(), ReferenceError> {
-        for (_, line) in lines::<SeriesLine>(file, bytes)? {
-            let same =
-                |last: &Series| last.code == line.code && last.seed == line.seed && last.observable == line.observable;
+        for (_, (code, seed, observable, time, value)) in lines::<SeriesLine>(file, SERIES_COLUMNS, bytes)? {
+            let same = |last: &Series| last.code == code && last.seed == seed && last.observable == observable;
             if !self.series.last().is_some_and(same) {
-                let (time, value) = (Vec::new(), Vec::new());
-                self.series.push(Series { code: line.code, seed: line.seed, observable: line.observable, time, value });
+                self.series.push(Series { code, seed, observable, time: Vec::new(), value: Vec::new() });
             }
             let series = self.series.last_mut().expect("one was pushed if there was none");
-            series.time.push(line.time);
-            series.value.push(line.value);
+            series.time.push(time);
+            series.value.push(value);
         }
         Ok(())
     }
@@ -156,11 +141,17 @@ impl Reference {
             let Some((seed, time)) = self.of(&code).next().map(|first| (first.seed, first.simulated_seconds)) else {
                 continue;
             };
-            let Some(grains) = lines_if_there::<GrainLine>(&file, bytes)? else {
+            let Some(grains) = lines_if_there::<GrainLine>(&file, GRAIN_COLUMNS, bytes)? else {
                 continue;
             };
-            let particles = grains.into_iter().map(|(_, grain)| particle(&grain)).collect();
-            self.final_states.push(FinalState { code, seed, time, particles });
+            let particle =
+                |(_, (id, radius, position, velocity, spin))| Particle { id, position, radius, velocity, spin };
+            self.final_states.push(FinalState {
+                code,
+                seed,
+                time,
+                particles: grains.into_iter().map(particle).collect(),
+            });
         }
         Ok(())
     }
@@ -194,35 +185,29 @@ fn all_alike(runs: &[(u64, MeasuredRun)]) -> Result<(), (u64, String)> {
     Ok(())
 }
 
-fn particle(grain: &GrainLine) -> Particle {
-    Particle {
-        id: grain.id,
-        position: [grain.x, grain.y, grain.z],
-        radius: grain.radius,
-        velocity: [grain.vx, grain.vy, grain.vz],
-        spin: [grain.wx, grain.wy, grain.wz],
-    }
-}
-
 /// Gives the bytes of a file.
 type Bytes<'a> = &'a dyn Fn(&Path) -> std::io::Result<Vec<u8>>;
 
-/// All lines of a CSV file with their numbers.
-fn lines<T: DeserializeOwned>(file: &Path, bytes: Bytes<'_>) -> Result<Vec<(u64, T)>, ReferenceError> {
+/// All lines of a CSV file of these columns with their numbers.
+fn lines<T: DeserializeOwned>(file: &Path, columns: &str, bytes: Bytes<'_>) -> Result<Vec<(u64, T)>, ReferenceError> {
     let bytes = bytes(file).map_err(|source| ReferenceError::Io { file: file.to_path_buf(), source })?;
-    parse(&bytes).map_err(|(line, problem)| ReferenceError::Line { file: file.to_path_buf(), line, problem })
+    parse(columns, &bytes).map_err(|(line, problem)| ReferenceError::Line { file: file.to_path_buf(), line, problem })
 }
 
 /// Reads the lines of a file; `None` where there is none.
-fn lines_if_there<T: DeserializeOwned>(file: &Path, bytes: Bytes<'_>) -> Result<Option<Vec<(u64, T)>>, ReferenceError> {
-    match lines(file, bytes) {
+fn lines_if_there<T: DeserializeOwned>(
+    file: &Path,
+    columns: &str,
+    bytes: Bytes<'_>,
+) -> Result<Option<Vec<(u64, T)>>, ReferenceError> {
+    match lines(file, columns, bytes) {
         Err(ReferenceError::Io { source, .. }) if source.kind() == std::io::ErrorKind::NotFound => Ok(None),
         other => other.map(Some),
     }
 }
 
 /// All lines of a CSV document with their numbers, or the number of a line and what is wrong with it.
-fn parse<T: DeserializeOwned>(bytes: &[u8]) -> Result<Vec<(u64, T)>, (u64, String)> {
+fn parse<T: DeserializeOwned>(columns: &str, bytes: &[u8]) -> Result<Vec<(u64, T)>, (u64, String)> {
     let failed = |error: csv::Error| {
         let line = error.position().map_or(1, csv::Position::line);
         match error.into_kind() {
@@ -236,6 +221,9 @@ fn parse<T: DeserializeOwned>(bytes: &[u8]) -> Result<Vec<(u64, T)>, (u64, Strin
     };
     let mut reader = csv::Reader::from_reader(bytes);
     let headers = reader.headers().map_err(failed)?.clone();
+    if !headers.iter().eq(columns.split(' ')) {
+        return Err((1, format!("its columns are not {}", columns.replace(' ', ","))));
+    }
     let mut lines = Vec::new();
     let mut record = csv::StringRecord::new();
     while reader.read_record(&mut record).map_err(failed)? {
@@ -254,18 +242,16 @@ fn parse<T: DeserializeOwned>(bytes: &[u8]) -> Result<Vec<(u64, T)>, (u64, Strin
 }
 
 impl Reference {
-    /// Writes the recorded references into a folder.
+    /// Writes the recorded references into a folder; returns false if its files hold them already, and stay as they are.
     ///
     /// # Errors
     /// [`WriteError`] if the system refuses; files not yet reached stay as they were.
-    pub fn save(&self, folder: &Path) -> Result<(), WriteError> {
+    pub fn save(&self, folder: &Path) -> Result<bool, WriteError> {
         create_folder(folder)?;
-        for table in [self.run_lines(), self.measurement_lines(), self.force_lines(), self.series_lines()] {
-            let (name, bytes) = table.expect("numbers and text can be written to memory");
-            write_whole(&folder.join(name), &bytes)?;
-        }
+        let tables = [self.run_lines(), self.measurement_lines(), self.force_lines(), self.series_lines()];
+        let mut files = tables.map(|table| table.expect("numbers and text can be written to memory")).to_vec();
         for state in &self.final_states {
-            let mut text = GRAIN_COLUMNS.join(",") + "\n";
+            let mut text = GRAIN_COLUMNS.replace(' ', ",") + "\n";
             for grain in &state.particles {
                 text += &grain.id.to_string();
                 let numbers = [grain.radius].into_iter().chain(grain.position).chain(grain.velocity).chain(grain.spin);
@@ -274,13 +260,14 @@ impl Reference {
                 }
                 text.push('\n');
             }
-            write_whole(&folder.join(final_state_file(&state.code)), text.as_bytes())?;
+            files.push((final_state_file(&state.code), text.into_bytes()));
         }
-        Ok(())
+        files.retain(|(name, bytes)| std::fs::read(folder.join(name)).ok().as_ref() != Some(bytes));
+        files.iter().try_for_each(|(name, bytes)| write_whole(&folder.join(name), bytes))?;
+        Ok(!files.is_empty())
     }
 
     fn run_lines(&self) -> Result<File, DocumentError> {
-        let columns = "code version contact_law seed time_step rayleigh_fraction wall_seconds simulated_seconds processor date scene_hash";
         let cells = |run: &MeasuredRun| {
             cells![
                 &run.code,
@@ -296,11 +283,10 @@ impl Reference {
                 &run.scene_hash,
             ]
         };
-        Table::named(columns).of(&self.runs, cells).csv("runs")
+        Table::named(RUN_COLUMNS).of(&self.runs, cells).csv("runs")
     }
 
     fn measurement_lines(&self) -> Result<File, DocumentError> {
-        let columns = "code version seed time_step rayleigh_fraction observable unit value standard_error frames";
         let rows = self.runs.iter().flat_map(|run| {
             let finite = run.measurements.iter().filter(|measured| measured.value.is_finite());
             finite.map(move |measured| (run, measured))
@@ -319,11 +305,11 @@ impl Reference {
                 measured.frames,
             ]
         };
-        Table::named(columns).of(rows, cells).csv("measurements")
+        Table::named(MEASUREMENT_COLUMNS).of(rows, cells).csv("measurements")
     }
 
     fn force_lines(&self) -> Result<File, DocumentError> {
-        let mut table = Table::named("code force_over_mean density samples");
+        let mut table = Table::named(FORCE_COLUMNS);
         for forces in &self.forces {
             for (&force, &density) in forces.force.iter().zip(&forces.density) {
                 table.row(cells![&forces.code, force, rounded(density), forces.samples]);
@@ -333,7 +319,7 @@ impl Reference {
     }
 
     fn series_lines(&self) -> Result<File, DocumentError> {
-        let mut table = Table::named("code seed observable time value");
+        let mut table = Table::named(SERIES_COLUMNS);
         for series in &self.series {
             for (&time, &value) in series.time.iter().zip(&series.value) {
                 table.row(cells![&series.code, series.seed, &series.observable, rounded(time), rounded(value)]);

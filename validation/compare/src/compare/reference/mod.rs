@@ -152,10 +152,6 @@ fn days(runs: &[MeasuredRun]) -> String {
 struct MeasurementLine {
     code: String,
     seed: u64,
-    // What stands in `runs.csv` too has to be the same here.
-    version: String,
-    time_step: f64,
-    rayleigh_fraction: Option<f64>,
     observable: String,
     unit: String,
     value: f64,
@@ -163,172 +159,39 @@ struct MeasurementLine {
     frames: usize,
 }
 
-/// A line of `forces.csv`.
-#[derive(Deserialize)]
-struct ForceLine {
-    code: String,
-    force_over_mean: f64,
-    density: f64,
-    samples: usize,
-}
+/// Columns of `runs.csv`.
+const RUN_COLUMNS: &str = "code version contact_law seed time_step rayleigh_fraction wall_seconds simulated_seconds processor date scene_hash";
 
-/// A line of `series.csv`.
-#[derive(Deserialize)]
-struct SeriesLine {
-    code: String,
-    seed: u64,
-    observable: String,
-    time: f64,
-    value: f64,
-}
+/// Columns of `measurements.csv`.
+const MEASUREMENT_COLUMNS: &str =
+    "code version seed time_step rayleigh_fraction observable unit value standard_error frames";
 
-/// A line of `final-state-CODE.csv`; metres, m/s and rad/s.
-#[derive(Deserialize)]
-struct GrainLine {
-    id: u32,
-    radius: f64,
-    x: f64,
-    y: f64,
-    z: f64,
-    vx: f64,
-    vy: f64,
-    vz: f64,
-    wx: f64,
-    wy: f64,
-    wz: f64,
-}
+/// Columns of `forces.csv`, and a line of it.
+const FORCE_COLUMNS: &str = "code force_over_mean density samples";
+type ForceLine = (String, f64, f64, usize);
 
-/// Names of the columns of `final-state-CODE.csv`.
-const GRAIN_COLUMNS: [&str; 11] = ["id", "radius", "x", "y", "z", "vx", "vy", "vz", "wx", "wy", "wz"];
+/// Columns of `series.csv`, and a line of it.
+const SERIES_COLUMNS: &str = "code seed observable time value";
+type SeriesLine = (String, u64, String, f64, f64);
+
+/// Columns of `final-state-CODE.csv` (m, m/s, rad/s), and a line of it.
+const GRAIN_COLUMNS: &str = "id radius x y z vx vy vz wx wy wz";
+type GrainLine = (u32, f64, [f64; 3], [f64; 3], [f64; 3]);
 
 /// Name of the file with a code's final state.
 fn final_state_file(code: &str) -> String {
     format!("final-state-{}.csv", code.to_lowercase())
 }
 
-/// Runs of one code that a reference should hold.
-#[derive(Clone, Debug)]
-pub struct Wanted<'a> {
-    pub code: &'a str,
-    /// Its version, if it is installed; if not, what is recorded may be of any one version.
-    pub version: Option<&'a str>,
-    pub contact_law: &'a str,
-    /// Hash of the scene as it is now ([`physics_hash`](makadam_frames::plan::physics_hash)).
-    pub scene_hash: &'a str,
-    /// Time step over the Rayleigh step.
-    pub rayleigh_fraction: f64,
-    /// Seeds of the initial positions.
-    pub seeds: &'a [u64],
-}
-
-/// Runs that a reference lacks.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Missing {
-    /// Seeds to measure or run.
-    pub seeds: Vec<u64>,
-    /// Reason for which they replace the recorded runs; `None` where these stay.
-    pub replaces: Option<String>,
-}
-
-impl Reference {
-    /// The wanted seeds that are not recorded yet. They are all wanted seeds if any recorded run of the code
-    /// was made otherwise: such runs are not mixed, and their pooled forces cannot be taken apart again.
-    pub fn missing(&self, wanted: &Wanted<'_>) -> Missing {
-        let recorded: Vec<&MeasuredRun> = self.of(wanted.code).collect();
-        let version = wanted.version.or_else(|| recorded.first().map(|run| run.version.as_str())).unwrap_or_default();
-        let replaces = recorded.iter().find_map(|run| made_otherwise(run, wanted, version));
-        let is_missing = |seed: &u64| replaces.is_some() || recorded.iter().all(|run| run.seed != *seed);
-        Missing { seeds: wanted.seeds.iter().copied().filter(is_missing).collect(), replaces }
-    }
-}
-
-/// In what a recorded run differs from the wanted ones, seeds aside.
-fn made_otherwise(run: &MeasuredRun, wanted: &Wanted<'_>, version: &str) -> Option<String> {
-    if run.scene_hash != wanted.scene_hash {
-        return Some("the scene has changed since".into());
-    }
-    if run.version != version {
-        return Some(format!("they are of version {}, not {version}", run.version));
-    }
-    if run.contact_law != wanted.contact_law {
-        return Some(format!("they are of the contact law '{}', not '{}'", run.contact_law, wanted.contact_law));
-    }
-    if run.rayleigh_fraction != Some(wanted.rayleigh_fraction) {
-        let recorded = run.rayleigh_fraction.map_or("another share".into(), percent);
-        let asked = percent(wanted.rayleigh_fraction);
-        return Some(format!("they are at {recorded} of the Rayleigh step, and {asked} is asked for"));
-    }
-    None
-}
-
-/// A fraction in percent, without digits that say nothing.
-fn percent(fraction: f64) -> String {
-    format!("{}%", (fraction * 1e8).round() / 1e6)
-}
-
 impl Reference {
     /// Takes in runs of one code, in place of what was recorded of it.
-    pub fn replace(&mut self, mut code: CodeRuns, scene_hash: &str) {
-        let name = code.code.clone();
+    pub fn replace(&mut self, code: CodeRuns, scene_hash: &str) {
+        let name = code.code;
+        let stamped = code.runs.into_iter().map(|run| MeasuredRun { scene_hash: scene_hash.into(), ..run });
         self.runs.retain(|run| run.code != name);
-        self.take_runs(&mut code, scene_hash);
-        exchange(&mut self.forces, |forces| forces.code == name, code.forces.take());
-        self.take_first_seed(code);
-    }
-
-    /// Takes in runs of seeds that were not recorded yet and keeps those that were. The forces of both are pooled;
-    /// series and final state stay those of the first seed.
-    ///
-    /// # Errors
-    /// Runs of another scene, version, contact law, time step or bins of forces, or of a recorded seed; nothing is changed then.
-    pub fn add(&mut self, mut code: CodeRuns, scene_hash: &str) -> Result<(), String> {
-        let name = code.code.clone();
-        let recorded: Vec<&MeasuredRun> = self.of(&name).collect();
-        let goes_with = |new: &MeasuredRun, old: &&MeasuredRun| {
-            let made = |run: &MeasuredRun| (run.version.clone(), run.contact_law.clone(), run.rayleigh_fraction);
-            old.scene_hash == scene_hash && made(old) == made(new) && old.seed != new.seed
-        };
-        let unlike = code.runs.iter().find(|new| !recorded.iter().all(|old| goes_with(new, old)));
-        if let Some(new) = unlike {
-            return Err(format!(
-                "the run of {name}, seed {}, does not go with the recorded ones (scene, version, contact law and time step must be the \
-                 same, and the seed a new one); record all anew with --record --restart",
-                new.seed
-            ));
-        }
-        let first_seed = |runs: &mut dyn Iterator<Item = u64>| runs.min().unwrap_or(u64::MAX);
-        let is_first = first_seed(&mut code.runs.iter().map(|run| run.seed))
-            < first_seed(&mut recorded.iter().map(|run| run.seed));
-        let before = self.forces.iter_mut().find(|forces| forces.code == name);
-        match (before, code.forces.take()) {
-            (Some(before), Some(more)) => {
-                let problem = || {
-                    format!(
-                        "the recorded forces of {name} are counted in other bins; record all anew with --record --restart"
-                    )
-                };
-                *before = before.pooled(&more).ok_or_else(problem)?;
-            }
-            (None, more) => self.forces.extend(more),
-            (Some(_), None) => {}
-        }
-        self.take_runs(&mut code, scene_hash);
-        if is_first {
-            self.take_first_seed(code);
-        }
-        Ok(())
-    }
-
-    /// Takes over the runs of a code, in the order of the files.
-    fn take_runs(&mut self, code: &mut CodeRuns, scene_hash: &str) {
-        let stamped = code.runs.drain(..).map(|run| MeasuredRun { scene_hash: scene_hash.into(), ..run });
         self.runs.extend(stamped);
         self.runs.sort_by(|a, b| (&a.code, a.seed).cmp(&(&b.code, b.seed)));
-    }
-
-    /// Takes over series and final state, which are those of a code's first seed.
-    fn take_first_seed(&mut self, code: CodeRuns) {
-        let name = code.code;
+        exchange(&mut self.forces, |forces| forces.code == name, code.forces);
         exchange(&mut self.series, |series| series.code == name, code.series);
         exchange(&mut self.final_states, |state| state.code == name, code.final_state);
     }

@@ -13,7 +13,7 @@ mod profile;
 
 use self::profile::Profile;
 use super::campaign::values;
-use super::{Case, Law, Mean, Run, RunError, Values, figure};
+use super::{Case, DIAMETER, Law, Mean, Run, RunError, SPREAD, Values, figure, grains_of};
 use crate::sketch::{GRAVITY, Sketch};
 use crate::study::Finding;
 use makadam::scene::{Axis as Periodic, Motion, Region, Shape};
@@ -24,10 +24,6 @@ use makadam_view::draw::plot::{Axis, Key, Plot};
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
-/// Mean diameter of the grains, m.
-const DIAMETER: f64 = 0.01;
-/// Half width of the radii's distribution over their mean, so that the layer forms no crystal.
-const SPREAD: f64 = 0.1;
 /// Friction and restitution of grains and bed: those of Silbert et al. (2001).
 const FRICTION: f64 = 0.5;
 const RESTITUTION: f64 = 0.88;
@@ -143,21 +139,6 @@ fn judge(means: &[Mean]) -> Vec<Finding> {
         let what = format!("friction less the published one at {}, I = {inertial:.3}", words(mean));
         judge(what, beyond, 0.0, TOLERANCE.1);
     }
-    for mean in means {
-        let tangent = mean.of_value("angle").to_radians().tan();
-        let mut say =
-            |what: &str, value: f64| findings.push(Finding::reported(format!("  {what} at {}", words(mean)), value));
-        say(
-            "friction on planes along the chute, less that of glass beads",
-            mean.of_value("friction") - mean.of_value("friction_of_beads"),
-        );
-        say("force on the bed over what the slope says", mean.of_value("friction") / tangent);
-        say("shear in the layer over what the slope says", mean.of_value("shear_over_normal_stress") / tangent);
-        say("stress along the chute over that normal to it", mean.of_value("along_over_normal_stress"));
-        say("stress across the chute over that normal to it", mean.of_value("across_over_normal_stress"));
-        say("kinetic energy in the second half over the first", mean.of_value("kinetic_energy_later_over_earlier"));
-        say("solid fraction", mean.of_value("solid_fraction"));
-    }
     findings
 }
 
@@ -198,8 +179,7 @@ fn case(angle: f64, layer: Layer, coarseness: f64) -> Case {
     let [length, width] = PERIOD.map(|diameters| diameters * DIAMETER);
     let (radius, turn) = (0.5 * DIAMETER, angle.to_radians());
     let room = (10.0 + 2.3 * layer.depth) * DIAMETER;
-    let volume = 4.0 / 3.0 * PI * radius.powi(3) * (1.0 + SPREAD * SPREAD);
-    let count = (0.57 * length * width * layer.depth * DIAMETER / volume).round() as usize;
+    let count = grains_of(0.57 * length * width * layer.depth * DIAMETER);
     let name = if coarseness == 1.0 { format!("chute-{angle}") } else { format!("chute-{angle}-coarse") };
     let [from, until] = layer.measured;
     let scene = Sketch::new(name, until)

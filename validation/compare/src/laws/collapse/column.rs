@@ -1,16 +1,12 @@
 //! Columns of grains in a tube that is lifted off.
 
-use super::super::Case;
+use super::super::{Case, DIAMETER, SPREAD, grains_of};
 use super::law;
 use crate::sketch::{GRAVITY, SPACING, Sketch};
 use makadam::scene::{Motion, Reaction, Region, Shape};
 use makadam_frames::plan::MeasuredScene;
 use std::f64::consts::{PI, SQRT_2};
 
-/// Mean diameter of the grains, m.
-pub(super) const DIAMETER: f64 = 0.01;
-/// Half width of the radii's distribution over their mean, so that the grains form no crystal.
-const SPREAD: f64 = 0.1;
 /// Friction of the grains: sand's and glass's.
 const FRICTION: f64 = 0.5;
 /// Rolling friction of the grains, by which spheres stand for angular ones: a [`heap`] of them has the angle of repose of sand. With
@@ -89,8 +85,7 @@ fn release(height: f64) -> f64 {
 /// told (m).
 fn lifted([radius, height]: [f64; 2], part: Part, lift: f64, reach: f64, until: f64) -> MeasuredScene {
     let grain = 0.5 * DIAMETER;
-    let volume = 4.0 / 3.0 * PI * grain.powi(3) * (1.0 + SPREAD * SPREAD);
-    let count = (part.share() * SOLID * PI * radius * radius * height / volume).round() as usize;
+    let count = grains_of(part.share() * SOLID * PI * radius * radius * height);
     // The lattice that grains start on is less than half as dense as the column.
     let room = 3.0 * height + 10.0 * DIAMETER;
     let tube = Motion::Translating { velocity: [0.0, 0.0, lift], start: release(height), stop: None };

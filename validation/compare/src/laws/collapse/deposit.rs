@@ -1,6 +1,7 @@
 //! Edge of the deposit of a collapse, by several definitions.
 
-use super::column::{DIAMETER, Part};
+use super::super::DIAMETER;
+use super::column::Part;
 use crate::sketch::GRAVITY;
 use makadam::snapshot::{Particle, Snapshot};
 use makadam_frames::neighbours::close_pairs;

@@ -14,7 +14,7 @@
 //! is chosen by the angle of repose of a heap, not by run-outs; the heap is run first, and its angle reported.
 //!
 //! Wide columns are run as a quarter of the column between two smooth planes without friction, planes of symmetry in the mean;
-//! one column is run whole as well, so that the two can be compared.
+//! one column is run whole as well.
 //!
 //! ```text
 //! column ─> Run ─> deposit ─> run-outs of a case ─> line over d/r0 ─> judged
@@ -24,11 +24,11 @@ mod column;
 mod deposit;
 
 use super::campaign::values;
-use super::results::{at_zero, line, parabola_at_zero};
-use super::{Case, Law, Mean, Run, RunError, Values, figure};
+use super::results::{at_zero, line};
+use super::{Case, DIAMETER, Law, Mean, Run, RunError, Values, figure};
 use crate::sketch::GRAVITY;
 use crate::study::Finding;
-use column::{DIAMETER, Part, case, heap};
+use column::{Part, case, heap};
 use deposit::{
     angle_of_repose, centre_of_mass, connected, coverage, edge, height_at_axis, holding, solid_volume, speed,
 };
@@ -148,15 +148,6 @@ fn judge(means: &[Mean]) -> Vec<Finding> {
                 ratio(column, "run_out"),
             ));
         }
-        let points: Vec<[f64; 2]> = series.columns.iter().map(|column| point(column, "run_out")).collect();
-        if let Some(limit) = parabola_at_zero(&points) {
-            let what = format!("at d/r0 = 0 by a parabola through all, a near {}", series.aspect);
-            findings.push(Finding::reported(what, limit));
-        }
-        for [whole, quarter] in series.twice() {
-            let what = format!("run-out of a quarter over the whole column's, {}", words(whole));
-            findings.push(Finding::reported(what, quarter.of_value("run_out") / whole.of_value("run_out")));
-        }
         for (name, definition) in ALTERNATIVES {
             if let Some((limit, _)) = at_zero(&series.fitted(name)) {
                 let what = format!("at d/r0 = 0 by another edge, a near {}, {definition}", series.aspect);
@@ -205,12 +196,6 @@ impl<'a> Series<'a> {
     /// Columns that are wide enough to be fitted: `d/r0`, and a run-out over the law's.
     fn fitted(&self, name: &str) -> Vec<[f64; 2]> {
         self.columns.iter().filter(|column| is_fitted(column)).map(|column| point(column, name)).collect()
-    }
-
-    /// Columns of one radius that were run whole and as a quarter.
-    fn twice(&self) -> Vec<[&'a Mean; 2]> {
-        let pairs = self.columns.windows(2).filter(|pair| pair[0].of_value("radius") == pair[1].of_value("radius"));
-        pairs.map(|pair| [pair[0], pair[1]]).collect()
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::sketch::{GRAVITY, RADIUS, Sketch, hertz_force, hertz_overlap, mass};
 use crate::stability::Case;
 use crate::study::Finding;
-use makadam::scene::{Motion, Shape};
+use makadam::scene::{Motion, NormalLaw, Shape};
 use std::f64::consts::TAU;
 
 pub(super) fn cases() -> Vec<Case> {
@@ -16,8 +16,8 @@ pub(super) fn cases() -> Vec<Case> {
         around_a_cylinder("cylinder-rolling", 10.0, 7.0 / 5.0),
         around_a_cylinder("cylinder-sliding", 0.0, 1.0),
         wedge(),
-        impossible_gap(false),
-        impossible_gap(true),
+        impossible_gap(NormalLaw::Hertz),
+        impossible_gap(NormalLaw::Rigid),
         wall_that_stops(),
     ]
 }
@@ -156,16 +156,16 @@ fn wedge() -> Case {
     )
 }
 
-fn impossible_gap(rigid: bool) -> Case {
-    let name = if rigid { "impossible-gap-rigid" } else { "impossible-gap" };
-    let scene = closing(name, 0.0).rigid(rigid).scene();
+fn impossible_gap(law: NormalLaw) -> Case {
+    let name = if law == NormalLaw::Rigid { "impossible-gap-rigid" } else { "impossible-gap" };
+    let scene = closing(name, 0.0).with(|scene| scene.solver.normal_law = law).scene();
     let right = "a grain between walls that close altogether stays there under a bounded force";
-    let (bound, source) = match rigid {
-        true => (
+    let (bound, source) = match law {
+        NormalLaw::Rigid => (
             mass(RADIUS) * 2.0 * RADIUS / (scene.solver.step * scene.solver.step),
             "no force is right; one that would move the grain by its diameter in a step is the bound",
         ),
-        false => (
+        _ => (
             2.0 * hertz_force(RADIUS, [1e7; 2], RADIUS),
             "Hertz's law at an overlap of the radius, and as much again for the approach",
         ),

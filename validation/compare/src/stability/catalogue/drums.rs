@@ -37,14 +37,22 @@ fn rate(froude: f64) -> f64 {
     (froude * GRAVITY / WIDE).sqrt()
 }
 
-/// A third of a drum of grains.
+/// A third of a drum of grains about the y axis, with end caps.
 fn drum(name: String, duration: f64, motion: Motion) -> Sketch {
-    let half = 0.5 * LONG;
-    Sketch::new(name, duration).domain([-0.06; 3], [0.06; 3]).sweeps(20).drum(WIDE, LONG, motion).population(
-        COUNT,
-        RADIUS,
-        Region::Cylinder { base: [0.0, -half, 0.0], axis: [0.0, 1.0, 0.0], radius: WIDE, length: LONG },
-    )
+    let (base, axis) = ([0.0, -0.5 * LONG, 0.0], [0.0, 1.0, 0.0]);
+    let cap = |side: f64| Shape::Disc {
+        centre: [0.0, 0.5 * side * LONG, 0.0],
+        normal: [0.0, -side, 0.0],
+        radius: WIDE,
+        hole: 0.0,
+    };
+    Sketch::new(name, duration)
+        .domain([-0.06; 3], [0.06; 3])
+        .sweeps(20)
+        .moving_wall(Shape::Cylinder { base, axis, radius: WIDE, length: LONG }, motion.clone())
+        .moving_wall(cap(-1.0), motion.clone())
+        .moving_wall(cap(1.0), motion)
+        .population(COUNT, RADIUS, Region::Cylinder { base, axis, radius: WIDE, length: LONG })
 }
 
 /// Angle by which the centre of mass is turned from the lowest point, in the sense of the drum, degrees.
@@ -105,7 +113,9 @@ fn centrifuging() -> Case {
     // Smooth or rolling grains slip or roll back on the rising side, whatever presses them to the shell.
     let scene = drum("drum-froude-2".into(), 5.0, turning(rate(froude), None, None))
         .friction(2.0)
-        .rolling_friction(2.0)
+        // YADE knows no other ratio of both.
+        .materials(|material| material.rolling_friction = 2.0)
+        .change_material("wall", |wall| wall.rolling_friction = 1.5)
         .interval(0.05)
         .scene();
     let right = "a drum at a Froude number of 2 takes grains that neither slip nor roll round with it";

@@ -4,7 +4,7 @@
 use crate::sketch::{GRAVITY, RADIUS, Sketch};
 use crate::stability::{Case, Evidence};
 use crate::study::Finding;
-use makadam::scene::{Motion, Shape};
+use makadam::scene::{Motion, NormalLaw, Shape};
 use makadam::snapshot::Snapshot;
 
 const NEWTON: &str = "Newton's law of impact";
@@ -19,8 +19,9 @@ const FAST: f64 = 100.0 * 2.0 * RADIUS / STEP;
 const RESTITUTION: f64 = 0.5;
 
 pub(super) fn cases() -> Vec<Case> {
-    let mut cases = vec![plane("fast-plane", RESTITUTION, false), plane("fast-inelastic", 0.0, false)];
-    cases.extend([plane("fast-rigid", RESTITUTION, true), corner(), disc(), shell(), moving_wall()]);
+    let mut cases =
+        vec![plane("fast-plane", RESTITUTION, NormalLaw::Hertz), plane("fast-inelastic", 0.0, NormalLaw::Hertz)];
+    cases.extend([plane("fast-rigid", RESTITUTION, NormalLaw::Rigid), corner(), disc(), shell(), moving_wall()]);
     cases.push(time_step(1e-6).long());
     cases.extend([1e-5, 1e-4, 1e-3, 1e-2, 1e-1].map(time_step));
     cases.extend([no_restitution(), full_restitution(), bouncing_to_rest(), inelastic_collapse()]);
@@ -48,8 +49,8 @@ fn impact(
     Case::new("fast impacts", sketch.scene(), right, NEWTON, judge).at_one_step()
 }
 
-fn plane(name: &str, restitution: f64, rigid: bool) -> Case {
-    let sketch = fast(name).restitution(restitution).rigid(rigid).floor().moving_grain(
+fn plane(name: &str, restitution: f64, law: NormalLaw) -> Case {
+    let sketch = fast(name).restitution(restitution).with(|scene| scene.solver.normal_law = law).floor().moving_grain(
         RADIUS,
         [0.0, 0.0, 50.5 * 2.0 * RADIUS],
         [0.0, 0.0, -FAST],
