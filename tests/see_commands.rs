@@ -40,7 +40,7 @@ fn a_run_is_seen_in_every_way() {
         done(folder, &["picture", "small", "--size", "160x120", "--every", "2", "--rate", "5", "-o", "film.gif"]);
     assert!(said.contains("film.gif: 2 frames, 0.4 s"), "{said}");
     assert!(folder.join("film.gif").metadata().unwrap().len() > 1000);
-    done(folder, &["picture", "small", "--size", "160x120", "-o", "film.apng", "--field", "material"]);
+    done(folder, &["picture", "small", "--size", "160x120", "-o", "kinds.png", "--field", "material"]);
     let said = done(folder, &["view", "small", "-o", "page.html"]);
     assert!(said.contains("page.html: 4 frames") && said.contains("file:///"), "{said}");
     let said = done(folder, &["export", "small", "--format", "vtkhdf", "-o", "out"]);

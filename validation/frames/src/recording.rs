@@ -173,10 +173,7 @@ impl Recording {
     /// # Errors
     /// What is wrong, in words that follow the file's name.
     pub fn parse(bytes: &[u8]) -> Result<Recording, String> {
-        let body = open(MARK, bytes).map_err(|problem| match postcard::take_from_bytes::<Recording>(bytes) {
-            Ok(_) => "has no seal, so that damage would not be seen: an earlier version wrote it".into(),
-            Err(_) => problem,
-        })?;
+        let body = open(MARK, bytes)?;
         Recording::of_body(body).map_err(|problem| format!("is not a recording that can be measured: {problem}"))
     }
 

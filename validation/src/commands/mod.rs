@@ -15,6 +15,7 @@ mod picture;
 mod print;
 mod problem;
 mod qualify;
+mod renamed;
 mod run;
 mod stability;
 mod studies;
@@ -150,7 +151,7 @@ pub fn run_program(arguments: Vec<OsString>) -> ExitCode {
     makadam_frames::provenance::set_command_line(&arguments);
     let arguments = match Arguments::read(&arguments) {
         Ok(arguments) => arguments,
-        Err(message) => return print_clap(&message),
+        Err(message) => return print_clap(&renamed::with_new_name(message, &arguments)),
     };
     let console = Console::new(arguments.quiet, arguments.verbose);
     makadam_frames::interrupt::listen();

@@ -34,14 +34,11 @@ pub(super) struct PictureArguments {
     /// The frame nearest to this simulated time, s; the last one, if absent.
     #[arg(long, value_name = "SECONDS")]
     pub time: Option<f64>,
-    /// The last frame.
-    #[arg(long, conflicts_with = "time")]
-    pub last: bool,
     /// Every n-th frame of an animation.
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..), conflicts_with_all = ["time", "last"])]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..), conflicts_with = "time")]
     pub every: u32,
     /// Frames per second of an animation.
-    #[arg(long, default_value_t = 20.0, value_parser = positive, conflicts_with_all = ["time", "last"])]
+    #[arg(long, default_value_t = 20.0, value_parser = positive, conflicts_with = "time")]
     pub rate: f64,
     /// Width and height, pixels; if absent, 1200x900, or 800x600 of an animation.
     #[arg(long, value_parser = size)]
@@ -65,7 +62,7 @@ pub(super) struct PictureArguments {
     /// Show all grains, also those that are far from the walls.
     #[arg(long)]
     pub all_grains: bool,
-    /// File to write: one frame as .png, all frames as .gif or .apng; if absent, picture.png in the folder of the run.
+    /// File to write: one frame as .png, all frames as .gif; if absent, picture.png in the folder of the run.
     #[arg(short, long)]
     pub output: Option<PathBuf>,
 }
@@ -107,7 +104,7 @@ pub(super) fn picture(arguments: &PictureArguments, console: &Console) -> Result
 /// Draws one frame.
 fn image(arguments: &PictureArguments, console: &Console) -> Result<ExitCode, Failure> {
     if arguments.every != 1 {
-        return Err(Failure::Usage("--every is for animations: give --output FILE.gif or FILE.apng".into()));
+        return Err(Failure::Usage("--every is for animations: give --output FILE.gif".into()));
     }
     let size = arguments.size.unwrap_or(IMAGE_SIZE);
     refuse_picture_beyond_memory(size, memory(size))?;
@@ -142,8 +139,8 @@ fn image(arguments: &PictureArguments, console: &Console) -> Result<ExitCode, Fa
 
 /// Draws all frames.
 fn animation(arguments: &PictureArguments, output: &Path, console: &Console) -> Result<ExitCode, Failure> {
-    if arguments.time.is_some() || arguments.last {
-        return Err(Failure::Usage("--time and --last are for one frame: give --output FILE.png".into()));
+    if arguments.time.is_some() {
+        return Err(Failure::Usage("--time is for one frame: give --output FILE.png".into()));
     }
     let size = arguments.size.unwrap_or(ANIMATION_SIZE);
     // The pictures that colours are chosen from are there at the same time, and what has its colours.
@@ -176,7 +173,7 @@ fn animation(arguments: &PictureArguments, output: &Path, console: &Console) -> 
     tell_scale_left_out(size, console);
     create_folder_of(output)?;
     let samples = Animation::samples(numbers.len()).into_iter().map(one).collect::<Result<Vec<Picture>, _>>()?;
-    let mut animation = Animation::begin(output, &samples, numbers.len(), arguments.rate)?;
+    let mut animation = Animation::begin(output, &samples, arguments.rate)?;
     let bar = console.bar("drawing");
     for number in 0..numbers.len() {
         animation.push(&one(number)?)?;
@@ -186,7 +183,7 @@ fn animation(arguments: &PictureArguments, output: &Path, console: &Console) -> 
     animation.finish()?;
     if (each * arguments.rate - 1.0).abs() > RATE_OFF {
         console.note(&format!(
-            "the format cannot show {} frames a second: it shows {}",
+            "a GIF cannot show {} frames a second: it shows {}",
             arguments.rate,
             rounded(each.recip())
         ));

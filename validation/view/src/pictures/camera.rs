@@ -23,19 +23,8 @@ const AROUND: f64 = 0.35;
 pub enum View {
     /// Along a turning drum and a little from above, or across a corner.
     Natural,
-    /// Level, along the axis of a drum or along y.
-    Front,
-    /// Level, from the right of the former.
-    Side,
-    /// Along gravity.
-    Top,
-    /// Degrees to the right of the front and above it.
-    Angles {
-        /// To the right.
-        azimuth: f64,
-        /// Above.
-        elevation: f64,
-    },
+    /// Degrees to the right of the front and above it; the front is level, along the axis of a drum or along y.
+    Angles([f64; 2]),
 }
 
 /// A camera with perspective.
@@ -193,10 +182,7 @@ impl Camera {
         let (front, up, best) = natural(frame);
         let [azimuth, elevation] = match view {
             View::Natural => best,
-            View::Front => [0.0, 0.0],
-            View::Side => [90.0, 0.0],
-            View::Top => [0.0, 90.0],
-            View::Angles { azimuth, elevation } => [azimuth, elevation],
+            View::Angles(angles) => angles,
         }
         .map(f64::to_radians);
         let beside = front.cross(&up);
@@ -298,13 +284,13 @@ impl std::str::FromStr for View {
         let angles = || {
             let (azimuth, elevation) = text.split_once(',')?;
             let angle = |text: &str| text.trim().parse::<f64>().ok().filter(|angle| angle.abs() <= 360.0);
-            Some(View::Angles { azimuth: angle(azimuth)?, elevation: angle(elevation)? })
+            Some(View::Angles([angle(azimuth)?, angle(elevation)?]))
         };
         match text {
             "natural" => Ok(View::Natural),
-            "front" => Ok(View::Front),
-            "side" => Ok(View::Side),
-            "top" => Ok(View::Top),
+            "front" => Ok(View::Angles([0.0, 0.0])),
+            "side" => Ok(View::Angles([90.0, 0.0])),
+            "top" => Ok(View::Angles([0.0, 90.0])),
             _ => angles().ok_or_else(|| {
                 format!("'{text}' is no view: give natural, front, side, top, or AZIMUTH,ELEVATION in degrees, such as 30,20")
             }),

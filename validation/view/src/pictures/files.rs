@@ -1,4 +1,4 @@
-//! Pictures into files: PNG, and animations as APNG or GIF.
+//! Pictures into files: PNG, and animations as GIF.
 
 use super::Picture;
 use color_quant::NeuQuant;
@@ -43,10 +43,7 @@ fn refused(path: &Path, error: impl std::fmt::Display) -> WriteError {
 /// [`PictureError`] if the name does not end in `.png`, or the system refuses.
 pub fn write_png(path: &Path, picture: &Picture) -> Result<(), PictureError> {
     if ending(path) != "png" {
-        return Err(PictureError::Format {
-            file: path.display().to_string(),
-            known: ".png, or .gif or .apng for an animation",
-        });
+        return Err(PictureError::Format { file: path.display().to_string(), known: ".png, or .gif for an animation" });
     }
     Ok(write_whole(path, &png(picture))?)
 }
@@ -64,7 +61,7 @@ pub fn png(picture: &Picture) -> Vec<u8> {
 
 /// Returns true if a file is named as an animation.
 pub fn is_animation(path: &Path) -> bool {
-    matches!(&*ending(path), "gif" | "apng")
+    ending(path) == "gif"
 }
 
 fn ending(path: &Path) -> String {
@@ -75,66 +72,34 @@ fn ending(path: &Path) -> String {
 pub struct Animation {
     path: PathBuf,
     draft: Draft,
-    format: Format,
+    encoder: Encoder<BufWriter<File>>,
+    colours: Box<NeuQuant>,
+    /// The colour of the GIF that is nearest to one of a picture, by the upper bits of its red, green and blue, as far as that was requested.
+    known: Vec<Option<u8>>,
+    /// Duration of a frame, hundredths of a second.
+    delay: u16,
 }
-
-/// The colour of the GIF that is nearest to one of a picture, by the upper bits of its red, green and blue, as far as that was asked
-/// for already.
-type Known = Vec<Option<u8>>;
 
 /// Bits of a share of a colour that the nearest one is chosen by: the chosen ones are further apart.
 const BITS: u32 = 6;
 
-enum Format {
-    Gif { encoder: Encoder<BufWriter<File>>, colours: Box<NeuQuant>, known: Known, delay: u16 },
-    Apng { writer: png::Writer<BufWriter<File>>, milliseconds: u16 },
-}
-
 impl Animation {
-    /// Begins an animation of so many frames, so many a second: a GIF, whose colours are chosen from `samples`, or an APNG.
+    /// Begins a GIF with so many frames per second, whose colours are chosen from `samples`, at least one.
     ///
     /// # Errors
     /// [`PictureError`] if the name ends otherwise, or the system refuses.
-    pub fn begin(path: &Path, samples: &[Picture], frames: usize, rate: f64) -> Result<Animation, PictureError> {
-        let known = ".gif, .apng or .png";
-        let format = || PictureError::Format { file: path.display().to_string(), known };
-        let is_gif = match &*ending(path) {
-            "gif" => true,
-            "apng" | "png" => false,
-            _ => return Err(format()),
-        };
-        let first = samples.first().ok_or_else(format)?;
+    pub fn begin(path: &Path, samples: &[Picture], rate: f64) -> Result<Animation, PictureError> {
+        let format = || PictureError::Format { file: path.display().to_string(), known: ".gif or .png" };
+        let first = samples.first().filter(|_| is_animation(path)).ok_or_else(format)?;
         let draft = Draft::of(path);
         let file = File::create(draft.name()).map_err(|source| WriteError::new(path, source))?;
-        let file = BufWriter::new(file);
-        let (width, height) = (first.width, first.height);
-        let format = match is_gif {
-            true => {
-                let colours = Box::new(palette(samples));
-                let map = colours.color_map_rgb();
-                let encoder = Encoder::new(file, width as u16, height as u16, &map);
-                let mut encoder = encoder.map_err(|error| refused(path, error))?;
-                encoder.set_repeat(Repeat::Infinite).map_err(|error| refused(path, error))?;
-                Format::Gif {
-                    encoder,
-                    colours,
-                    known: vec![None; 1 << (3 * BITS)],
-                    delay: (100.0 / rate).round().max(1.0) as u16,
-                }
-            }
-            false => {
-                let mut encoder = png::Encoder::new(file, width as u32, height as u32);
-                encoder.set_color(png::ColorType::Rgb);
-                encoder.set_depth(png::BitDepth::Eight);
-                let milliseconds = (1000.0 / rate).round().clamp(1.0, 60_000.0) as u16;
-                let begun = encoder
-                    .set_animated(frames as u32, 0)
-                    .and_then(|()| encoder.set_frame_delay(milliseconds, 1000))
-                    .and_then(|()| encoder.write_header());
-                Format::Apng { writer: begun.map_err(|error| refused(path, error))?, milliseconds }
-            }
-        };
-        Ok(Animation { path: path.to_path_buf(), draft, format })
+        let colours = Box::new(palette(samples));
+        let (width, height) = (first.width as u16, first.height as u16);
+        let encoder = Encoder::new(BufWriter::new(file), width, height, &colours.color_map_rgb());
+        let mut encoder = encoder.map_err(|error| refused(path, error))?;
+        encoder.set_repeat(Repeat::Infinite).map_err(|error| refused(path, error))?;
+        let (known, delay) = (vec![None; 1 << (3 * BITS)], (100.0 / rate).round().max(1.0) as u16);
+        Ok(Animation { path: path.to_path_buf(), draft, encoder, colours, known, delay })
     }
 
     /// Frames whose pictures [`Animation::begin`] is best given, of so many.
@@ -146,10 +111,7 @@ impl Animation {
 
     /// Returns the duration of a frame, s: the format's nearest to the requested one.
     pub fn seconds_per_frame(&self) -> f64 {
-        match &self.format {
-            Format::Gif { delay, .. } => 0.01 * f64::from(*delay),
-            Format::Apng { milliseconds, .. } => 1e-3 * f64::from(*milliseconds),
-        }
+        0.01 * f64::from(self.delay)
     }
 
     /// Adds a frame.
@@ -157,19 +119,11 @@ impl Animation {
     /// # Errors
     /// [`PictureError`] if the system refuses.
     pub fn push(&mut self, picture: &Picture) -> Result<(), PictureError> {
-        let written = match &mut self.format {
-            Format::Gif { encoder, colours, known, delay } => {
-                let mut frame =
-                    Frame { width: picture.width as u16, height: picture.height as u16, ..Frame::default() };
-                frame.delay = *delay;
-                frame.buffer = indices(picture, colours, known).into();
-                encoder.write_frame(&frame).map_err(|error| refused(&self.path, error))
-            }
-            Format::Apng { writer, .. } => {
-                writer.write_image_data(&picture.bytes).map_err(|error| refused(&self.path, error))
-            }
-        };
-        Ok(written?)
+        let (width, height) = (picture.width as u16, picture.height as u16);
+        let buffer = indices(picture, &self.colours, &mut self.known).into();
+        let frame = Frame { width, height, delay: self.delay, buffer, ..Frame::default() };
+        self.encoder.write_frame(&frame).map_err(|error| refused(&self.path, error))?;
+        Ok(())
     }
 
     /// Gives the file its name.
@@ -177,14 +131,9 @@ impl Animation {
     /// # Errors
     /// [`PictureError`] if the system refuses.
     pub fn finish(self) -> Result<(), PictureError> {
-        let Animation { path, draft, format } = self;
-        match format {
-            Format::Gif { encoder, .. } => {
-                let mut file = encoder.into_inner().map_err(|error| refused(&path, error))?;
-                file.flush().map_err(|source| WriteError::new(&path, source))?;
-            }
-            Format::Apng { writer, .. } => writer.finish().map_err(|error| refused(&path, error))?,
-        }
+        let Animation { path, draft, encoder, .. } = self;
+        let mut file = encoder.into_inner().map_err(|error| refused(&path, error))?;
+        file.flush().map_err(|source| WriteError::new(&path, source))?;
         Ok(draft.finish()?)
     }
 }
@@ -199,7 +148,7 @@ fn palette(samples: &[Picture]) -> NeuQuant {
 }
 
 /// The nearest of the chosen colours for each pixel. Neighbours and frames are often alike, so that what was found is kept.
-fn indices(picture: &Picture, colours: &NeuQuant, known: &mut Known) -> Vec<u8> {
+fn indices(picture: &Picture, colours: &NeuQuant, known: &mut [Option<u8>]) -> Vec<u8> {
     let nearest = |pixel: &[u8; 3]| {
         let place = pixel.iter().fold(0, |place, share| place << BITS | usize::from(share >> (8 - BITS)));
         *known[place].get_or_insert_with(|| {
