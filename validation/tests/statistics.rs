@@ -3,8 +3,8 @@
 use approx::assert_abs_diff_eq;
 use makadam_measure::statistics::Outcome;
 use makadam_measure::statistics::{
-    CONFIDENCE, Ensemble, block_average, confidence_of_each, equivalence, gini, kolmogorov_smirnov,
-    prediction_interval, second_moment, seeds_needed, share_below_mean, student_quantile, wasserstein, weak_load_share,
+    CONFIDENCE, Ensemble, block_average, confidence_of_each, equivalence, gini, prediction_interval, second_moment,
+    seeds_needed, share_below_mean, student_quantile, weak_load_share,
 };
 
 fn ensemble(values: &[f64]) -> Ensemble {
@@ -103,19 +103,6 @@ fn seeds_by_the_formula() {
     // Equal values without any spread agree, whatever the margin.
     let same = ensemble(&[1.0, 1.0]);
     assert_eq!(equivalence(&same, &same, Some(1e-9), 2).outcome, Some(Outcome::Agree));
-}
-
-#[test]
-fn distances_by_hand() {
-    // Cumulative shares on 1, 2, 3, 4: (1/3, 2/3, 1, 1) and (0, 1/2, 1/2, 1).
-    let (a, b) = ([3.0, 1.0, 2.0], [4.0, 2.0]);
-    assert_abs_diff_eq!(kolmogorov_smirnov(&a, &b), 0.5, epsilon = 1e-15);
-    assert_abs_diff_eq!(wasserstein(&a, &b), 1.0 / 3.0 + 1.0 / 6.0 + 0.5, epsilon = 1e-15);
-    // SciPy's own examples: wasserstein_distance([0, 1, 3], [5, 6, 8]) is 5.
-    assert_abs_diff_eq!(wasserstein(&[0.0, 1.0, 3.0], &[5.0, 6.0, 8.0]), 5.0, epsilon = 1e-12);
-    assert_abs_diff_eq!(kolmogorov_smirnov(&[0.0, 1.0, 3.0], &[5.0, 6.0, 8.0]), 1.0, epsilon = 1e-12);
-    assert_abs_diff_eq!(kolmogorov_smirnov(&a, &a), 0.0, epsilon = 1e-15);
-    assert!(kolmogorov_smirnov(&a, &[]).is_nan() && wasserstein(&[], &a).is_nan());
 }
 
 #[test]

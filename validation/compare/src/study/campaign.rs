@@ -199,7 +199,7 @@ impl RunCache {
     }
 
     fn store<T: Serialize + DeserializeOwned>(&self, key: &Key, run: Result<&T, String>) -> Result<(), WriteError> {
-        let bytes = seal(run, key);
+        let bytes = sealed(run, key);
         if whole::<T>(&bytes).is_some() {
             write_whole(&self.file(key), &bytes)?;
         }
@@ -238,12 +238,8 @@ fn names(set: &Mutex<BTreeSet<String>>) -> std::sync::MutexGuard<'_, BTreeSet<St
     set.lock().expect("nothing panics while it holds the lock")
 }
 
-/// Bytes of the file of a run.
-pub fn sealed<T: Serialize>(run: &T, key: &Key) -> Vec<u8> {
-    seal(Ok(run), key)
-}
-
-fn seal<T: Serialize>(kept: Result<&T, String>, key: &Key) -> Vec<u8> {
+/// Bytes of the file of a run, or of the reason for which its numbers are invalid.
+pub fn sealed<T: Serialize>(kept: Result<&T, String>, key: &Key) -> Vec<u8> {
     let sealed = Sealed { version: VERSION, key: key.hash.clone(), seal: hash(&kept), kept };
     serde_json::to_vec_pretty(&sealed).expect("a run holds only numbers and plain text")
 }

@@ -160,11 +160,6 @@ impl FilePattern {
         self.0.replace("{step}", "*").replace("{time}", "*")
     }
 
-    /// Reports whether a file that matches the wildcards has a number where the pattern has one.
-    pub fn names(&self, file: &Path) -> bool {
-        self.stamp(file).is_some()
-    }
-
     /// Reads step or time from the name of a file; none where no number stands there.
     pub(super) fn stamp(&self, file: &Path) -> Option<Stamp> {
         let pattern = self.0.rsplit('/').next()?;

@@ -19,6 +19,7 @@ const CIRCLE_OVER_DRUM: f64 = 0.2;
 pub const NO_MEAN_FIELD: &str = "grains are too small for the drum, or too unlike in size";
 
 /// Free surface of the bed in the mean of all frames, and in the means of blocks of them.
+#[derive(Default)]
 pub struct BedSurfaces {
     /// Frames of each block of time; none where there are too few frames for blocks.
     pub blocks: Vec<Range<usize>>,
@@ -38,7 +39,7 @@ impl BedSurfaces {
         };
         let surface_of = |field: &Field| surface(setting, drum, &outline(field)?);
         let Some(count) = block_count(all) else {
-            let found = |field: Field| BedSurfaces::of_frames(surface_of(&field));
+            let found = |field: Field| Self { whole: surface_of(&field), ..Self::default() };
             return Ok(mean_of(0..all)?.map(found));
         };
         let border = |block: usize| block * all / count;
@@ -54,11 +55,6 @@ impl BedSurfaces {
             }
         }
         Ok(Some(Self { blocks, parts, whole: whole.as_ref().and_then(surface_of) }))
-    }
-
-    /// The surface of too few frames for blocks.
-    pub fn of_frames(whole: Option<BedSurface>) -> Self {
-        Self { blocks: Vec::new(), parts: Vec::new(), whole }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Distribution of normal forces over their mean, pooled run by run.
 
-use super::frames::{Frames, Wrapped};
+use super::frames::wrapped;
 use super::measured_frames;
 use super::setting::{Properties, Setting};
 use super::view::View;
@@ -46,18 +46,13 @@ impl ForcePool {
 
     /// Adds the bulk contacts between grains of a recording's measured frames.
     pub fn add_recording(&mut self, scene: &MeasuredScene, recording: &Recording) {
-        let Ok(()) = self.add_frames(scene, &measured_frames(scene, recording)[..]);
-    }
-
-    /// Adds the bulk contacts between grains of these frames of one run.
-    pub fn add_frames<F: Frames + ?Sized>(&mut self, scene: &MeasuredScene, frames: &F) -> Result<(), F::Error> {
-        let (frames, properties) = (Wrapped::new(frames, &scene.domain), Properties::new(scene));
-        frames.each(&mut |frame| {
-            let setting = Setting::new(&properties, frame);
-            let view = View::new(&setting, frame);
-            let forces: Vec<f64> = view.bulk_contacts().iter().map(|contact| contact.normal_force).collect();
-            self.add(&forces);
-        })
+        let properties = Properties::new(scene);
+        for frame in measured_frames(scene, recording) {
+            let frame = wrapped(&scene.domain, frame);
+            let setting = Setting::new(&properties, &frame);
+            let contacts = View::new(&setting, &frame).bulk_contacts();
+            self.add(&contacts.iter().map(|contact| contact.normal_force).collect::<Vec<f64>>());
+        }
     }
 
     /// Adds forces (any unit) over their own mean.
@@ -102,29 +97,6 @@ impl ForcePool {
 /// Share of `samples` forces that fall into a bin, over the bin's width.
 fn density(count: u64, samples: usize, width: f64) -> f64 {
     count as f64 / (samples.max(1) as f64 * width)
-}
-
-impl ForceDistribution {
-    /// The distribution of the forces of both, as if they had been counted together; `None` where the bins differ.
-    ///
-    /// Each force was taken over the mean of its own frame, so the counts of two distributions simply add up. A count
-    /// is density times samples times width, rounded to the whole number that it was: below four million samples the
-    /// six digits to which densities are recorded suffice to find it, and nothing is lost however often runs are added.
-    pub fn pooled(&self, other: &ForceDistribution) -> Option<ForceDistribution> {
-        // Centres lie in the middle of equal bins, the first of which begins at 0.
-        let width = 2.0 * self.force.first().filter(|_| self.force == other.force)?;
-        let samples = self.samples + other.samples;
-        let count = |distribution: &ForceDistribution, density: f64| {
-            (density * distribution.samples as f64 * width).round() as u64
-        };
-        let pairs = self.density.iter().zip(&other.density);
-        Some(ForceDistribution {
-            code: self.code.clone(),
-            force: self.force.clone(),
-            density: pairs.map(|(&a, &b)| density(count(self, a) + count(other, b), samples, width)).collect(),
-            samples,
-        })
-    }
 }
 
 /// Distribution of normal forces of several runs of one code, in 32 bins of a quarter of the mean force.

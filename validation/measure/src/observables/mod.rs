@@ -248,7 +248,7 @@ impl Span<'_> {
                 (true, None) => BedSurfaces::new(setting, drum, frames)?.ok_or(NO_MEAN_FIELD),
                 (true, Some(view)) => {
                     let surface = |outline: Option<&Loop>| surface(setting, drum, outline?);
-                    view.outline(drum).map(|outline| BedSurfaces::of_frames(surface(outline)))
+                    view.outline(drum).map(|outline| BedSurfaces { whole: surface(outline), ..Default::default() })
                 }
             };
             match fields {

@@ -1,4 +1,4 @@
-//! From measurements to verdicts: blocks, ensembles, equivalence, distances between distributions.
+//! From measurements to verdicts: blocks, ensembles, equivalence, inequality of forces.
 //!
 //! The seed is the unit of replication. Frames of one run are put into blocks first ([`block_average`]); runs of one code
 //! form an [`Ensemble`]; two ensembles are compared by [`equivalence`]; a live run is compared with recorded ones by a
@@ -16,9 +16,7 @@ mod distributions;
 mod ensemble;
 mod equivalence;
 
-pub use distributions::{
-    gini, kolmogorov_smirnov, ranked, second_moment, share_below_mean, wasserstein, weak_load_share,
-};
+pub use distributions::{gini, ranked, second_moment, share_below_mean, weak_load_share};
 pub use ensemble::{
     Average, CONFIDENCE, Ensemble, block_average, block_count, confidence_of_each, mean, median, prediction_interval,
     standard_deviation, standard_error, student_quantile,

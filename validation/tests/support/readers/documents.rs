@@ -400,7 +400,7 @@ pub fn key() -> Key {
 
 /// Files of kept runs.
 pub fn kept_runs() -> Vec<Vec<u8>> {
-    vec![sealed(&kept(), &key())]
+    vec![sealed(Ok(&kept()), &key())]
 }
 
 /// The parts of a document by their names.

@@ -8,8 +8,6 @@ pub fn observable(name: &str) -> String {
         "gini" => "Gini coefficient of normal forces".into(),
         "share_below_mean" => "share of forces below the mean".into(),
         "weak_load_share" | "weak_share_of_load" => "share of load on weak contacts".into(),
-        "ks" | "kolmogorov_smirnov" => "Kolmogorov–Smirnov distance of forces".into(),
-        "wasserstein" | "wasserstein_1" => "Wasserstein-1 distance of forces".into(),
         "lacey_index" | "mixing_index" => "mixing index (Lacey)".into(),
         "size_mixing_index" => "mixing index of sizes (Lacey)".into(),
         "wall_force_over_weight" => "wall force over weight".into(),
