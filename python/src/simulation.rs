@@ -269,7 +269,7 @@ impl Simulation {
         views::state(py, &self.0, State::Ids)
     }
 
-    /// Views that other code lives by: how many of them there are.
+    /// Number of views of the state that are in use.
     #[getter]
     fn live_views(&self) -> usize {
         self.0.state_views.load(Ordering::SeqCst)

@@ -163,7 +163,7 @@ fn dumps_are_read_frame_by_frame() {
     // Torn, short and blown-up dumps say where.
     assert_eq!(read(dump_text("1 2 3\n", 2).as_bytes()).unwrap_err().line, 11);
     assert!(read(dump_text("1 2\n", 1).as_bytes()).unwrap_err().problem.contains("3 belong"));
-    assert!(read(dump_text("1 nan 3\n", 1).as_bytes()).unwrap_err().problem.contains("blown up"));
+    assert!(read(dump_text("1 nan 3\n", 1).as_bytes()).unwrap_err().problem.contains("diverged"));
     assert!(read(&[0xFF, 0xFE, b'\n']).is_err());
 }
 

@@ -152,7 +152,12 @@ fn restitution_of_a_pair_and_on_every_kind_of_wall() {
 
 #[test]
 fn grains_on_slopes_belts_lifts_and_in_drums() {
-    let tilt = std::f64::consts::FRAC_PI_6;
+    grains_on_slopes(std::f64::consts::FRAC_PI_6, &[&Yade::default(), &Liggghts::default()]);
+    // The discs of LAMMPS lie along the axes.
+    grains_on_slopes(0.0, &[&Lammps::default()]);
+}
+
+fn grains_on_slopes(tilt: f64, codes: &[&dyn Code]) {
     let (sine, cosine) = tilt.sin_cos();
     let (up, down) = (Vector3::new(sine, 0.0, cosine), Vector3::new(cosine, 0.0, -sine));
     let centres = [Vector3::new(-0.1, -0.1, 0.0), Vector3::new(-0.1, 0.1, 0.0)];
@@ -180,7 +185,7 @@ fn grains_on_slopes_belts_lifts_and_in_drums() {
         + &on(Vector3::new(0.107, 0.103, 0.0), flat)
         + &on(Vector3::new(0.0, 0.007, 0.15), flat);
     let time = 0.1;
-    in_each(&scene(GRAVITY, time, 0.001, &body), 0.05, |code, recording| {
+    in_these(codes, &scene(GRAVITY, time, 0.001, &body), 0.05, |code, recording| {
         let last = recording.frames.last().unwrap();
         let weight = mass() * GRAVITY;
         // Rolling down a rough slope: 5/7 of the gravity along it; two sevenths of the pull go through friction.
@@ -192,24 +197,26 @@ fn grains_on_slopes_belts_lifts_and_in_drums() {
         let mean = frames.iter().map(pull).sum::<f64>() / frames.len() as f64;
         close(code, "friction on the rough slope", mean, 2.0 / 7.0 * sine, 0.02);
         close(code, "normal on the rough slope", Vector3::from(touch.normal).dot(&up), -1.0, 1e-6);
-        // Sliding down a slick one, where friction below 2/7 tan(tilt) cannot hold the surfaces together.
-        let sliding = GRAVITY * (sine - 0.05 * cosine) * time;
-        close(code, "speed on the slick slope", velocity(last, 1).dot(&down), sliding, 0.01 * sliding);
-        let touch = contact(last, 1, 1);
-        close(
-            code,
-            "friction on the slick slope",
-            Vector3::from(touch.tangential_force).dot(&down) / weight,
-            0.05 * cosine,
-            0.002,
-        );
-        close(
-            code,
-            "spin on the slick slope",
-            last.particles[1].spin[1] * RADIUS,
-            2.5 * 0.05 * GRAVITY * cosine * time,
-            0.003,
-        );
+        if tilt > 0.0 {
+            // Sliding down a slick one, where friction below 2/7 tan(tilt) cannot hold the surfaces together.
+            let sliding = GRAVITY * (sine - 0.05 * cosine) * time;
+            close(code, "speed on the slick slope", velocity(last, 1).dot(&down), sliding, 0.01 * sliding);
+            let touch = contact(last, 1, 1);
+            close(
+                code,
+                "friction on the slick slope",
+                Vector3::from(touch.tangential_force).dot(&down) / weight,
+                0.05 * cosine,
+                0.002,
+            );
+            close(
+                code,
+                "spin on the slick slope",
+                last.particles[1].spin[1] * RADIUS,
+                2.5 * 0.05 * GRAVITY * cosine * time,
+                0.003,
+            );
+        }
         // On a belt that starts at once, 2/7 of its speed when slipping ends, give or take the spring that winds up meanwhile.
         close(code, "speed on the belt", last.particles[2].velocity[1], 0.1 * 2.0 / 7.0, 0.002);
         close(code, "spin on the belt", last.particles[2].spin[0] * RADIUS, 0.1 * 5.0 / 7.0, 0.004);

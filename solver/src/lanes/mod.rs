@@ -248,7 +248,7 @@ impl InstructionSet {
     /// All, from the narrowest to the widest.
     pub const ALL: [InstructionSet; 3] = [InstructionSet::Generic, InstructionSet::Avx2, InstructionSet::Avx512];
 
-    /// The widest that this processor has.
+    /// Returns the widest instruction set of this processor.
     pub fn detect() -> InstructionSet {
         Available::detect().name()
     }
@@ -288,7 +288,7 @@ impl InstructionSet {
 pub struct Available(InstructionSet);
 
 impl Available {
-    /// The widest that this processor has.
+    /// Returns the widest instruction set of this processor.
     pub fn detect() -> Available {
         let widest = InstructionSet::ALL.into_iter().rev().find_map(InstructionSet::on_this_processor);
         widest.unwrap_or(Available(InstructionSet::Generic))

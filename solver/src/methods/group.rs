@@ -120,14 +120,14 @@ pub(crate) trait ContactPass {
         None
     }
 
-    /// Does it to the group with this number in its task, pairs first.
-    fn visit<L: Lanes, G: Group<E>, E: Effects>(&mut self, number: usize, group: &mut G);
+    /// Applies the operation to the group with this number in its task, pairs first.
+    fn apply<L: Lanes, G: Group<E>, E: Effects>(&mut self, number: usize, group: &mut G);
 }
 
-/// A visit to every group of a task.
+/// A pass over every group of a task.
 pub(crate) struct PassOverTask<'a, V, E: Effects> {
     pub groups: &'a mut TaskGroups,
-    pub visit: V,
+    pub pass: V,
     pub effects: PhantomData<E>,
 }
 
@@ -138,15 +138,15 @@ impl<V: ContactPass, E: Effects> Kernel for PassOverTask<'_, V, E> {
     fn run<L: Lanes>(mut self) {
         let (pairs, walls) = (E::Tangential::of_mut(&mut self.groups.pairs), &mut self.groups.walls);
         for number in 0..pairs.len() {
-            if let Some(bodies) = self.visit.bodies()
+            if let Some(bodies) = self.pass.bodies()
                 && let Some(ahead) = pairs.get(number + PREFETCH)
             {
                 Group::<E>::fetch(ahead, bodies);
             }
-            self.visit.visit::<L, _, E>(number, &mut pairs[number]);
+            self.pass.apply::<L, _, E>(number, &mut pairs[number]);
         }
         for (number, group) in walls.iter_mut().enumerate() {
-            self.visit.visit::<L, _, E>(pairs.len() + number, group);
+            self.pass.apply::<L, _, E>(pairs.len() + number, group);
         }
     }
 }

@@ -34,10 +34,10 @@ mod gauss_seidel;
 mod group;
 mod jacobi;
 mod nonlinear_conjugate_gradients;
+mod passes;
 mod problem;
 mod projected_conjugate_gradients;
 mod velocities;
-mod visits;
 
 pub(crate) use problem::{Problem, Workspace};
 
@@ -110,7 +110,7 @@ impl Solver {
         Solver { chosen, workspace: Workspace::default() }
     }
 
-    /// The method and the room beside it.
+    /// Returns the method and its workspace.
     pub fn parts(&mut self) -> (&mut dyn Method, &mut Workspace) {
         let method: &mut dyn Method = match &mut self.chosen {
             Chosen::GaussSeidel(method) => method,

@@ -6,8 +6,8 @@
 
 use super::group::MeasureTorques;
 use super::group::{Block, ContactPass, PassOverTask};
+use super::passes::{Combine, Keep, Measure, Step, Transform};
 use super::velocities::{self, Coefficients, MOST, sum_of};
-use super::visits::{Combine, Keep, Measure, Step, Transform};
 use crate::effects::drive::Drive;
 use crate::groups::{with_effects, with_tangential};
 use crate::interrupt::{Interrupt, polls_interrupt};
@@ -168,7 +168,7 @@ impl Problem<'_> {
     pub fn keep(&mut self, state: &mut State) {
         state.velocities.copy_from_slice(self.bodies);
         let vectors = ByStarts::of(&mut state.impulses, &self.workspace.starts);
-        visit(self.layout, self.relaxation, self.team, vectors, |_, to| Keep { to });
+        for_each_group(self.layout, self.relaxation, self.team, vectors, |_, to| Keep { to });
     }
 
     /// The present state becomes a combination of others, whose coefficients sum to one.
@@ -180,7 +180,7 @@ impl Problem<'_> {
         let set = self.relaxation.instruction_set;
         velocities::combine(self.bodies, coefficients, &velocities[..states.len()], set, self.team);
         let starts = &self.workspace.starts;
-        visit(self.layout, self.relaxation, self.team, (), |place, ()| {
+        for_each_group(self.layout, self.relaxation, self.team, (), |place, ()| {
             let mut from: [&[Block]; MOST] = [&[]; MOST];
             for (from, state) in from.iter_mut().zip(states) {
                 *from = &state.impulses[part(starts, place)];
@@ -194,7 +194,7 @@ impl Problem<'_> {
         let bodies = [&mut *self.bodies, &mut second.velocities, &mut third.velocities];
         velocities::transform(bodies, coefficients, self.relaxation.instruction_set, self.team);
         let vectors = [second, third].map(|state| ByStarts::of(&mut state.impulses, &self.workspace.starts));
-        visit(self.layout, self.relaxation, self.team, vectors, |_, [second, third]| Transform {
+        for_each_group(self.layout, self.relaxation, self.team, vectors, |_, [second, third]| Transform {
             coefficients,
             second,
             third,
@@ -207,7 +207,7 @@ impl Problem<'_> {
         self.bodies.copy_from_slice(&from.velocities);
         let Workspace { starts, tallies, .. } = &mut *self.workspace;
         let shares = (ByBodies::of(self.bodies), Tally::of_tasks(tallies, self.layout));
-        visit(self.layout, self.relaxation, self.team, shares, |place, (bodies, tally)| {
+        for_each_group(self.layout, self.relaxation, self.team, shares, |place, (bodies, tally)| {
             let part = part(starts, place);
             let (point, last) = (&from.impulses[part.clone()], &last[part]);
             Step { ahead: Slots::of(&from.velocities), bodies, from: point, last, step, tally }
@@ -223,7 +223,7 @@ impl Problem<'_> {
         let tallies = &mut self.workspace.tallies;
         let bodies = Slots::of(self.bodies);
         let shares = Tally::of_tasks(tallies, self.layout);
-        visit(self.layout, self.relaxation, self.team, shares, |_, tally| Measure { bodies, tally });
+        for_each_group(self.layout, self.relaxation, self.team, shares, |_, tally| Measure { bodies, tally });
         if self.relaxation.effects.torques() {
             self.measure_torques();
         }
@@ -258,9 +258,9 @@ impl Problem<'_> {
     }
 }
 
-/// Visits the lane groups of every task, stage after stage where bodies are written: `make` makes the visit to the task at a place
+/// Applies a pass to the lane groups of every task, stage after stage where bodies are written: `make` makes the pass over the task at a place
 /// from its share.
-pub(crate) fn visit<V: ContactPass, S: TaskShares>(
+pub(crate) fn for_each_group<V: ContactPass, S: TaskShares>(
     layout: &mut Layout,
     relaxation: &Relaxation,
     team: &Team,
@@ -269,16 +269,16 @@ pub(crate) fn visit<V: ContactPass, S: TaskShares>(
 ) {
     let (plan, shares) = (&layout.plan, (ByNumber::of(&mut layout.groups), shares));
     let set = relaxation.instruction_set;
-    let visit = |place: usize, _: &PlannedTask, (groups, share)| {
+    let pass = |place: usize, _: &PlannedTask, (groups, share)| {
         // Torques are no part of a state that is put aside or combined: scenes that have any are refused methods other than
         // Gauss-Seidel.
         with_tangential!(relaxation.effects, E => {
-            set.run(PassOverTask::<V, E> { groups, visit: make(place, share), effects: PhantomData })
+            set.run(PassOverTask::<V, E> { groups, pass: make(place, share), effects: PhantomData })
         });
     };
     match S::IN_STAGES {
-        true => plan.run_stages(team, Phase::Sweep, |_| {}, shares, visit),
-        false => plan.run_all(team, Phase::Sweep, shares, visit),
+        true => plan.run_stages(team, Phase::Sweep, |_| {}, shares, pass),
+        false => plan.run_all(team, Phase::Sweep, shares, pass),
     }
 }
 

@@ -16,8 +16,8 @@
 //! may stall or run in circles.
 
 use super::group::{Block, ContactPass, Group, add, load, store};
-use super::problem::{Tally, fit, part, visit};
-use super::visits::natural_map;
+use super::passes::natural_map;
+use super::problem::{Tally, fit, for_each_group, part};
 use super::{Method, Problem};
 use crate::groups::Effects;
 use crate::lanes::{Lanes, Slots, TaskSlots, dot, minus, plus, times};
@@ -51,13 +51,13 @@ impl ProjectedConjugateGradients {
         let vectors = [&mut self.direction, &mut self.gradient].map(|vector| ByStarts::of(vector, &workspace.starts));
         let (bodies, velocities) = (Slots::of(problem.bodies), Slots::of(&self.velocities));
         let shares = (vectors, tallies);
-        visit(problem.layout, problem.relaxation, problem.team, shares, |_, ([direction, gradient], tally)| Turn {
-            bodies,
-            velocities,
-            direction,
-            gradient,
-            tally,
-        });
+        for_each_group(
+            problem.layout,
+            problem.relaxation,
+            problem.team,
+            shares,
+            |_, ([direction, gradient], tally)| Turn { bodies, velocities, direction, gradient, tally },
+        );
         let total = Tally::total(&workspace.tallies);
         let [conjugate, along_gradient, along_direction] = total.sums();
         self.beta = if curvature > 0.0 { -conjugate / curvature } else { 0.0 };
@@ -77,13 +77,19 @@ impl ProjectedConjugateGradients {
         let (gradient, starts, beta) = (&self.gradient, &workspace.starts, self.beta);
         let tallies = Tally::of_tasks(&mut workspace.tallies, problem.layout);
         let shares = (ByBodies::of(&mut self.velocities), ByStarts::of(&mut self.direction, starts), tallies);
-        visit(problem.layout, problem.relaxation, problem.team, shares, |place, (velocities, direction, tally)| Aim {
-            velocities,
-            direction,
-            gradient: &gradient[part(starts, place)],
-            beta,
-            tally,
-        });
+        for_each_group(
+            problem.layout,
+            problem.relaxation,
+            problem.team,
+            shares,
+            |place, (velocities, direction, tally)| Aim {
+                velocities,
+                direction,
+                gradient: &gradient[part(starts, place)],
+                beta,
+                tally,
+            },
+        );
         let velocities = &*self.velocities;
         problem.products(velocities, &[velocities])[0] + Tally::total(&problem.workspace.tallies).sums()[0]
     }
@@ -91,7 +97,7 @@ impl ProjectedConjugateGradients {
     /// lambda = P(lambda + alpha p).
     fn advance(&mut self, problem: &mut Problem<'_>, alpha: f64) {
         let (bodies, direction, starts) = (ByBodies::of(problem.bodies), &self.direction, &problem.workspace.starts);
-        visit(problem.layout, problem.relaxation, problem.team, bodies, |place, bodies| Advance {
+        for_each_group(problem.layout, problem.relaxation, problem.team, bodies, |place, bodies| Advance {
             bodies,
             direction: &direction[part(starts, place)],
             alpha,
@@ -140,7 +146,7 @@ impl ContactPass for Turn<'_> {
     }
 
     #[inline(always)]
-    fn visit<L: Lanes, G: Group<E>, E: Effects>(&mut self, number: usize, group: &mut G) {
+    fn apply<L: Lanes, G: Group<E>, E: Effects>(&mut self, number: usize, group: &mut G) {
         let contact = group.read::<L>();
         let normal = contact.normal;
         let (velocity, inverse_mass) = group.velocity(self.bodies, &contact, 1.0);
@@ -214,7 +220,7 @@ impl ContactPass for Aim<'_> {
     }
 
     #[inline(always)]
-    fn visit<L: Lanes, G: Group<E>, E: Effects>(&mut self, number: usize, group: &mut G) {
+    fn apply<L: Lanes, G: Group<E>, E: Effects>(&mut self, number: usize, group: &mut G) {
         let contact = group.read::<L>();
         let old = load::<L>(&self.direction[number]);
         let direction = plus(load(&self.gradient[number]), times(old, L::splat(self.beta)));
@@ -238,7 +244,7 @@ impl ContactPass for Advance<'_> {
     }
 
     #[inline(always)]
-    fn visit<L: Lanes, G: Group<E>, E: Effects>(&mut self, number: usize, group: &mut G) {
+    fn apply<L: Lanes, G: Group<E>, E: Effects>(&mut self, number: usize, group: &mut G) {
         let mut contact = group.read::<L>();
         let before = contact.impulse();
         contact.set_impulse(plus(before, times(load(&self.direction[number]), L::splat(self.alpha))));

@@ -310,7 +310,7 @@ pub fn read_frames(bytes: &[u8], radii: &[f64], walls: usize) -> Result<Vec<Snap
         match row.len() == length && row.iter().all(|value| value.is_finite()) {
             true => Ok(row),
             false if row.len() < length => Err("it ends in the middle of a frame".into()),
-            false => Err("a number is not finite: the run has blown up".into()),
+            false => Err("a number is not finite: the run diverged".into()),
         }
     };
     let mut frames = Vec::new();
@@ -352,10 +352,10 @@ pub fn read_frames(bytes: &[u8], radii: &[f64], walls: usize) -> Result<Vec<Snap
     Ok(frames)
 }
 
-/// Reads where driven walls are in each frame: displacement and speed of each, frame after frame.
+/// Reads displacement (m or rad) and rate of each driven wall, frame after frame.
 ///
 /// # Errors
-/// What is wrong, in words.
+/// The problem: a wrong number of bytes, or a number that is not finite.
 pub fn read_driven_walls(bytes: &[u8], walls: &[u32], frames: &mut [Snapshot]) -> Result<(), String> {
     let row = 8 * DRIVEN_ROW * walls.len();
     if bytes.len() != row * frames.len() {
@@ -367,7 +367,7 @@ pub fn read_driven_walls(bytes: &[u8], walls: &[u32], frames: &mut [Snapshot]) -
             let mut number = || numbers.next().unwrap_or(f64::NAN);
             let (displacement, rate) = (number(), number());
             if !displacement.is_finite() || !rate.is_finite() {
-                return Err("a number is not finite: the run has blown up".into());
+                return Err("a number is not finite: the run diverged".into());
             }
             frame.driven_walls.push(DrivenWall { wall, displacement, rate });
         }

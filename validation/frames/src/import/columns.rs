@@ -218,7 +218,7 @@ pub(super) fn numbered(name: &str) -> Option<&str> {
 pub(super) fn number(word: &str) -> Result<f64, String> {
     match word.parse::<f64>() {
         Ok(number) if number.is_finite() => Ok(number),
-        Ok(_) => Err(format!("'{word}' is not finite: the run has blown up")),
+        Ok(_) => Err(format!("'{word}' is not finite: the run diverged")),
         Err(_) => Err(format!("'{word}' is not a number")),
     }
 }

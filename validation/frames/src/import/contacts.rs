@@ -336,7 +336,7 @@ pub fn measurable(frame: Snapshot) -> Result<Snapshot, String> {
     };
     match frame.contacts.iter().find(|contact| !finite(contact)) {
         None => Ok(frame),
-        Some(contact) => Err(format!("a force on grain {} is beyond all numbers: the run has blown up", contact.first)),
+        Some(contact) => Err(format!("a force on grain {} is beyond all numbers: the run diverged", contact.first)),
     }
 }
 

@@ -184,7 +184,7 @@ pub(super) fn table_of(
             return Err(fault(problem));
         }
         if !numbers.iter().all(|number| number.is_finite()) {
-            return Err(fault(format!("array {name}: a number is not finite: the run has blown up")));
+            return Err(fault(format!("array {name}: a number is not finite: the run diverged")));
         }
         columns.push((numbers, *components, axis));
     }

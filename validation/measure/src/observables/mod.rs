@@ -117,7 +117,7 @@ pub struct Meter {
     span: Option<SpanFacts>,
 }
 
-/// What all frames of a span have in common.
+/// Direction of gravity and sense of the drum over the frames of a span.
 struct SpanFacts {
     /// Direction against gravity in the first frame.
     up: Option<Vector3<f64>>,

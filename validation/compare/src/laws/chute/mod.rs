@@ -206,7 +206,11 @@ fn case(angle: f64, layer: Layer, coarseness: f64) -> Case {
             Region::Box { min: [0.0, 0.0, DIAMETER], max: [length, width, room] },
             0.1,
         )
-        .with(|scene| scene.domain.periodic = vec![Periodic::X, Periodic::Y]);
+        .with(|scene| {
+            scene.domain.periodic = vec![Periodic::X, Periodic::Y];
+            // That of the recorded rows; by the scales of the grains it would be 0.0501.
+            scene.solver.restitution_threshold = Some(0.05);
+        });
     let given =
         [("angle", angle), ("depth", layer.depth), ("coarseness", coarseness), ("from", from), ("until", until)];
     Case::new(scene.scene(), given)

@@ -16,7 +16,7 @@ pub(crate) struct Keep<'a> {
 
 impl ContactPass for Keep<'_> {
     #[inline(always)]
-    fn visit<L: Lanes, G: Group<E>, E: Effects>(&mut self, number: usize, group: &mut G) {
+    fn apply<L: Lanes, G: Group<E>, E: Effects>(&mut self, number: usize, group: &mut G) {
         store(group.read::<L>().impulse(), &mut self.to[number]);
     }
 }
@@ -30,7 +30,7 @@ pub(crate) struct Combine<'a> {
 
 impl ContactPass for Combine<'_> {
     #[inline(always)]
-    fn visit<L: Lanes, G: Group<E>, E: Effects>(&mut self, number: usize, group: &mut G) {
+    fn apply<L: Lanes, G: Group<E>, E: Effects>(&mut self, number: usize, group: &mut G) {
         let mut sum = [L::zero(); 3];
         for (coefficient, from) in self.coefficients.iter().zip(&self.from[..self.count]) {
             let own = load::<L>(&from[number]);
@@ -59,7 +59,7 @@ pub(crate) struct Transform<'a> {
 
 impl ContactPass for Transform<'_> {
     #[inline(always)]
-    fn visit<L: Lanes, G: Group<E>, E: Effects>(&mut self, number: usize, group: &mut G) {
+    fn apply<L: Lanes, G: Group<E>, E: Effects>(&mut self, number: usize, group: &mut G) {
         let [to_first, to_second, to_third] = self.coefficients;
         let first = group.read::<L>().impulse();
         let (second, third) = (load::<L>(&self.second[number]), load::<L>(&self.third[number]));
@@ -95,7 +95,7 @@ impl ContactPass for Step<'_> {
     }
 
     #[inline(always)]
-    fn visit<L: Lanes, G: Group<E>, E: Effects>(&mut self, number: usize, group: &mut G) {
+    fn apply<L: Lanes, G: Group<E>, E: Effects>(&mut self, number: usize, group: &mut G) {
         let mut contact = group.read::<L>();
         contact.set_impulse(load(&self.from[number]));
         let normal = contact.normal;
@@ -155,7 +155,7 @@ impl ContactPass for Measure<'_> {
     }
 
     #[inline(always)]
-    fn visit<L: Lanes, G: Group<E>, E: Effects>(&mut self, _: usize, group: &mut G) {
+    fn apply<L: Lanes, G: Group<E>, E: Effects>(&mut self, _: usize, group: &mut G) {
         let contact = group.read::<L>();
         let (velocity, inverse_mass) = group.velocity(self.bodies, &contact, 1.0);
         natural_map::<L, E>(contact, velocity, inverse_mass, self.tally);
