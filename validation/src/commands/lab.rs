@@ -3,8 +3,8 @@
 
 use super::arguments::{OutputArguments, SceneArguments, one_of, positive};
 use super::beforehand::{begin, flowing, refuse_time_budget, refuse_without_folder, settle};
-use super::{Console, Failure};
-use clap::Args;
+use super::{Console, Failure, problem};
+use clap::{Args, Subcommand};
 use makadam::lanes::InstructionSet;
 use makadam::scene::SolverMethod;
 use makadam::schedule::Scheduler;
@@ -19,7 +19,32 @@ use std::path::Path;
 use std::process::ExitCode;
 
 #[derive(Debug, Args)]
-pub(super) struct ConvergenceArguments {
+pub(super) struct LabArguments {
+    /// The study.
+    #[command(subcommand)]
+    study: Lab,
+}
+
+#[derive(Debug, Subcommand)]
+enum Lab {
+    /// Measure how each method converges on the problem of one step: residual against iterations and wall time.
+    Convergence(ConvergenceArguments),
+    /// Measure how a scene's step scales with threads, and replay it on more cores than this machine has.
+    Scaling(ScalingArguments),
+    /// Write the contact problem of one step to a file, and solve it with every available solver.
+    Problem(problem::ProblemArguments),
+}
+
+pub(super) fn lab(arguments: &LabArguments, console: &Console) -> Result<ExitCode, Failure> {
+    match &arguments.study {
+        Lab::Convergence(arguments) => convergence(arguments, console),
+        Lab::Scaling(arguments) => scaling(arguments, console),
+        Lab::Problem(arguments) => problem::problem(arguments, console),
+    }
+}
+
+#[derive(Debug, Args)]
+struct ConvergenceArguments {
     #[command(flatten)]
     pub scene: SceneArguments,
     /// Iterations of each method.
@@ -45,7 +70,7 @@ pub(super) struct ConvergenceArguments {
     pub output: OutputArguments,
 }
 
-pub(super) fn convergence(arguments: &ConvergenceArguments, console: &Console) -> Result<ExitCode, Failure> {
+fn convergence(arguments: &ConvergenceArguments, console: &Console) -> Result<ExitCode, Failure> {
     let (file, scene, seed) = arguments.scene.load()?;
     if arguments.record {
         refuse_without_folder(&file)?;
@@ -91,7 +116,7 @@ pub(super) fn convergence(arguments: &ConvergenceArguments, console: &Console) -
 }
 
 #[derive(Debug, Args)]
-pub(super) struct ScalingArguments {
+struct ScalingArguments {
     #[command(flatten)]
     pub scene: SceneArguments,
     /// Numbers of threads to measure; if absent, 1, 2, 4, ... and all cores.
@@ -116,7 +141,7 @@ pub(super) struct ScalingArguments {
     pub output: OutputArguments,
 }
 
-pub(super) fn scaling(arguments: &ScalingArguments, console: &Console) -> Result<ExitCode, Failure> {
+fn scaling(arguments: &ScalingArguments, console: &Console) -> Result<ExitCode, Failure> {
     let (file, scene, seed) = arguments.scene.load()?;
     if arguments.record {
         refuse_without_folder(&file)?;

@@ -24,7 +24,7 @@ mod view;
 pub use console::Console;
 pub use failure::{Failure, OUTSIDE_TOLERANCE};
 
-use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::ffi::OsString;
 use std::fmt::Write;
 use std::process::ExitCode;
@@ -32,14 +32,71 @@ use std::process::ExitCode;
 const EXIT_CODES: &str = "Exit codes: 0 pass, 1 failure while running, 2 usage, 3 invalid scene, problem or frame file, \
     4 outside tolerance, undecided or not measured, 5 a reference code is missing.";
 
-/// Groups of commands in the help, in the order of their listing.
-const GROUPS: [(&str, &[&str]); 5] = [
-    ("Simulate", &["new", "check", "run", "sweep"]),
-    ("Look", &["view", "picture", "measure", "export"]),
-    ("Compare", &["compare", "qualify"]),
-    ("Study", &["laws", "stability", "effects", "tradeoff", "lab"]),
-    ("Manage", &["print"]),
-];
+/// Defines the commands, in the groups of the help: help, name, arguments, and the function that runs the command.
+macro_rules! commands {
+    ($($group:literal { $(#[doc = $help:literal] $name:ident($arguments:ty) => $run:path,)+ })+) => {
+        #[derive(Debug, Subcommand)]
+        enum Command {
+            $($(#[doc = $help] $name($arguments),)+)+
+        }
+
+        /// Groups of the help, with the names of their commands.
+        const GROUPS: &[(&str, &[&str])] = &[$(($group, &[$(stringify!($name)),+])),+];
+
+        impl Command {
+            fn run(&self, console: &Console) -> Result<ExitCode, Failure> {
+                match self {
+                    $($(Command::$name(arguments) => $run(arguments, console),)+)+
+                }
+            }
+        }
+    };
+}
+
+commands! {
+    "Simulate" {
+        /// Write a commented scene to start from to a file.
+        New(new::NewArguments) => new::new,
+        /// Describe a run before it starts: grains, scales, settings, memory, time.
+        Check(check::CheckArguments) => check::check,
+        /// Simulate a scene: frames, observables as CSV, provenance as JSON.
+        Run(run::RunArguments) => run::run,
+        /// Run a scene over values of its keys, several seeds each; write one table.
+        Sweep(studies::SweepArguments) => studies::sweep,
+    }
+    "Look" {
+        /// Write a run as one HTML file to turn, cut and play in a browser.
+        View(view::ViewArguments) => view::view,
+        /// Draw a frame of a run as PNG, or all frames as animated GIF.
+        Picture(picture::PictureArguments) => picture::picture,
+        /// Measure the output files of any code: dumps, VTK, CSV, VTKHDF.
+        Measure(measure::MeasureArguments) => measure::measure,
+        /// Write a run for ParaView or OVITO, or a scene for another code.
+        Export(export::ExportArguments) => export::export,
+    }
+    "Compare" {
+        /// Compare codes on one scene: Makadam, YADE, LIGGGHTS, LAMMPS, or your own.
+        Compare(compare::CompareArguments) => compare::compare,
+        /// Validate Makadam on the reference scenes and write one report.
+        Qualify(qualify::QualifyArguments) => qualify::qualify,
+    }
+    "Study" {
+        /// Measure published laws of granular matter and compare with their values.
+        Laws(laws::LawsArguments) => laws::laws,
+        /// Run stress tests: pathological scenes, each with its expected outcome.
+        Stability(stability::StabilityArguments) => stability::stability,
+        /// List the active physical effects of a scene, their costs and influence.
+        Effects(studies::EffectsArguments) => studies::effects,
+        /// Measure error against wall time over the settings of each code.
+        Tradeoff(studies::TradeoffArguments) => studies::tradeoff,
+        /// Study the solver: convergence, scaling, single contact problems.
+        Lab(lab::LabArguments) => lab::lab,
+    }
+    "Manage" {
+        /// Print references: scenes, observables, schemas, completions, manual.
+        Print(print::PrintArguments) => print::print,
+    }
+}
 
 /// Simulates grains in contact by non-smooth contact dynamics, measures and shows the results, and compares them with YADE, LIGGGHTS and LAMMPS.
 #[derive(Debug, Parser)]
@@ -63,9 +120,9 @@ impl Arguments {
         let mut listing = String::new();
         for (title, names) in GROUPS {
             let _ = writeln!(listing, "{title}:");
-            for name in names {
-                let about =
-                    command.find_subcommand(name).and_then(clap::Command::get_about).expect("a command has help");
+            for name in names.iter().map(|name| name.to_lowercase()) {
+                let about = command.find_subcommand(&name).and_then(clap::Command::get_about);
+                let about = about.expect("a command has help");
                 let _ = writeln!(listing, "  {name:<10} {about}");
             }
             listing.push('\n');
@@ -86,60 +143,6 @@ impl Arguments {
     }
 }
 
-/// The commands, in the groups of the help.
-#[derive(Debug, Subcommand)]
-enum Command {
-    /// Write a commented scene to start from to a file.
-    New(new::NewArguments),
-    /// Describe a run before it starts: grains, scales, settings, memory, time.
-    Check(check::CheckArguments),
-    /// Simulate a scene: frames, observables as CSV, provenance as JSON.
-    Run(run::RunArguments),
-    /// Run a scene over values of its keys, several seeds each; write one table.
-    Sweep(studies::SweepArguments),
-    /// Write a run as one HTML file to turn, cut and play in a browser.
-    View(view::ViewArguments),
-    /// Draw a frame of a run as PNG, or all frames as animated GIF or APNG.
-    Picture(picture::PictureArguments),
-    /// Measure the output files of any code: dumps, VTK, CSV, VTKHDF.
-    Measure(measure::MeasureArguments),
-    /// Write a run for ParaView or OVITO, or a scene for another code.
-    Export(export::ExportArguments),
-    /// Compare codes on one scene: Makadam, YADE, LIGGGHTS, LAMMPS, or your own.
-    Compare(compare::CompareArguments),
-    /// Validate Makadam on the reference scenes and write one report.
-    Qualify(qualify::QualifyArguments),
-    /// Measure published laws of granular matter and compare with their values.
-    Laws(laws::LawsArguments),
-    /// Run stress tests: pathological scenes, each with its expected outcome.
-    Stability(stability::StabilityArguments),
-    /// List the active physical effects of a scene, their costs and influence.
-    Effects(studies::EffectsArguments),
-    /// Measure error against wall time over the settings of each code.
-    Tradeoff(studies::TradeoffArguments),
-    /// Study the solver: convergence, scaling, single contact problems.
-    Lab(LabArguments),
-    /// Print references: scenes, observables, schemas, completions, manual.
-    Print(print::PrintArguments),
-}
-
-#[derive(Debug, Args)]
-struct LabArguments {
-    /// The study.
-    #[command(subcommand)]
-    study: Lab,
-}
-
-#[derive(Debug, Subcommand)]
-enum Lab {
-    /// Measure how each method converges on the problem of one step: residual against iterations and wall time.
-    Convergence(lab::ConvergenceArguments),
-    /// Measure how a scene's step scales with threads, and replay it on more cores than this machine has.
-    Scaling(lab::ScalingArguments),
-    /// Write the contact problem of one step to a file, and solve it with every available solver.
-    Problem(problem::ProblemArguments),
-}
-
 /// Runs the program on the arguments of the process.
 pub fn main() -> ExitCode {
     run_program(std::env::args_os().collect())
@@ -155,29 +158,7 @@ pub fn run_program(arguments: Vec<OsString>) -> ExitCode {
     };
     let console = Console::new(arguments.quiet, arguments.verbose);
     makadam_frames::interrupt::listen();
-    let done = match &arguments.command {
-        Command::New(new) => new::new(new, &console),
-        Command::Check(check) => check::check(check, &console),
-        Command::Run(run) => run::run(run, &console),
-        Command::Sweep(sweep) => studies::sweep(sweep, &console),
-        Command::View(view) => view::view(view, &console),
-        Command::Picture(picture) => picture::picture(picture, &console),
-        Command::Measure(measure) => measure::measure(measure, &console),
-        Command::Export(export) => export::export(export, &console),
-        Command::Compare(compare) => compare::compare(compare, &console),
-        Command::Qualify(qualify) => qualify::qualify(qualify, &console),
-        Command::Laws(laws) => laws::laws(laws, &console),
-        Command::Stability(stability) => stability::stability(stability, &console),
-        Command::Effects(effects) => studies::effects(effects, &console),
-        Command::Tradeoff(tradeoff) => studies::tradeoff(tradeoff, &console),
-        Command::Lab(lab) => match &lab.study {
-            Lab::Convergence(convergence) => lab::convergence(convergence, &console),
-            Lab::Scaling(scaling) => lab::scaling(scaling, &console),
-            Lab::Problem(problem) => problem::problem(problem, &console),
-        },
-        Command::Print(print) => print::print(print, &console),
-    };
-    exit_code(done, &console)
+    exit_code(arguments.command.run(&console), &console)
 }
 
 /// Prints the help, the version, or an error of the command line.

@@ -33,11 +33,6 @@ pub trait Frames {
     fn visit_grains(&self, range: Range<usize>, look: &mut dyn FnMut(&Snapshot)) -> Result<(), Self::Error> {
         self.visit(range, look)
     }
-
-    /// Shows all frames.
-    fn each(&self, look: &mut dyn FnMut(&Snapshot)) -> Result<(), Self::Error> {
-        self.visit(0..self.count(), look)
-    }
 }
 
 /// Frames with their grains inside the domain along periodic axes, wherever the frames that they come from have them.

@@ -136,7 +136,7 @@ impl Meter {
     /// That of a frame that cannot be shown.
     pub fn of_frames<F: Frames + ?Sized>(properties: &Properties<'_>, frames: &F) -> Result<Meter, F::Error> {
         let mut meter = Meter::default();
-        Wrapped::new(frames, &properties.scene.domain).each(&mut |frame| {
+        Wrapped::new(frames, &properties.scene.domain).visit(0..frames.count(), &mut |frame| {
             let setting = Setting::new(properties, frame);
             meter.append(Meter::of(&View::new(&setting, frame)));
         })?;
