@@ -19,7 +19,7 @@ pub(super) struct ExportArguments {
     /// Folder of a run, or the name of one below results; with --for, a scene.
     #[arg(value_name = "RUN or SCENE")]
     pub what: String,
-    /// Format of the frames of a run: vtp and vtkhdf for ParaView, gsd for OVITO, as `[output] formats` of a scene.
+    /// Format of the frames of a run, as `[output] formats` of a scene.
     #[arg(long, value_parser = one_of(FrameFormat::ALL, FrameFormat::name), required_unless_present = "code")]
     pub format: Option<FrameFormat>,
     /// Code for which a scene is written: deck or driver, grains, meshes of walls.

@@ -1,7 +1,6 @@
 //! Frames that are looked at one after the other, as often as a measure needs, wherever they are kept.
 //!
-//! Some measures take more than one look: the bulk lies below a free surface that all frames have shaped, and only then can a
-//! frame's contacts be told to lie in it. Frames need not be in memory for that: whoever has them shows them again.
+//! Fields averaged over time need several passes. Frames need not be in memory for that.
 
 use makadam::scene::Domain;
 use makadam::snapshot::{Particle, Snapshot};

@@ -278,9 +278,14 @@ impl<'a> Session<'a> {
         let phases = self.phases();
         let Session { plan, simulation, mut progress, writer, checkpoint, .. } = self;
         let (mut outputs, written) = writer.end();
-        let ended = played.and(written).and_then(|()| Ok(outputs.sync()?));
-        let took = simulation.time() - progress.started;
-        let measured = Measurements::of(plan.scene, &outputs.measured, &outputs.frames, ended.is_ok(), took);
+        let (ended, took) = (played.and(written), simulation.time() - progress.started);
+        // Frames are flushed while they are measured.
+        let (flushed, measured) = std::thread::scope(|scope| {
+            let flushed = scope.spawn(|| outputs.frames.sync());
+            let measured = Measurements::of(plan.scene, &outputs.measured, &outputs.frames, ended.is_ok(), took);
+            (flushed.join().expect("flushing does not panic"), measured)
+        });
+        let ended = ended.and_then(|()| Ok(flushed.and_then(|()| outputs.sync())?));
         let (measured, ended) = match measured {
             Ok(measured) => (measured, ended),
             // An earlier failure is reported first.
