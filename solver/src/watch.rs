@@ -173,7 +173,7 @@ impl fmt::Display for Alarm {
 /// Overlap over the smaller radius above which a centre lies inside its partner.
 const DEEP: f64 = 1.0;
 
-/// Periodic checks of a simulation.
+/// Watchdog that checks a simulation at a fixed interval of steps.
 #[derive(Clone, Debug)]
 pub struct Watchdog {
     settings: Watch,

@@ -17,13 +17,13 @@
 //! lines, so the overlap at the end differs. For each contact the ledger compares expected and actual stored energy, and books
 //! the difference by its cause, so that the balance closes to rounding:
 //!
-//! first touch: a contact without stored energy at the start of the step has some at its end. No force did this work, because
-//! none acts across a gap. Long steps add this energy to fast impacts; restitution removes most of it.
-//! turning: the two bodies also moved across their normal, which rotates with them, or along a curved surface.
-//! let go: a contact with stored energy ended: the grain has passed the rim of a disc.
-//! wall paths: a wall did not move straight along the normal for the whole step: it turned, started, stopped or moved across. The
-//! entry is the difference between the overlap with the face at the end and the overlap with the face at the start, advanced
-//! along the normal at its velocity in the solve.
+//! - first touch: a contact without stored energy at the start of the step has some at its end. No force did this work, because
+//!   none acts across a gap. Long steps add this energy to fast impacts; restitution removes most of it.
+//! - turning: the two bodies also moved across their normal, which rotates with them, or along a curved surface.
+//! - let go: a contact with stored energy ended: the grain has passed the rim of a disc.
+//! - wall paths: a wall did not move straight along the normal for the whole step: it turned, started, stopped or moved across. The
+//!   entry is the difference between the overlap with the face at the end and the overlap with the face at the start, advanced
+//!   along the normal at its velocity in the solve.
 
 //!
 //! A step changes angular momentum about the origin from `sum x x m v + I w` to `sum x' x m v' + I w'`. Since `x' = x + h v'`,
