@@ -21,7 +21,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// One run of a scene: its frames and their origin. Made by `makadam.simulate`, or read by `Recording.load`.
+/// Run of a scene: its frames and their origin. Made by `makadam.simulate`, or read by `Recording.load`.
 ///
 /// Args:
 ///     scene: Simulated and measured scene.

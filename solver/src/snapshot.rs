@@ -100,7 +100,7 @@ pub struct Snapshot {
     pub particles: Vec<Particle>,
     /// Contacts with a force.
     pub contacts: Vec<Contact>,
-    /// Dynamic walls, driven by a force or a torque, in scene order.
+    /// Dynamic walls, moved by a force or a torque, in scene order.
     pub driven_walls: Vec<DrivenWall>,
     /// Identities of the grains, in the order of [`Snapshot::particles`]; empty if no grain was inserted or removed, so that ids
     /// equal those of the scene's grains.

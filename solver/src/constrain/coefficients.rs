@@ -77,7 +77,7 @@ impl<L: Lanes> LaneMaterial<L> {
 
     #[inline(always)]
     pub fn of_each<'a>(material: impl Fn(usize) -> &'a ContactMaterial) -> Self {
-        // One look-up per lane: four of the properties are read.
+        // One lookup per lane: four of the properties are read.
         let materials: [_; LANES] = std::array::from_fn(material);
         let lanes = |property: fn(&ContactMaterial) -> f64| L::load(&Eight(materials.map(property)));
         Self {

@@ -344,7 +344,7 @@ impl Candidates {
             let mut targets = found.targets;
             for (&direction, &pair) in found.directions.iter().zip(&found.pairs) {
                 let target = &mut targets[direction as usize];
-                // SAFETY: each box has its own places in the list.
+                // SAFETY: each box has its own range of indices in the list.
                 *unsafe { pair_parts.at(*target as usize) } = pair;
                 *target += 1;
             }

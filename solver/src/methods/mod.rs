@@ -16,7 +16,7 @@
 //! that is, complementarity and Coulomb's law. All methods seek this point only. The residual of a state has the same definition
 //! for all: `|change of lambda| D`, in m/s, for the normal and two tangential directions.
 //!
-//! | method | an iteration is | state besides impulses and velocities |
+//! | method | an iteration is | state in addition to impulses and velocities |
 //! | --- | --- | --- |
 //! | Gauss-Seidel | a sweep | none |
 //! | Anderson | a sweep and a combination of the last m + 1 | 2 m + 3 velocities, m + 1 impulses |

@@ -24,7 +24,7 @@
 //! spring](crate::effects::spring), zero without a spring. [`sweep`](crate::sweep) relaxes these laws; `docs/problem.md`
 //! describes the file format of a problem.
 //!
-//! Dynamic walls are bodies too. Along an axis a with mass M a wall has `M^-1 = a a^T / M` and a zero inverse inertia; about an
+//! Dynamic walls are bodies too. Along an axis a with mass M a wall has `M^-1 = a a^T / M` and a zero inverse inertia. About an
 //! axis with the moment of inertia I it has `I^-1 = a a^T / I` and a zero inverse mass.
 //!
 //! Example: the problem of a simulation's next step, and its solution by the scalar reference:

@@ -152,7 +152,7 @@ impl Simulation {
         self.settings.step
     }
 
-    /// Returns the active effects of the scene, as far as they concern the sweep kernel.
+    /// Returns the active effects of the scene that concern the sweep kernel.
     pub fn effects(&self) -> EffectSet {
         self.relaxation.effects
     }

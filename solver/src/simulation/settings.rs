@@ -13,7 +13,7 @@ impl Simulation {
     /// Selects an instruction set other than the detected one; all give the same bits.
     ///
     /// # Errors
-    /// [`SettingError::NoInstructionSet`] where the processor lacks it.
+    /// [`SettingError::NoInstructionSet`] if the processor lacks it.
     pub fn use_instruction_set(&mut self, instruction_set: InstructionSet) -> Result<(), SettingError> {
         self.relaxation.instruction_set = instruction_set.on_this_processor().ok_or_else(|| {
             let available = InstructionSet::ALL.into_iter().filter(|set| set.is_available());

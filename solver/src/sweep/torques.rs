@@ -20,7 +20,7 @@ impl<N: Number> Bodies<N> {
         self.scaled_spin = plus(self.scaled_spin, times(impulse, factor));
     }
 
-    /// One over the moment of inertia, 1/(kg m2).
+    /// Inverse moment of inertia, 1/(kg m2).
     #[inline(always)]
     pub(super) fn inverse_inertia(&self) -> N {
         self.inverse_mass * self.inverse_radius * self.inverse_radius * N::splat(INVERSE_INERTIA)
@@ -34,7 +34,7 @@ pub(crate) struct Turning<N> {
     pub spin: [N; 3],
     /// Sum of the inverse moments of inertia, 1/(kg m2).
     pub operator: N,
-    /// One over the smaller radius, 1/m.
+    /// Inverse of the smaller radius, 1/m.
     pub inverse_radius: N,
 }
 

@@ -145,7 +145,7 @@ impl Simulation {
     }
 }
 
-/// Forces (N) and torques (N m) of a step, by id; empty where there are none.
+/// Forces (N) and torques (N m) of a step, by id; empty without loads.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Loads {
     pub forces: Vec<[f64; 3]>,

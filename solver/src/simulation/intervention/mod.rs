@@ -34,7 +34,7 @@ pub enum InterventionError {
     Length {
         /// The list.
         what: &'static str,
-        /// Its length.
+        /// Length of the list.
         given: usize,
         /// Number of grains.
         grains: usize,

@@ -148,7 +148,7 @@ impl Simulation {
         self.restart_stored_energy();
     }
 
-    /// Restarts the ledger from the present stored energy of contacts, as far as the candidate list contains them.
+    /// Restarts the ledger from the present stored energy of the contacts in the candidate list.
     fn restart_stored_energy(&mut self) {
         if let Some(ledger) = &mut self.ledger {
             ledger.restart_stored(&self.world, &self.candidates, self.constrainer.scheme());

@@ -45,7 +45,7 @@ pub(super) struct Meeting {
     places: [u32; 2],
 }
 
-/// Point where the paths of two grains come too close.
+/// Point of excessive approach between the paths of two grains.
 struct PairImpact {
     share: f64,
     /// Unit normal from the first to the second.

@@ -26,7 +26,7 @@ use crate::world::{Sphere, World, chunk};
 /// Level of a short path as a fraction of the distance at the start.
 const SHORT_LEVEL: f64 = 0.1;
 
-/// Fraction of the distance to a face by which a pressed grain may approach in a step.
+/// Largest approach of a pressed grain to a face in a step, as a fraction of the distance.
 const PRESSED: f64 = 0.5;
 
 /// Maximum number of impacts of a grain in one step; after these the grain is stopped at its position.
@@ -65,7 +65,7 @@ struct PathImpact {
 }
 
 impl PathImpact {
-    /// Finds the point where the path of a grain at this velocity (m/s) comes too close to a face.
+    /// Finds the point on the path of a grain at this velocity (m/s) that is too close to a face.
     fn of(sphere: &Sphere, velocity: &Vector, surface: u32, face: &PlacedFace<'_>, step: f64) -> Option<PathImpact> {
         let (centre, path) = (&sphere.centre, face.path(&sphere.centre, velocity, step));
         let (length, distance) = (path.norm(), face.distance(centre));
