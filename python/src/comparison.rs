@@ -45,7 +45,7 @@ pub fn reference<'py>(scene: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyList>>
     Ok(rows)
 }
 
-/// A comparison as a dict of rows, codes, notes and the verdict.
+/// Returns a comparison as a dict of rows, codes, notes and the verdict.
 fn document<'py>(py: Python<'py>, qualification: &Qualification) -> PyResult<Bound<'py, PyDict>> {
     let comparison = &qualification.comparisons[0];
     let found = PyDict::new(py);
@@ -56,7 +56,7 @@ fn document<'py>(py: Python<'py>, qualification: &Qualification) -> PyResult<Bou
     Ok(found)
 }
 
-/// Runs a scene in several codes, or takes what is recorded of the reference codes, and compares.
+/// Runs a scene in several codes, or uses the recorded results of the reference codes, and compares.
 #[pyfunction]
 #[pyo3(name = "_compare")]
 pub fn compare<'py>(
@@ -96,7 +96,7 @@ pub fn compare<'py>(
     }
 }
 
-/// The codes that were asked for, or those in which a scene is compared where nobody says which.
+/// Returns the requested codes, or the default codes of a scene.
 fn asked_or_usual(py: Python<'_>, asked: Option<Vec<String>>, scene: &Scene, live: bool) -> PyResult<Vec<CodeName>> {
     match asked {
         Some(asked) => asked.iter().map(|name| code_of(py, name)).collect(),
@@ -104,7 +104,7 @@ fn asked_or_usual(py: Python<'_>, asked: Option<Vec<String>>, scene: &Scene, liv
     }
 }
 
-/// Checks that runs can be seeds of one ensemble on a scene; gives the reason if not.
+/// Checks that runs can be seeds of one ensemble on a scene; returns the reason if not.
 fn check_runs(scene: &Scene, runs: &[PyRef<'_, Recording>]) -> Result<(), String> {
     let hash = physics_hash(&scene.plan);
     for (place, run) in runs.iter().enumerate() {
@@ -120,7 +120,7 @@ fn check_runs(scene: &Scene, runs: &[PyRef<'_, Recording>]) -> Result<(), String
             if earlier.seed == recording.seed {
                 return Err(format!("two runs have seed {}; give each seed once", recording.seed));
             }
-            // Without populations the seed decides on nothing.
+            // Without populations the seed has no effect.
             if earlier.frames == recording.frames && !scene.plan.population.is_empty() {
                 return Err(format!(
                     "the runs of seeds {} and {} have the same frames: they are one run; give a run of each seed",
@@ -138,7 +138,7 @@ fn check_runs(scene: &Scene, runs: &[PyRef<'_, Recording>]) -> Result<(), String
     Ok(())
 }
 
-/// Checks that a run has all frames that the scene measures, and names those that are missing.
+/// Checks that a run has all frames that the scene measures, and lists the missing frames.
 fn whole(scene: &plan::MeasuredScene, run: &recording::Recording) -> Result<(), String> {
     let (seed, interval, slack) = (run.seed, scene.measure.interval, scene.measure.slack() + run.time_step);
     let last = run.frames.last().map_or(f64::NEG_INFINITY, |frame| frame.time);
@@ -163,7 +163,7 @@ fn whole(scene: &plan::MeasuredScene, run: &recording::Recording) -> Result<(), 
     Ok(())
 }
 
-/// Compares runs that were made here with what is recorded of the reference codes.
+/// Compares local runs with the recorded results of the reference codes.
 #[pyfunction]
 #[pyo3(name = "_compare_runs")]
 pub fn compare_runs<'py>(

@@ -1,15 +1,15 @@
-//! Between values of Python and of TOML documents, and what else serde can write.
+//! Conversion between Python values, TOML values, and other values that serde can write.
 
 use crate::errors::exception;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
 use toml::Value as Toml;
 
-/// Deepest nesting of a document.
+/// Maximum nesting depth of a document.
 const DEEPEST: usize = 32;
 
-/// A value of Python as one of a TOML document; `place` is its path, for errors. NumPy's numbers and arrays are taken as what they hold,
-/// and keys whose value is `None` are left out.
+/// Converts a Python value to a TOML value; `place` is its path, for errors. NumPy numbers and arrays are converted to plain
+/// values, and keys with the value `None` are omitted.
 pub fn to_toml(value: &Bound<'_, PyAny>, place: &str, depth: usize) -> PyResult<Toml> {
     let py = value.py();
     let refuse = |what: String| Err(exception(py, "SceneError", &format!("{place}: {what}")));
@@ -51,7 +51,7 @@ pub fn to_toml(value: &Bound<'_, PyAny>, place: &str, depth: usize) -> PyResult<
         };
         return items.map(read).collect::<PyResult<_>>().map(Toml::Array);
     }
-    // Arrays and numbers of NumPy.
+    // NumPy arrays and numbers.
     if value.hasattr("tolist")? {
         return to_toml(&value.call_method0("tolist")?, place, depth + 1);
     }
@@ -61,7 +61,7 @@ pub fn to_toml(value: &Bound<'_, PyAny>, place: &str, depth: usize) -> PyResult<
     ))
 }
 
-/// A value of a TOML document as one of Python.
+/// Converts a TOML value to a Python value.
 pub fn from_toml<'py>(py: Python<'py>, value: &Toml) -> PyResult<Bound<'py, PyAny>> {
     Ok(match value {
         Toml::Boolean(flag) => PyBool::new(py, *flag).to_owned().into_any(),

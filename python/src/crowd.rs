@@ -1,13 +1,13 @@
-//! Grains that were put to one place: each of them touches each other, and a step takes time and memory by the pair.
+//! Coincident grains: they are all in contact with each other, and the time and memory of a step grow with the number of pairs.
 
 use makadam::world::Sphere;
 
-/// Grains in one place from which on the caller is told. As many make a hundred thousand pairs.
+/// Number of coincident grains at which the caller is warned: they form over a hundred thousand pairs.
 const MANY: u32 = 500;
 
 /// Counts the grains within the largest diameter along each axis if there are too many; usually none.
 ///
-/// Cells fall together in the table that they are counted in: what looks like a crowd there is counted exactly afterwards.
+/// Cells share entries of the hash table: a suspected cluster is then counted exactly.
 pub fn crowd(spheres: &[Sphere]) -> Option<u32> {
     if spheres.len() < MANY as usize {
         return None;

@@ -1,4 +1,4 @@
-//! From errors of the solver and the judge to exceptions of Python, which stand in `makadam/errors.py`.
+//! Conversion of errors of the solver and the validation to Python exceptions, defined in `makadam/errors.py`.
 
 use makadam::SettingError;
 use makadam::scene::{SceneError, SceneFileError};
@@ -8,12 +8,12 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::Path;
 
-/// An exception of `makadam.errors`, by the name of its class.
+/// Creates an exception of `makadam.errors`, by the name of its class.
 pub fn exception(py: Python<'_>, class: &str, message: &str) -> PyErr {
     with_details(py, class, message, |_| Ok(()))
 }
 
-/// Warns the caller, by the class of the package's warnings.
+/// Warns the caller, with the class of the package's warnings.
 pub fn warn(py: Python<'_>, message: &str) -> PyResult<()> {
     let class = py.import("makadam.errors")?.getattr("MakadamWarning")?;
     py.import("warnings")?.call_method1("warn", (message, class, 2)).map(|_| ())
@@ -38,15 +38,15 @@ fn with_details(
 /// Source of a scene, for its errors.
 #[derive(Clone, Copy)]
 pub struct Origin<'a> {
-    /// The file, if it has one.
+    /// Source file, if any.
     pub file: Option<&'a Path>,
-    /// The text of the document.
+    /// Text of the document.
     pub text: &'a str,
     /// True if a person wrote the text, so that line numbers help.
     pub lines: bool,
 }
 
-/// A scene that is wrong.
+/// Converts an invalid scene to an exception.
 pub fn scene_error(py: Python<'_>, error: &SceneError, origin: Origin<'_>) -> PyErr {
     let SceneError::Invalid(fault) = error else {
         return exception(py, "SceneError", &error.to_string());
@@ -96,7 +96,7 @@ fn described(
         (None, Some(line)) => format!("line {line}: "),
         (None, None) => String::new(),
     };
-    // The reader of a text names no place by itself.
+    // The text reader does not state the location itself.
     let named = if place.is_empty() || problem.starts_with(place) { String::new() } else { format!("{place}: ") };
     with_details(py, "SceneError", &format!("{head}{named}{problem}; {remedy}"), |details| {
         details.set_item("path", place)?;
@@ -107,7 +107,7 @@ fn described(
     })
 }
 
-/// The path of what stands in a line of a document, such as `wall[0].motion`; empty where nothing does.
+/// Path of the key in a line of a document, such as `wall[0].motion`; empty for a line without a key.
 fn place_at(text: &str, line: usize) -> String {
     let Ok(document) = toml::de::DeTable::parse(text) else { return String::new() };
     let start: usize = text.split_inclusive('\n').take(line.saturating_sub(1)).map(str::len).sum();
@@ -149,7 +149,7 @@ fn within(value: &toml::de::DeValue<'_>, path: &str, stretch: [usize; 2], best: 
     }
 }
 
-/// A setting that the machine or the scene does not go with.
+/// Converts a setting that the machine or the scene does not support to an exception.
 pub fn setting_error(py: Python<'_>, error: &SettingError) -> PyErr {
     exception(py, "SettingError", &error.to_string())
 }

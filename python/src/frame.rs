@@ -13,10 +13,10 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use std::sync::Arc;
 
-/// First bytes of a frame by itself; the last one is the version of the format.
+/// Magic bytes of a single frame; the last byte is the version of the format.
 const MARK: [u8; 8] = *b"mkd-frm\x02";
 
-/// Grains and contacts at a time, copied: nothing that happens later changes it. Rows are grains in the order of their ids.
+/// Copy of grains and contacts at a time, independent of later changes. Rows are grains in id order.
 #[pyclass(frozen, module = "makadam", name = "Frame")]
 #[derive(Clone)]
 pub struct Frame(pub Arc<Snapshot>);
@@ -27,12 +27,12 @@ impl Frame {
     }
 }
 
-/// Returns what frames of Python hold.
+/// Returns the snapshots of Python frames.
 pub fn snapshots(frames: &[PyRef<'_, Frame>]) -> Vec<Arc<Snapshot>> {
     frames.iter().map(|frame| frame.0.clone()).collect()
 }
 
-/// Refuses frames that cannot be of the scene.
+/// Refuses frames that do not match the scene.
 pub fn check_frames(py: Python<'_>, scene: &Scene, frames: &[Arc<Snapshot>]) -> PyResult<()> {
     let fits = frames.iter().try_for_each(|frame| frame_belongs_to(frame, &scene.plan));
     fits.map_err(|problem| {
@@ -42,8 +42,8 @@ pub fn check_frames(py: Python<'_>, scene: &Scene, frames: &[Arc<Snapshot>]) -> 
     })
 }
 
-/// Returns the scene of frames of a simulation. Refuses walls that the caller moved, where they count:
-/// frames do not hold where these stand. `purpose` is what the frames are for.
+/// Returns the scene of frames of a simulation. Refuses relevant walls that the caller has moved: frames do not contain their
+/// poses. `purpose` states the use of the frames.
 pub fn scene_of_frames(
     py: Python<'_>,
     shared: &Shared,
@@ -54,7 +54,7 @@ pub fn scene_of_frames(
     let refuse = |message: String| Err(exception(py, "JudgeError", &message));
     let plan = shared.scene.plan.clone();
     let (moved, others) = shared.with(py, |simulation| {
-        // A wall that turns is measured as it stands only where turning leaves it in place, which the scene then says.
+        // Frames with a turned wall are valid only if its rotation leaves its surface unchanged, as declared in the scene.
         let moved = plan.wall.iter().enumerate().find(|(number, wall)| {
             simulation.moved_by(*number as u32).is_some_and(|(shift, angle)| {
                 shift != [0.0; 3] || (angle != 0.0 && !matches!(wall.motion, makadam::Motion::Rotating { .. }))
@@ -67,14 +67,14 @@ pub fn scene_of_frames(
             "wall '{wall}' was moved by the caller, and frames take walls where the scene has them; {purpose}"
         ));
     }
-    // Frames state which grains they have once some came or went.
+    // After insertion or removal, frames contain the identities of their grains.
     if !others {
         check_frames(py, &shared.scene, frames)?;
     }
     Ok(plan)
 }
 
-/// Rows of three numbers.
+/// Returns rows of three numbers as an array.
 pub fn vectors<'py>(py: Python<'py>, rows: impl ExactSizeIterator<Item = [f64; 3]>) -> Bound<'py, PyArray2<f64>> {
     let count = rows.len();
     let numbers: Vec<f64> = rows.flatten().collect();
@@ -85,7 +85,7 @@ fn column<'py, T: numpy::Element>(py: Python<'py>, rows: impl Iterator<Item = T>
     Array1::from_iter(rows).into_pyarray(py)
 }
 
-/// The contacts of a frame as columns.
+/// Returns the contacts of a frame as columns.
 pub fn contact_columns<'py>(py: Python<'py>, contacts: &[Contact]) -> PyResult<Bound<'py, PyDict>> {
     let table = PyDict::new(py);
     let each = || contacts.iter();
@@ -120,7 +120,7 @@ impl Frame {
         self.0.particles.len()
     }
 
-    /// Centres, m: (n, 3); inside the domain where that repeats itself.
+    /// Centres, m: (n, 3), wrapped along periodic axes.
     #[getter]
     fn positions<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
         vectors(py, self.0.particles.iter().map(|grain| grain.position))
@@ -144,21 +144,21 @@ impl Frame {
         column(py, self.0.particles.iter().map(|grain| grain.radius))
     }
 
-    /// Mean number of contacts per grain that bear a force: each contact of two grains counts for both.
+    /// Mean number of contacts with a force per grain: each contact of two grains counts for both.
     #[getter]
     fn coordination_number(&self) -> f64 {
         let ends = |contact: &Contact| if contact.second.is_grain() { 2 } else { 1 };
         self.0.contacts.iter().map(ends).sum::<usize>() as f64 / self.0.particles.len().max(1) as f64
     }
 
-    /// The contacts of the last step that bear a force, a dict of columns: `first`, the id of a grain; `second`, the id of its partner, or
-    /// -1 for a wall; `wall`, its number in the scene, or -1; `point` (m) and `normal`, from the first to its partner, (c, 3);
-    /// `normal_force`, positive where it pushes (N); `tangential_force` on the partner (N), (c, 3).
+    /// Contacts of the last step with a force, a dict of columns: `first`, the id of a grain; `second`, the id of its partner, or
+    /// -1 for a wall; `wall`, its number in the scene, or -1. In addition `point` (m) and `normal`, from the first grain to its
+    /// partner, (c, 3); `normal_force` (N), positive for repulsion; `tangential_force` on the partner (N), (c, 3).
     fn contacts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         contact_columns(py, &self.0.contacts)
     }
 
-    /// The frame that `__reduce__` has taken apart.
+    /// Restores a frame from the data of `__reduce__`.
     #[staticmethod]
     fn _of_bytes(py: Python<'_>, bytes: &[u8]) -> PyResult<Frame> {
         let refuse = |problem: String| exception(py, "JudgeError", &format!("the bytes of a frame: {problem}"));

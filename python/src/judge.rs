@@ -1,4 +1,4 @@
-//! The judge: recordings, and what is measured of them.
+//! Recordings and their measurements.
 
 use crate::convert::plain;
 use crate::errors::{exception, warn};
@@ -21,14 +21,14 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// One run of a scene: its frames, and where they came from. `makadam.simulate` makes them, and `Recording.load` reads them.
+/// Run of a scene: its frames and their origin. Made by `makadam.simulate`, or read by `Recording.load`.
 ///
 /// Args:
-///     scene: What is simulated and measured.
+///     scene: Simulated and measured scene.
 ///     frames: Frames in the order of time, the last one at the end of the run.
-///     seed: Seed of the run, `simulation.seed`; the scene's where none is given. Radii that a scene draws must be those of the seed.
+///     seed: Seed of the run, `simulation.seed`; defaults to the scene's seed. Radii drawn by a scene must be those of the seed.
 ///     wall_seconds: Wall time of the steps, s.
-///     time_step: Time step, s; that of the scene where none is given.
+///     time_step: Time step, s; defaults to that of the scene.
 #[pyclass(frozen, module = "makadam", name = "Recording")]
 pub struct Recording {
     pub scene: Scene,
@@ -74,10 +74,10 @@ impl Recording {
         Ok(Recording { scene, recording: Arc::new(recording) })
     }
 
-    /// Reads a recording from a file that `save`, or `makadam` itself, has written.
+    /// Reads a recording from a file written by `save` or by the `makadam` command.
     ///
     /// Raises:
-    ///     makadam.JudgeError: The file cannot be read, is damaged, or holds a recording of another scene.
+    ///     makadam.JudgeError: The file cannot be read, is damaged, or contains a recording of another scene.
     #[staticmethod]
     fn load(scene: &Bound<'_, PyAny>, file: PathBuf) -> PyResult<Recording> {
         let py = scene.py();
@@ -90,7 +90,7 @@ impl Recording {
         Ok(Recording { scene, recording: Arc::new(recording) })
     }
 
-    /// Writes the recording to a file, with a seal by which damage is seen.
+    /// Writes the recording to a file, with a checksum that detects damage.
     fn save(&self, py: Python<'_>, file: PathBuf) -> PyResult<()> {
         self.recording.save(&file).map_err(|error| exception(py, "JudgeError", &error.to_string()))
     }
@@ -101,7 +101,7 @@ impl Recording {
         self.scene.clone()
     }
 
-    /// The code that was run: Makadam, YADE or LIGGGHTS.
+    /// Name of the simulation code: Makadam, YADE, LIGGGHTS or LAMMPS.
     #[getter]
     fn code(&self) -> &str {
         &self.recording.code
@@ -131,8 +131,8 @@ impl Recording {
         self.recording.frames.iter().cloned().map(Frame::of).collect()
     }
 
-    /// Measures the frames from `measure.from` on: a list of rows, each a dict of `observable`, `unit`, `value`, `standard_error` (within
-    /// the run, over blocks of time; None for too few frames) and `frames`. Observables without a value are left out.
+    /// Measures the frames from `measure.from` on: a list of rows, each a dict of `observable`, `unit`, `value`, `standard_error`
+    /// (within the run, over blocks of time; None for too few frames) and `frames`. Observables without a value are omitted.
     fn measure<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         if let Some(first) = self.recording.alarms.iter().find(|alarm| alarm.fatal) {
             warn(py, &first.words())?;
@@ -141,14 +141,14 @@ impl Recording {
         plain(py, &measured)
     }
 
-    /// Observables over time, a list of dicts of `observable`, `time` (s) and `value`, one point a frame: the dynamic angle of repose
-    /// (degrees) where the scene measures it.
+    /// Observables over time, a list of dicts of `observable`, `time` (s) and `value`, one point per frame: the dynamic angle of
+    /// repose (degrees), if the scene measures it.
     fn series<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let found = py.detach(|| series(&self.scene.plan, &self.recording));
         plain(py, &found)
     }
 
-    /// Writes the frames into a folder as `makadam run` does: see `makadam.Simulation.save_frames`.
+    /// Writes the frames into a folder like `makadam run`: see `makadam.Simulation.save_frames`.
     #[pyo3(signature = (folder, *, walls=true))]
     fn save_frames(&self, py: Python<'_>, folder: PathBuf, walls: bool) -> PyResult<()> {
         Frames { frames: self.arcs(), scene: self.scene.plan.clone() }.save(py, folder, walls)
@@ -193,7 +193,7 @@ impl Recording {
         Frames { frames: self.arcs(), scene: self.scene.plan.clone() }.view(py, file, request)
     }
 
-    /// The recording that `__reduce__` has taken apart.
+    /// Restores a recording from the data of `__reduce__`.
     #[staticmethod]
     fn _of_bytes(scene: &Bound<'_, PyAny>, bytes: &[u8]) -> PyResult<Recording> {
         let read = recording::Recording::parse(bytes);
@@ -220,7 +220,7 @@ impl Recording {
         self.recording.frames.iter().cloned().map(Arc::new).collect()
     }
 
-    /// The frame nearest to a time (s), or the last one; if the time lies outside of the run, what is wrong.
+    /// Returns the frame nearest to a time (s), or the last one; an error message for a time outside of the run.
     fn frame_at(&self, time: Option<f64>) -> Result<&Snapshot, String> {
         let (Some(first), Some(last)) = (self.recording.frames.first(), self.recording.frames.last()) else {
             return Err("the recording has no frames".into());
@@ -238,7 +238,7 @@ impl Recording {
     }
 }
 
-/// Checks that a frame has the radii that the scene draws with a seed, and names the first difference.
+/// Checks that a frame has the radii that the scene draws with a seed, and reports the first difference.
 fn check_seed(scene: &Scene, seed: u64, frame: &Snapshot) -> Result<(), String> {
     let grains = populate(&scene.plan, seed).map_err(|error| error.to_string())?;
     let mut pairs = frame.particles.iter().zip(&grains);
@@ -262,23 +262,23 @@ pub fn code_error(py: Python<'_>, error: &CodeError) -> PyErr {
     }
 }
 
-/// The code of a name.
+/// Returns the code with a name.
 pub fn code_of(py: Python<'_>, name: &str) -> PyResult<CodeName> {
     CodeName::of(name).map_err(|error| exception(py, "JudgeError", &error.to_string()))
 }
 
-/// Runs a scene from its start to its end in one code, on one core, and keeps a frame each `measure.interval`.
+/// Runs a scene from start to end in one code, on one core, and records a frame per `measure.interval`.
 ///
 /// Args:
-///     scene: A scene, or what `makadam.Scene` takes.
-///     seed: Seed of the positions and radii; the scene's where none is given.
-///     code: `makadam`, `yade`, `liggghts` or `lammps`; other codes than Makadam where they are installed.
+///     scene: A scene, or a source accepted by `makadam.Scene`.
+///     seed: Seed of the positions and radii; defaults to the scene's seed.
+///     code: `makadam`, `yade`, `liggghts` or `lammps`; codes other than Makadam must be installed.
 ///     rayleigh_fraction: Time step of the explicit codes over the Rayleigh step.
-///     time_limit: Wall time after which another code is stopped, s.
+///     time_limit: Wall time limit of another code, s.
 ///
 /// Raises:
 ///     makadam.JudgeError: The code is not installed, cannot express the scene or failed.
-///     makadam.InvalidStateError: The run came to a state that makes its numbers invalid.
+///     makadam.InvalidStateError: The run reached a state that invalidates its results.
 #[pyfunction]
 #[pyo3(signature = (scene, seed=None, *, code="makadam", rayleigh_fraction=0.2, time_limit=86400.0))]
 pub fn simulate(
@@ -314,7 +314,7 @@ pub fn simulate(
         code.simulate(&job)
     })?;
     let recording = recorded.map_err(|error| code_error(py, &error))?;
-    // What the code wrote is in the recording; a folder that stays does no harm.
+    // The recording contains the output of the code; a remaining folder is harmless.
     let _ = std::fs::remove_dir_all(&work_folder);
     for alarm in &recording.alarms {
         warn(py, &alarm.words())?;
@@ -322,7 +322,7 @@ pub fn simulate(
     Ok(Recording { scene, recording: Arc::new(recording) })
 }
 
-/// Measures frames by a scene: see `Recording.measure`; all given frames count.
+/// Measures frames by a scene: see `Recording.measure`; includes all given frames.
 #[pyfunction]
 #[pyo3(name = "_measure")]
 pub fn measure_of_frames<'py>(
@@ -341,7 +341,7 @@ pub fn measure_of_frames<'py>(
     plain(py, &measured.unwrap_or_default().measurements)
 }
 
-/// Names of all observables, and the group of each, as `measure.observables` of a scene names it.
+/// Returns the names of all observables with the group of each, as in `measure.observables` of a scene.
 #[pyfunction]
 pub fn observables(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     let found = PyDict::new(py);

@@ -1,7 +1,7 @@
 //! Checkpoint of a simulation: the solver's checkpoint, with scene and seed.
 //!
-//! A checkpoint of the solver holds grains and impulses but not what the scene says of them, so that it would go on as well with another
-//! friction. The label before it tells whose it is.
+//! A checkpoint of the solver contains grains and impulses but not the scene, so that it could resume with another friction, for
+//! instance. The label before the checkpoint identifies scene and seed.
 
 use crate::errors::{exception, warn};
 use crate::scene::Scene;
@@ -11,30 +11,30 @@ use makadam_frames::provenance::scene_hash;
 use pyo3::prelude::*;
 use serde::{Deserialize, Serialize};
 
-/// First bytes of a state that Python has kept; the last one is the version of the format.
+/// Magic bytes of a Python checkpoint; the last byte is the version of the format.
 const MARK: [u8; 8] = *b"mkd-py-\x02";
 
-/// Whose state it is.
+/// Identity of the state.
 #[derive(Serialize, Deserialize)]
 struct Label {
     scene: String,
     scene_hash: u64,
     seed: u64,
-    /// Simulated time that runs have left below a step, s.
+    /// Remaining simulated time of earlier runs below a step, s.
     remainder: f64,
 }
 
-/// State that a simulation resumes from.
+/// Parts of a checkpoint to resume from.
 pub struct Kept<'a> {
-    /// The solver's checkpoint.
+    /// Checkpoint of the solver.
     pub simulation: &'a [u8],
     /// Seed of the positions and radii.
     pub seed: u64,
-    /// Simulated time that runs have left below a step, s.
+    /// Remaining simulated time of earlier runs below a step, s.
     pub remainder: f64,
 }
 
-/// A checkpoint of a simulation of a scene, with a label and a seal.
+/// Creates the checkpoint of a simulation of a scene, with a label and a checksum.
 pub fn keep(scene: &Scene, seed: u64, remainder: f64, simulation: &[u8]) -> Vec<u8> {
     let label = Label { scene: scene.plan.name.clone(), scene_hash: hash_to_go_on(&scene.plan), seed, remainder };
     let mut bytes = postcard::to_stdvec(&label).expect("a label holds a name and numbers");
@@ -42,7 +42,7 @@ pub fn keep(scene: &Scene, seed: u64, remainder: f64, simulation: &[u8]) -> Vec<
     seal(MARK, &bytes)
 }
 
-/// Reads the state in bytes, which must be of the scene, and of the seed where one is given.
+/// Reads a checkpoint, which must belong to the scene, and to the seed if given.
 pub fn unkeep<'a>(py: Python<'_>, scene: &Scene, seed: Option<u64>, bytes: &'a [u8]) -> PyResult<Kept<'a>> {
     let refuse = |problem: String| exception(py, "CheckpointError", &problem);
     if bytes.starts_with(b"makadam") {
@@ -71,7 +71,7 @@ pub fn unkeep<'a>(py: Python<'_>, scene: &Scene, seed: Option<u64>, bytes: &'a [
     }
 }
 
-/// Hash of what must be the same to go on: all that changes a bit of a state. The seed stands on the label.
+/// Hash of all scene data that affect the bits of a state. The label contains the seed.
 fn hash_to_go_on(scene: &plan::MeasuredScene) -> u64 {
     let mut bare = scene.clone();
     bare.measure = plan::Measure::default();

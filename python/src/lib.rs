@@ -1,20 +1,20 @@
-//! Makadam for Python: the module `makadam._core`, on which the package `makadam` is built.
+//! Python bindings of Makadam: the module `makadam._core`, the basis of the package `makadam`.
 //!
 //! ```text
 //! scene.rs       scenes from dicts, texts, files and names
-//! settings.rs    settings in place of those of the scene and the machine
-//! kept.rs        checkpoints with the scene and seed that they are of
+//! settings.rs    settings that replace those of the scene and the machine
+//! kept.rs        checkpoints with their scene and seed
 //! pictures.rs    frames on disk, as pictures and as pages
-//! simulation.rs  the simulation: views, forces, grains that come and go
-//! shared.rs      who may work on a simulation, and who looks at it
-//! stepping.rs    steps without the interpreter's lock, that a signal can stop
-//! crowd.rs       grains that were put to one place
-//! views.rs       arrays of NumPy that lie in the memory of a simulation
+//! simulation.rs  the simulation: views, forces, insertion and removal of grains
+//! shared.rs      locking and view bookkeeping
+//! stepping.rs    steps without the interpreter's lock, interruptible by a signal
+//! crowd.rs       coincident grains
+//! views.rs       NumPy arrays over the memory of a simulation
 //! frame.rs       copies of the state by id
 //! judge.rs       recordings, observables
 //! comparison.rs  comparison with the reference codes
-//! statistics.rs  statistics of the judge
-//! errors.rs      exceptions; convert.rs  values of Python, TOML and JSON
+//! statistics.rs  validation statistics
+//! errors.rs      exceptions; convert.rs  Python, TOML and JSON values
 //! ```
 
 mod comparison;
@@ -37,16 +37,16 @@ use pyo3::prelude::*;
 use std::ffi::OsString;
 use std::process::ExitCode;
 
-/// Runs the command `makadam` on arguments, the first of which is its name; returns its exit code.
+/// Runs the command `makadam` on arguments, starting with its name; returns its exit code.
 #[pyfunction]
 #[pyo3(name = "_command")]
 fn command(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
     let code = py.detach(|| makadam_validation::commands::run_program(arguments));
-    // An exit code has no number but for the system.
+    // An exit code has no public numeric value.
     (0..=u8::MAX).find(|number| ExitCode::from(*number) == code).unwrap_or(1)
 }
 
-/// The parts of Makadam that are written in Rust.
+/// Rust part of the package.
 #[pymodule]
 fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     makadam_validation::state_commit();

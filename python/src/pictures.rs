@@ -1,4 +1,4 @@
-//! Frames on disk, as pictures and as pages, by the same modules as the command's.
+//! Frames on disk, as pictures and as pages, by the modules of the command.
 
 use crate::errors::{exception, warn};
 use crate::stepping::beside;
@@ -14,7 +14,7 @@ use pyo3::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Least and largest side of a picture, pixels: memory is there for it.
+/// Smallest and largest side of a picture, pixels: memory suffices for this range.
 const SIDES: std::ops::RangeInclusive<usize> = 64..=4096;
 
 /// Frames of a scene, in the order of time.
@@ -23,7 +23,7 @@ pub struct Frames {
     pub frames: Vec<Arc<Snapshot>>,
 }
 
-/// A picture as the caller asks for it; see `makadam.Simulation.picture`.
+/// Picture options of the caller; see `makadam.Simulation.picture`.
 pub struct PictureRequest<'a> {
     pub field: Option<String>,
     pub range: Option<[f64; 2]>,
@@ -34,7 +34,7 @@ pub struct PictureRequest<'a> {
     pub size: [usize; 2],
 }
 
-/// A page as the caller asks for it; see `makadam.Simulation.view`.
+/// Page options of the caller; see `makadam.Simulation.view`.
 pub struct PageRequest {
     pub fields: Option<Vec<String>>,
     pub every: Option<usize>,
@@ -45,7 +45,7 @@ pub struct PageRequest {
 }
 
 impl Frames {
-    /// Refuses frames that are not in the order of time, or none.
+    /// Refuses an empty list of frames, or frames that are not in the order of time.
     fn check(&self) -> Result<(), String> {
         if self.frames.is_empty() {
             return Err("there are no frames; give at least one".into());
@@ -59,20 +59,20 @@ impl Frames {
         }
     }
 
-    /// Writes them into the frame store of a folder, as `makadam run` does.
+    /// Writes the frames into the frame store of a folder, like `makadam run`.
     fn write(&self, folder: &Path) -> Result<(), WriteError> {
         create_folder(folder)?;
         let mut store = StoreWriter::create(&folder.join(RunFiles::FRAMES), &self.scene)?;
         self.frames.iter().try_for_each(|frame| store.append(frame))
     }
 
-    /// Returns them with everything that a picture can show.
+    /// Returns the frames with all data for a picture.
     fn run(self, walls: bool) -> RunFrames {
         let scene = MeasuredScene { output: Some(Output { walls, ..Output::default() }), ..self.scene };
         RunFrames::in_memory(&scene, self.frames)
     }
 
-    /// Writes them into a folder, which must not hold frames yet.
+    /// Writes the frames into a folder, which must not contain frames yet.
     pub fn save(mut self, py: Python<'_>, folder: PathBuf, walls: bool) -> PyResult<()> {
         if !walls {
             self.scene.output.get_or_insert_default().walls = false;
@@ -87,7 +87,7 @@ impl Frames {
         saved.map_err(|problem| exception(py, "JudgeError", &problem))
     }
 
-    /// Draws the last of them; writes it where a file is named. Returns its pixels, (height, width, 3).
+    /// Draws the last frame and writes the file, if given. Returns its pixels, (height, width, 3).
     pub fn picture<'py>(
         self,
         py: Python<'py>,
@@ -124,7 +124,7 @@ impl Frames {
         Ok(pixels.expect("three bytes per pixel").into_pyarray(py))
     }
 
-    /// Writes them as one HTML file, and warns of what was left out.
+    /// Writes the frames as one HTML file, and warns of omissions.
     pub fn view(self, py: Python<'_>, file: PathBuf, request: PageRequest) -> PyResult<()> {
         let refuse = |problem: String| exception(py, "JudgeError", &problem);
         let ending = file.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());

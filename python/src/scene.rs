@@ -1,4 +1,4 @@
-//! Scenes: from dicts, texts, files and names, with values replaced.
+//! Scenes from dicts, texts, files and names, with overrides.
 
 use crate::convert::{from_toml, to_toml};
 use crate::errors::{Origin, exception, scene_error, scene_file_error, scenes_error};
@@ -9,18 +9,18 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 use std::path::{Path, PathBuf};
 
-/// A scene: what is simulated, measured and compared. SI units throughout.
+/// A scene: the definition of a simulation, its measurements and comparisons. SI units throughout.
 ///
 /// Args:
-///     source: A dict with the keys of a scene's document; the text of a TOML document; the path of a TOML file, or of a folder with a
-///         `scene.toml`; or the name of a scene that Makadam holds, see `makadam.scenes()`. A text is taken as a document if it has more
-///         than one line.
+///     source: A dict with the keys of a scene's document; the text of a TOML document; the path of a TOML file, or of a folder
+///         with a `scene.toml`; or the name of a built-in scene, see `makadam.scenes()`. A text of more than one line is read as a
+///         document.
 ///     overrides: Values that replace those of the source, by their paths: `{"material.grain.friction": 0.3, "population[0].count": 100}`.
-///         What was not there is added; `None` removes a key.
+///         Missing keys are added; `None` removes a key.
 ///
 /// Raises:
 ///     makadam.SceneNotFoundError: There is no such file or scene.
-///     makadam.SceneError: What the scene says cannot be simulated; `path` says where, `problem` what is wrong, `remedy` what would be right.
+///     makadam.SceneError: The scene is invalid; `path` is the location, `problem` the violation, `remedy` the valid input.
 #[pyclass(frozen, module = "makadam", name = "Scene", eq)]
 #[derive(Clone, Debug)]
 pub struct Scene {
@@ -28,13 +28,13 @@ pub struct Scene {
     pub plan: plan::MeasuredScene,
     /// Source file; a name in angle brackets if there is none.
     pub file: PathBuf,
-    /// Its document.
+    /// Text of the document.
     pub text: String,
     /// True if the document equals the file.
     pub as_written: bool,
 }
 
-/// Wherever they came from.
+/// Equality of plans, independent of their source.
 impl PartialEq for Scene {
     fn eq(&self, other: &Scene) -> bool {
         self.plan == other.plan
@@ -59,7 +59,7 @@ impl Scene {
         Ok(Scene { plan, file: name, text, as_written })
     }
 
-    /// A scene of any source.
+    /// Reads a scene from any source.
     pub fn of(source: &Bound<'_, PyAny>) -> PyResult<Scene> {
         match source.cast::<Scene>() {
             Ok(scene) => Ok(scene.get().clone()),
@@ -70,7 +70,7 @@ impl Scene {
     fn document(&self, py: Python<'_>) -> PyResult<toml::Value> {
         let document = toml::Value::try_from(&self.plan);
         let mut document = document.map_err(|error| exception(py, "SceneError", &error.to_string()))?;
-        // What an accuracy decides on is not said a second time.
+        // Values set by an accuracy are not written again.
         if self.plan.accuracy.is_some()
             && let Some(solver) = document.get_mut("solver").and_then(toml::Value::as_table_mut)
         {
@@ -80,7 +80,7 @@ impl Scene {
         Ok(document)
     }
 
-    /// The scene with a plan in place of its own; its document is written anew, so that whatever is made of the scene has it.
+    /// Returns the scene with another plan and a new document, so that all results contain the change.
     pub fn with_plan(self, py: Python<'_>, plan: plan::MeasuredScene) -> PyResult<Scene> {
         let scene = Scene { plan, as_written: false, ..self };
         Ok(Scene { text: written(py, &scene.document(py)?)?, ..scene })
@@ -120,7 +120,7 @@ impl Scene {
         let Some(overrides) = overrides else { return Scene::read(py, file, text, written) };
         let parsed: Result<toml::Table, _> = toml::from_str(&text);
         let Ok(table) = parsed else {
-            // The reader of scenes says what is wrong with the text.
+            // The scene reader reports the problem in the text.
             return Scene::read(py, file, text, written);
         };
         let mut document = toml::Value::Table(table);
@@ -144,13 +144,13 @@ impl Scene {
         &self.plan.name
     }
 
-    /// One sentence that says what the scene is for.
+    /// Purpose of the scene in one sentence.
     #[getter]
     fn description(&self) -> &str {
         &self.plan.description
     }
 
-    /// The file that it came from; None for a dict or a text.
+    /// Source file; None for a dict or a text.
     #[getter]
     fn file(&self) -> Option<String> {
         self.origin().file.map(|file| file.display().to_string())
@@ -168,7 +168,7 @@ impl Scene {
         self.plan.solver.step
     }
 
-    /// Seed of the positions and radii of grains where none is asked for.
+    /// Default seed of the positions and radii of grains.
     #[getter]
     fn seed(&self) -> u64 {
         self.plan.seed
@@ -192,7 +192,7 @@ impl Scene {
         self.plan.material.keys().cloned().collect()
     }
 
-    /// Names of the walls, in the order in which contacts number them.
+    /// Names of the walls, in the order of their numbers in contacts.
     #[getter]
     fn walls(&self) -> Vec<String> {
         self.plan.wall.iter().map(|wall| wall.name.clone()).collect()
@@ -204,12 +204,12 @@ impl Scene {
         findings.iter().map(ToString::to_string).collect()
     }
 
-    /// The scene as a dict with every default spelled out; `Scene(scene.to_dict())` is the same scene.
+    /// Returns the scene as a dict with every default value; `Scene(scene.to_dict())` is the same scene.
     fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         from_toml(py, &self.document(py)?)
     }
 
-    /// The scene as the text of a TOML document with every default spelled out.
+    /// Returns the scene as the text of a TOML document with every default value.
     fn to_toml(&self, py: Python<'_>) -> PyResult<String> {
         written(py, &self.document(py)?)
     }
@@ -224,7 +224,7 @@ impl Scene {
         )
     }
 
-    /// The scene that `__reduce__` has taken apart.
+    /// Restores a scene from the data of `__reduce__`.
     #[staticmethod]
     fn _of_parts(py: Python<'_>, text: String, file: Option<PathBuf>, as_written: bool) -> PyResult<Scene> {
         Scene::read(py, file, text, as_written)
@@ -242,13 +242,13 @@ impl Scene {
     }
 }
 
-/// The text of a document.
+/// Returns the text of a document.
 fn written(py: Python<'_>, document: &toml::Value) -> PyResult<String> {
     let text = toml::to_string(document).map_err(|error| exception(py, "SceneError", &error.to_string()))?;
     Ok(text + "\n")
 }
 
-/// Puts a value in its place in a document, or takes away what stands there.
+/// Sets or removes a value at a path of a document.
 fn put(document: &mut toml::Value, path: &str, value: Option<toml::Value>) -> Result<(), String> {
     let steps: Vec<String> = path.replace('[', ".").replace(']', "").split('.').map(String::from).collect();
     let Some((last, above)) = steps.split_last().filter(|_| steps.iter().all(|step| !step.is_empty())) else {
@@ -287,7 +287,7 @@ fn item<'a>(array: &'a mut [toml::Value], step: &str) -> Result<&'a mut toml::Va
     array.get_mut(index).ok_or_else(|| format!("there is no {index}: the list has {items} entries, counted from 0"))
 }
 
-/// Names of the scenes that Makadam holds, and of those in a folder `reference-scenes` here or above, sorted.
+/// Names of the built-in scenes, and of those in a folder `reference-scenes` here or above, sorted.
 #[pyfunction(name = "scenes")]
 pub fn known() -> Vec<String> {
     scenes::known(&scenes::roots())

@@ -1,4 +1,4 @@
-//! Settings that the caller gives in place of those of the scene and the machine.
+//! Settings of the caller that replace those of the scene and the machine.
 
 use crate::errors::{exception, setting_error};
 use crate::scene::Scene;
@@ -7,16 +7,16 @@ use makadam_frames::plan;
 use pyo3::exceptions::PyOverflowError;
 use pyo3::prelude::*;
 
-/// Most threads: as many as the command takes.
+/// Maximum number of threads, equal to that of the command.
 const MOST_THREADS: u64 = 1024;
 
-/// A whole number as Python has it, of any size, or the text of anything else: the setting that it is for refuses it by its name.
+/// Python integer of any size, or the text of any other value: the setting refuses such a value by its own name.
 pub struct Whole(Result<i128, String>);
 
 impl Whole {
     pub const ONE: Whole = Whole(Ok(1));
 
-    /// The number, if it lies in a range.
+    /// Returns the number, if it is within a range.
     fn within(self, py: Python<'_>, what: &str, range: std::ops::RangeInclusive<u64>) -> PyResult<u64> {
         let (least, most) = (range.start(), range.end());
         let problem = match self.0 {
@@ -44,11 +44,11 @@ impl FromPyObject<'_, '_> for Whole {
     }
 }
 
-/// A real number as Python has it, or the text of anything else.
+/// Python real number, or the text of any other value.
 pub struct Real(Result<f64, String>);
 
 impl Real {
-    /// The number.
+    /// Returns the number.
     pub fn number(self, py: Python<'_>, what: &str) -> PyResult<f64> {
         self.0.map_err(|problem| exception(py, "SettingError", &format!("{what}: {problem}; give a number")))
     }
@@ -65,7 +65,7 @@ impl FromPyObject<'_, '_> for Real {
     }
 }
 
-/// A seed that was given.
+/// Returns the given seed.
 pub fn seed_of(py: Python<'_>, seed: Option<Whole>) -> PyResult<Option<u64>> {
     seed.map(|seed| seed.within(py, "seed", 0..=u64::MAX)).transpose()
 }
@@ -99,7 +99,7 @@ pub fn execution(
     Ok(Execution { scheduler, threads, instruction_set, ..Execution::serial() })
 }
 
-/// The scene with settings in place of its own.
+/// Returns the scene with replaced settings.
 pub fn adapted(
     py: Python<'_>,
     scene: &Bound<'_, PyAny>,
@@ -115,7 +115,7 @@ pub fn adapted(
     }
     let mut plan = scene.plan.clone();
     if let Some(step) = time_step {
-        // An accuracy would choose it.
+        // An accuracy would override the method.
         plan.accuracy = None;
         plan.solver.step = step;
     }
@@ -138,7 +138,7 @@ pub fn adapted(
     scene.with_plan(py, plan)
 }
 
-/// Refuses settings that do not go with the scene.
+/// Refuses settings that the scene does not support.
 fn check(py: Python<'_>, scene: &Scene, plan: &plan::MeasuredScene, time_step: Option<f64>) -> PyResult<()> {
     plan.goes_with(plan.solver.method, plan.solver.precision).map_err(|error| setting_error(py, &error))?;
     plan.check().map_err(|error| match time_step {

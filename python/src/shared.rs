@@ -1,7 +1,7 @@
-//! A simulation that Python's objects share: itself, its views and the threads that step it.
+//! Simulation shared by Python objects: the simulation, its views and the threads that step it.
 //!
-//! A step runs without the interpreter's lock, so that another thread may ask for something meanwhile. Whoever works on the simulation
-//! takes the lock in here; whoever waits for it lets go of the interpreter's. The thread that steps lets others in between two steps.
+//! A step runs without the interpreter's lock, so that other threads may call the simulation meanwhile. Access requires the lock
+//! in this module; waiting for this lock releases the interpreter's. The stepping thread admits others between two steps.
 
 use crate::errors::exception;
 use crate::scene::Scene;
@@ -15,31 +15,31 @@ use std::time::Duration;
 /// Simulation with its lock and its views.
 pub struct Shared {
     simulation: Mutex<Simulation>,
-    /// The scene that it is a simulation of, with the settings that it was given.
+    /// Scene of the simulation, including the given settings.
     pub scene: Scene,
     /// Seed of the positions and radii.
     pub seed: u64,
     /// Interrupt of a step from another thread.
     pub interrupt: Interrupt,
-    /// Watches the steps, if that is wanted.
+    /// Watchdog of the steps, if enabled.
     pub watchdog: Mutex<Option<Watchdog>>,
     /// True while a thread is in `step`.
     stepping: AtomicBool,
-    /// Threads that wait for the simulation.
+    /// Number of threads that wait for the simulation.
     waiting: AtomicUsize,
-    /// Views of positions, velocities, spins, radii, masses and ids that live.
+    /// Number of live views of positions, velocities, spins, radii, masses and ids.
     pub state_views: AtomicUsize,
     /// Number of writable views.
     pub writable_views: AtomicUsize,
     /// True if a writable view was taken since the last step, even if it no longer exists.
     pub taken_to_write: AtomicBool,
-    /// The arrays of the candidate list that views taken since the last step show.
+    /// Arrays of the candidate list in views taken since the last step.
     pub pairs: Mutex<Weak<HeldPairs>>,
-    /// Simulated time that was asked for and not yet taken, s: what a run leaves below a step.
+    /// Requested but not yet simulated time, s: the remainder of a run below a step.
     remainder: Mutex<f64>,
 }
 
-/// Arrays of a candidate list: the simulation's own, until a step would change them.
+/// Arrays of a candidate list: owned by the simulation until a step would change them.
 #[derive(Debug, Default)]
 pub struct HeldPairs(Mutex<Option<PairsInList>>);
 
@@ -64,17 +64,17 @@ impl Shared {
         }
     }
 
-    /// Adds the remainder below a step that an earlier run has left, s.
+    /// Sets the remainder of an earlier run below a step, s.
     pub fn with_remainder(self, remainder: f64) -> Shared {
         Shared { remainder: Mutex::new(remainder), ..self }
     }
 
-    /// Simulated time that was asked for and not yet taken, s.
+    /// Requested but not yet simulated time, s.
     pub fn remainder(&self) -> f64 {
         *self.remainder.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
     }
 
-    /// Whole steps of length `h` (s) that bring the simulation nearest to where all durations so far would, this one (s) included.
+    /// Returns the number of whole steps of length `h` (s) that brings the simulation nearest to the sum of all durations, this one (s) included.
     pub fn steps_of(&self, duration: f64, h: f64) -> u64 {
         let mut remainder = self.remainder.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
         let asked = *remainder + duration;
@@ -83,15 +83,15 @@ impl Shared {
         steps as u64
     }
 
-    /// Works on the simulation, once no other thread does.
+    /// Runs a function on the simulation, once no other thread uses it.
     ///
-    /// Nothing of Python runs meanwhile, since the work has no access to the interpreter (`Send` sees to that): a handler of warnings or
-    /// signals, or a finalizer, that asks the simulation for anything would wait for the thread that it runs on.
+    /// No Python code runs meanwhile, since the function has no access to the interpreter (`Send` ensures this). A handler of
+    /// warnings or signals, or a finalizer, that calls the simulation would wait for its own thread.
     pub fn with<R>(&self, py: Python<'_>, work: impl FnOnce(&mut Simulation) -> R + Send) -> PyResult<R> {
         Ok(work(&mut *self.lock(py)?))
     }
 
-    /// The simulation, once no other thread works on it.
+    /// Locks the simulation, once no other thread uses it.
     fn lock(&self, py: Python<'_>) -> PyResult<MutexGuard<'_, Simulation>> {
         let mut asked = false;
         let locked = loop {
@@ -118,7 +118,7 @@ impl Shared {
         locked
     }
 
-    /// The simulation, for a thread that does not hold the interpreter's lock.
+    /// Locks the simulation for a thread without the interpreter's lock.
     pub fn lock_detached(&self) -> MutexGuard<'_, Simulation> {
         self.simulation.lock().unwrap_or_else(|_| panic!("an earlier step of this simulation ended in a panic"))
     }
@@ -128,7 +128,7 @@ impl Shared {
         self.waiting.load(Ordering::SeqCst) > 0
     }
 
-    /// Lets those in who wait, for a while.
+    /// Admits waiting threads for a limited time.
     pub fn let_in(&self) {
         for _ in 0..50 {
             if !self.is_awaited() {
@@ -138,7 +138,7 @@ impl Shared {
         }
     }
 
-    /// Takes the right to step, which one thread has at a time.
+    /// Acquires the exclusive right to step.
     pub fn begin(&self, py: Python<'_>) -> PyResult<Steps<'_>> {
         match self.stepping.swap(true, Ordering::SeqCst) {
             false => Ok(Steps(self)),
@@ -150,7 +150,7 @@ impl Shared {
         }
     }
 
-    /// Has grains come or go, while no thread steps and no view lives whose rows would be others.
+    /// Inserts or removes grains, while no thread steps and no live view would change its rows.
     pub fn exchange<R>(
         &self,
         py: Python<'_>,
@@ -182,8 +182,8 @@ impl Shared {
         self.taken_to_write.swap(false, Ordering::SeqCst) || self.writable_views.load(Ordering::SeqCst) > 0
     }
 
-    /// Works on the simulation as [`with`](Shared::with) does, once it knows of all that was written to views so far: whoever copies it,
-    /// saves it, or asks for what it has exchanged wants that. Before its next step it is told again.
+    /// Runs a function on the simulation like [`with`](Shared::with), after all writes to views have been declared. Copies,
+    /// checkpoints and access to exchanged data require this. The declaration is repeated before the next step.
     pub fn with_settled<R>(&self, py: Python<'_>, work: impl FnOnce(&mut Simulation) -> R + Send) -> PyResult<R> {
         self.with(py, |simulation| {
             if self.may_be_written() {
@@ -194,7 +194,7 @@ impl Shared {
         })
     }
 
-    /// Gives the arrays of the candidate list to who looks at them, and has the simulation go on with copies.
+    /// Hands the arrays of the candidate list over to their views, and continues with copies.
     pub fn release_pairs(&self, simulation: &mut Simulation) {
         let mut pairs = self.pairs.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
         if let Some(held) = std::mem::take(&mut *pairs).upgrade() {
@@ -203,7 +203,7 @@ impl Shared {
     }
 }
 
-/// The right to step a simulation.
+/// Exclusive right to step a simulation.
 pub struct Steps<'a>(&'a Shared);
 
 impl Drop for Steps<'_> {

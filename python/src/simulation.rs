@@ -1,4 +1,4 @@
-//! The simulation as Python has it; what is nicer to say in Python is added in `makadam/simulation.py`.
+//! Python interface of the simulation; `makadam/simulation.py` adds the parts written in Python.
 
 use crate::convert::plain;
 use crate::errors::{exception, setting_error, start_error};
@@ -59,14 +59,14 @@ impl Simulation {
         watch: bool,
     ) -> PyResult<Simulation> {
         let py = scene.py();
-        // One that was resumed or copied is given its class of Python.
+        // A resumed or copied simulation is converted to its Python class.
         if let Ok(simulation) = scene.cast::<Simulation>() {
             return Ok(Simulation(simulation.get().0.clone()));
         }
         let execution = execution(py, threads, scheduler, instruction_set)?;
         let scene = adapted(py, scene, time_step, precision, method)?;
         let seed = seed_of(py, seed)?.unwrap_or(scene.plan.seed);
-        // A scene that prepares a flowing state takes its time to start.
+        // A scene with a prepared flowing state takes time to start.
         let begun = beside(py, || start(&scene.plan, seed, &scene.file, &execution, &|_| {}))?;
         let (simulation, _) = begun.map_err(|error| start_error(py, &error, scene.origin()))?;
         Ok(Simulation(Arc::new(Shared::new(simulation, scene, seed, watch))))
@@ -101,18 +101,18 @@ impl Simulation {
         class.call1((Bound::new(py, Simulation(Arc::new(shared)))?,))
     }
 
-    /// Another simulation with the same state, which goes its own way.
+    /// Returns an independent copy with the same state.
     fn _copy<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, Simulation>> {
         let mut copy = self.0.with_settled(py, |simulation| simulation.clone())?;
         copy.set_interrupt(makadam::Interrupt::new());
         let watched = self.0.watchdog.lock().is_ok_and(|watchdog| watchdog.is_some());
         let shared = Shared::new(copy, self.0.scene.clone(), self.0.seed, watched);
-        // What was written to this one and no step has looked at yet, the copy's first step looks at.
+        // Unchecked writes to this simulation are checked by the copy's first step.
         shared.taken_to_write.store(self.0.taken_to_write.load(Ordering::SeqCst), Ordering::SeqCst);
         Bound::new(py, Simulation(Arc::new(shared.with_remainder(self.0.remainder()))))
     }
 
-    /// The scene, with the settings that were given in place of its own.
+    /// The scene, including the settings given by the caller.
     #[getter]
     fn scene(&self) -> Scene {
         self.0.scene.clone()
@@ -136,25 +136,25 @@ impl Simulation {
         self.0.with(py, |simulation| simulation.time_step())
     }
 
-    /// Steps taken.
+    /// Number of steps taken.
     #[getter]
     fn steps(&self, py: Python<'_>) -> PyResult<u64> {
         self.0.with(py, |simulation| simulation.steps_taken())
     }
 
-    /// Contacts of the last step.
+    /// Number of contacts of the last step.
     #[getter]
     fn contact_count(&self, py: Python<'_>) -> PyResult<usize> {
         self.0.with(py, |simulation| simulation.layout().contacts)
     }
 
-    /// Number of times that the candidate list was built, and the rows of the arrays sorted anew.
+    /// Number of times that the candidate list was built and the rows of the arrays were sorted.
     #[getter]
     fn rebuilds(&self, py: Python<'_>) -> PyResult<u64> {
         self.0.with(py, |simulation| simulation.rebuilds())
     }
 
-    /// Hash of the state (time, positions, velocities, spins, driven walls) as 16 hexadecimal digits: what `makadam run --json` prints.
+    /// Hash of the state (time, positions, velocities, spins, dynamic walls) as 16 hexadecimal digits, as printed by `makadam run --json`.
     #[getter]
     fn state_hash(&self, py: Python<'_>) -> PyResult<String> {
         self.0.with(py, |simulation| format!("{:016x}", simulation.state_hash()))
@@ -180,18 +180,18 @@ impl Simulation {
         plain(py, &self.0.with(py, |simulation| simulation.phase_seconds())?)
     }
 
-    /// Keeps a ledger of energy, momentum and angular momentum from here on.
+    /// Opens a ledger of energy, momentum and angular momentum.
     fn open_ledger(&self, py: Python<'_>) -> PyResult<()> {
         self.0.with(py, makadam::Simulation::open_ledger)
     }
 
-    /// The ledger since it was opened, a dict (J, kg m/s and kg m2/s); None if it was not.
+    /// The ledger since it was opened, a dict (J, kg m/s and kg m2/s); None without a ledger.
     fn balance<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
         let balance = self.0.with_settled(py, |simulation| simulation.balance())?;
         balance
             .map(|balance| {
                 let dict = plain(py, &balance)?;
-                // The document leaves out what nobody did.
+                // Serialization omits external entries without actions of the caller.
                 dict.call_method1("setdefault", ("outside", balance.outside))?;
                 dict.call_method1("setdefault", ("outside_impulse", balance.outside_impulse.to_vec()))?;
                 dict.call_method1("setdefault", ("outside_angular_impulse", balance.outside_angular_impulse.to_vec()))?;
@@ -200,17 +200,17 @@ impl Simulation {
             .transpose()
     }
 
-    /// Asks the thread that steps this simulation to stop: it raises `makadam.Interrupted`. Without one, the next call of `step` does.
+    /// Requests a stop of the stepping thread, which raises `makadam.Interrupted`. Without such a thread, the next call of `step` raises.
     fn interrupt(&self) {
         self.0.interrupt.request();
     }
 
-    /// Takes a request to stop back: whatever has ended the steps has answered it.
+    /// Clears a stop request, once the end of the steps has answered the request.
     fn _forget_interrupt(&self) {
         self.0.interrupt.clear();
     }
 
-    /// Whole steps that bring the simulation nearest to where all durations (s) that were asked for so far, and this one, lead.
+    /// Returns the number of whole steps that brings the simulation nearest to the sum of all requested durations (s), this one included.
     fn _steps_of(&self, py: Python<'_>, duration: f64) -> PyResult<u64> {
         let h = self.0.with(py, |simulation| simulation.time_step())?;
         Ok(self.0.steps_of(duration, h))
@@ -220,18 +220,18 @@ impl Simulation {
         stepping::steps(py, &self.0, stepping::count(py, steps)?)
     }
 
-    /// Has the watchdog look at the state, whether it is time to or not.
+    /// Runs the watchdog check on the present state, independent of its interval.
     fn _look(&self, py: Python<'_>) -> PyResult<Vec<String>> {
         stepping::look(py, &self.0)
     }
 
-    /// The state as a checkpoint: see `makadam.Simulation.resume`.
+    /// Returns the state as a checkpoint: see `makadam.Simulation.resume`.
     fn checkpoint<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         let bytes = self.0.with_settled(py, |simulation| simulation.checkpoint())?;
         Ok(PyBytes::new(py, &keep(&self.0.scene, self.0.seed, self.0.remainder(), &bytes)))
     }
 
-    /// A copy of the grains by id, with the contacts of the last step.
+    /// Returns a copy of the grains by id, with the contacts of the last step.
     fn frame(&self, py: Python<'_>) -> PyResult<Frame> {
         self.0.with(py, |simulation| Frame::of(simulation.snapshot()))
     }
@@ -251,32 +251,32 @@ impl Simulation {
         views::state(py, &self.0, State::ScaledSpins)
     }
 
-    /// View of the radii, m: (n,), row by row as the grains lie in memory; it cannot be written.
+    /// Read-only view of the radii, m: (n,), rows in memory order.
     #[getter]
     fn radii<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         views::state(py, &self.0, State::Radii)
     }
 
-    /// View of one over the masses, 1/kg: (n,), row by row as the grains lie in memory; it cannot be written.
+    /// Read-only view of the inverse masses, 1/kg: (n,), rows in memory order.
     #[getter]
     fn inverse_masses<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         views::state(py, &self.0, State::InverseMasses)
     }
 
-    /// View of the ids, (n,) of uint32: which grain is in each row of the other views; it cannot be written.
+    /// Read-only view of the ids, (n,) of uint32: id of the grain in each row of the other views.
     #[getter]
     fn ids<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         views::state(py, &self.0, State::Ids)
     }
 
-    /// Number of views of the state that are in use.
+    /// Number of live views of the state.
     #[getter]
     fn live_views(&self) -> usize {
         self.0.state_views.load(Ordering::SeqCst)
     }
 
-    /// Pairs of grains that may touch, (m, 2) of uint32: rows of the views of grains. A view that cannot be written; the next step leaves it
-    /// as it is.
+    /// Candidate pairs of grains, (m, 2) of uint32: rows of the views of grains. A read-only view that the next step leaves
+    /// unchanged.
     #[getter]
     fn pairs<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         views::pairs(py, &self.0, Pairs::Grains)
@@ -289,20 +289,20 @@ impl Simulation {
         views::pairs(py, &self.0, Pairs::GrainImpulses)
     }
 
-    /// Grains and faces of walls that may touch, (k, 2) of uint32: the row of the grain, and the number of the face, wall after wall. A view
-    /// that cannot be written; the next step leaves it as it is.
+    /// Candidate grains and faces of walls, (k, 2) of uint32: the row of the grain, and the number of the face, wall after wall.
+    /// A read-only view that the next step leaves unchanged.
     #[getter]
     fn wall_pairs<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         views::pairs(py, &self.0, Pairs::Walls)
     }
 
-    /// Impulses of `wall_pairs` in the last step, (k, 4), N s, the tangential impulse on the wall: as `pair_impulses`.
+    /// Impulses of `wall_pairs` in the last step, (k, 4), N s, with the tangential impulse on the wall: see `pair_impulses`.
     #[getter]
     fn wall_impulses<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         views::pairs(py, &self.0, Pairs::WallImpulses)
     }
 
-    /// Angular velocities, rad/s: (n, 3), a copy, row by row as the grains lie in memory.
+    /// Returns a copy of the angular velocities, rad/s: (n, 3), rows in memory order.
     fn _spins<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let spins: Vec<[f64; 3]> = self.0.with(py, |simulation| {
             let (spheres, bodies, _) = simulation.arrays();
@@ -312,8 +312,7 @@ impl Simulation {
         Ok(vectors(py, spins.into_iter()).into_any())
     }
 
-    /// Forces (N) and torques (N m) of the next step, row by row as the grains lie in memory; in place of those that were applied before, or on
-    /// top of them.
+    /// Sets forces (N) and torques (N m) of the next step, rows in memory order; replaces the applied ones or adds to them.
     #[pyo3(signature = (forces=None, torques=None, on_top=false))]
     fn _apply(
         &self,
@@ -339,7 +338,7 @@ impl Simulation {
         given.map_err(|error| refused(py, &error))
     }
 
-    /// Moves a wall along (velocity, m/s) or about an axis (rate, rad/s).
+    /// Moves a wall along a direction (velocity, m/s) or about an axis (rate, rad/s).
     #[pyo3(signature = (wall, velocity=None, rate=None, about=None))]
     fn _move_wall(
         &self,
@@ -362,12 +361,12 @@ impl Simulation {
         self.0.with(py, |simulation| simulation.moved_by(wall))
     }
 
-    /// Displacement (m) and rotation (rad) of a wall from its place in the scene.
+    /// Returns the displacement (m) and rotation (rad) of a wall from its pose in the scene.
     fn _displacement(&self, py: Python<'_>, wall: u32) -> PyResult<([f64; 3], f64)> {
         self.0.with(py, |simulation| simulation.wall_displacement(wall))?.map_err(|error| refused(py, &error))
     }
 
-    /// Inserts grains; returns the ids of the first and of the one behind the last.
+    /// Inserts grains; returns their range of ids as the first id and the end.
     fn _insert(&self, py: Python<'_>, grains: Vec<GrainRow>) -> PyResult<(u32, u32)> {
         let entry =
             |(material, radius, position, velocity, spin)| GrainEntry { material, radius, position, velocity, spin };
@@ -376,13 +375,13 @@ impl Simulation {
         Ok((ids.start, ids.end))
     }
 
-    /// Removes grains by id; returns the new id of each old one, -1 for those that are gone.
+    /// Removes grains by id; returns the new id of each old id, -1 for removed grains.
     fn _remove(&self, py: Python<'_>, ids: Vec<u32>) -> PyResult<Vec<i64>> {
         let new_ids = self.0.exchange(py, "remove", |simulation| simulation.remove(&ids))?;
         Ok(new_ids.into_iter().map(|id| id.map_or(-1, i64::from)).collect())
     }
 
-    /// The grains as a scene would list them now.
+    /// Returns the present grains as scene entries.
     fn grains<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         plain(py, &self.0.with(py, |simulation| simulation.grain_entries(&self.0.scene.plan))?)
     }
@@ -400,16 +399,16 @@ impl Simulation {
         plain(py, &measured.unwrap_or_default().measurements)
     }
 
-    /// Writes frames, or the present state, into a folder as `makadam run` does: for ParaView, and for `makadam view`, `animate`, `export` and
-    /// `measure`.
+    /// Writes frames, or the present state, into a folder like `makadam run`: for ParaView, and for `makadam view`, `animate`,
+    /// `export` and `measure`.
     ///
     /// Args:
-    ///     folder: The folder, which must not hold frames yet.
-    ///     frames: Frames of this simulation in the order of time; the present state where none are given.
-    ///     walls: Whether walls are written; False where the caller has moved some.
+    ///     folder: The folder, which must not contain frames yet.
+    ///     frames: Frames of this simulation in the order of time; defaults to the present state.
+    ///     walls: Writes the walls if True; must be False if the caller has moved walls.
     ///
     /// Raises:
-    ///     makadam.JudgeError: The folder holds frames, or cannot be written.
+    ///     makadam.JudgeError: The folder contains frames, or cannot be written.
     #[pyo3(signature = (folder, frames=None, *, walls=true))]
     fn save_frames(
         &self,
@@ -424,22 +423,22 @@ impl Simulation {
     /// Draws the present state, or a frame, without a screen.
     ///
     /// Args:
-    ///     file: PNG file to write; none where it is left out.
-    ///     frame: A frame of this simulation; the present state where none is given.
-    ///     field: What grains are coloured by, such as speed, pressure, force, coordination_number, diameter, material; speed, or the pressure
-    ///         in them where all are at rest, if left out.
+    ///     file: PNG file to write; no file by default.
+    ///     frame: A frame of this simulation; defaults to the present state.
+    ///     field: Field for the colour of grains, such as speed, pressure, force, coordination_number, diameter, material;
+    ///         defaults to speed, or to pressure if all grains are at rest.
     ///     range: Values at the ends of the colour scale, in the field's unit.
-    ///     view: From where: natural, front, side, top, or "AZIMUTH,ELEVATION" in degrees.
-    ///     clip: A plane in front of which nothing is shown, such as "y=0.02" (m).
-    ///     walls: Whether walls are drawn; False where the caller has moved some.
-    ///     all_grains: Whether grains far from the walls are shown, too.
+    ///     view: Direction of view: natural, front, side, top, or "AZIMUTH,ELEVATION" in degrees.
+    ///     clip: Plane that hides everything in front, such as "y=0.02" (m).
+    ///     walls: Draws the walls if True; must be False if the caller has moved walls.
+    ///     all_grains: Shows grains far from the walls, too.
     ///     size: Width and height, pixels.
     ///
     /// Returns:
-    ///     The pixels, red, green and blue: (height, width, 3) of uint8, as `matplotlib.pyplot.imshow` takes them.
+    ///     The pixels, red, green and blue: (height, width, 3) of uint8, as accepted by `matplotlib.pyplot.imshow`.
     ///
     /// Raises:
-    ///     makadam.JudgeError: It cannot be drawn so, or the file cannot be written.
+    ///     makadam.JudgeError: The arguments are invalid, or the file cannot be written.
     #[pyo3(signature = (file=None, frame=None, *, field=None, range=None, view="natural", clip=None, walls=true, all_grains=false, size=[1200, 900]))]
     #[allow(clippy::too_many_arguments)] // They have names in Python.
     fn picture<'py>(
@@ -459,21 +458,21 @@ impl Simulation {
         self.frames(py, frame.map(|frame| vec![frame]), walls)?.picture(py, file, request)
     }
 
-    /// Writes frames, or the present state, as one HTML file to turn, cut and play in a browser. What is left out to keep it small is a
-    /// `makadam.MakadamWarning`.
+    /// Writes frames, or the present state, as one HTML file to turn, cut and play in a browser. A `makadam.MakadamWarning`
+    /// reports omissions for size.
     ///
     /// Args:
     ///     file: HTML file to write.
-    ///     frames: Frames of this simulation in the order of time, such as those of `record`; the present state where none are given.
-    ///     fields: What grains can be coloured by, the first at once; speed and pressure, if left out.
-    ///     every: Each so many frames are shown; as many as fit, if left out.
-    ///     megabytes: Largest size of what the file shows, MB: first contacts are left out, then frames.
-    ///     contacts: Whether contacts, and with them force chains, are shown.
-    ///     walls: Whether walls are shown; False where the caller has moved some.
-    ///     all_grains: Whether the view begins with all grains, also those far from the walls.
+    ///     frames: Frames of this simulation in the order of time, such as those of `record`; defaults to the present state.
+    ///     fields: Fields for the colour of grains, the first one at the start; defaults to speed and pressure.
+    ///     every: Interval of the shown frames; defaults to as many frames as fit.
+    ///     megabytes: Size limit of the content, MB: contacts are omitted first, then frames.
+    ///     contacts: Shows contacts and force chains.
+    ///     walls: Shows the walls if True; must be False if the caller has moved walls.
+    ///     all_grains: Starts the view with all grains, including those far from the walls.
     ///
     /// Raises:
-    ///     makadam.JudgeError: The frames are of different grains, have no such field, or the file cannot be written.
+    ///     makadam.JudgeError: The frames have different grains, lack a field, or the file cannot be written.
     #[pyo3(signature = (file, frames=None, *, fields=None, every=None, megabytes=200.0, contacts=true, walls=true, all_grains=false))]
     #[allow(clippy::too_many_arguments)] // They have names in Python.
     fn view(
@@ -494,7 +493,7 @@ impl Simulation {
 }
 
 impl Simulation {
-    /// Frames of this simulation, or its present state, with their scene.
+    /// Returns frames of this simulation, or its present state, with their scene.
     fn frames(&self, py: Python<'_>, frames: Option<Vec<PyRef<'_, Frame>>>, walls: bool) -> PyResult<Frames> {
         let frames = match frames {
             Some(frames) => snapshots(&frames),

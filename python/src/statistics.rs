@@ -1,4 +1,4 @@
-//! Statistics of the judge, for values that the caller has.
+//! Validation statistics for given values.
 
 use crate::convert::plain;
 use crate::errors::exception;
@@ -17,8 +17,8 @@ fn sound(py: Python<'_>, what: &str, values: &[f64], least: usize) -> PyResult<(
     Err(exception(py, "JudgeError", &problem))
 }
 
-/// Mean of consecutive values of one run, and its standard error over blocks of time (method of batch means): a pair, whose second is None
-/// for fewer than 8 values.
+/// Mean of consecutive values of one run, and its standard error over blocks of time (method of batch means): a pair with None as
+/// second entry for fewer than 8 values.
 #[pyfunction]
 pub fn block_average(py: Python<'_>, values: Vec<f64>) -> PyResult<(f64, Option<f64>)> {
     sound(py, "the values", &values, 1)?;
@@ -43,9 +43,9 @@ pub fn ensemble(py: Python<'_>, values: Vec<f64>) -> PyResult<Bound<'_, PyAny>> 
 ///
 /// Args:
 ///     first: One value per seed.
-///     second: The same of what it is compared with.
+///     second: One value per seed of the compared ensemble.
 ///     margin: Margin of equivalence, in the unit of the values; without one there is no verdict.
-///     codes: Number of codes that are compared in all, by which the significance is divided.
+///     codes: Total number of compared codes, which divides the significance.
 ///
 /// Returns:
 ///     A dict of `difference` of the means, `interval90`, `interval_of_verdict`, `outcome` (`agree`, `disagree`, `undecided`, or None without

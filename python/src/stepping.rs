@@ -1,4 +1,4 @@
-//! Steps without the interpreter's lock, that a signal or another thread can stop.
+//! Steps without the interpreter's lock, interruptible by a signal or another thread.
 
 use crate::crowd::crowd;
 use crate::errors::{exception, warn};
@@ -12,7 +12,7 @@ use std::sync::atomic::Ordering;
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
-/// Wall time of steps after which signals are looked at.
+/// Wall time of steps between two checks for signals.
 const SLICE: Duration = Duration::from_millis(20);
 
 /// Interval of polls for signals during a long step.
@@ -28,13 +28,13 @@ struct Slice {
     stopped: bool,
 }
 
-/// Takes so many steps; returns what the watchdog noticed that is no more than a warning.
+/// Takes the given number of steps; returns the warnings of the watchdog.
 pub fn steps(py: Python<'_>, shared: &Shared, mut left: u64) -> PyResult<Vec<String>> {
     let _right = shared.begin(py)?;
     let mut warnings = Vec::new();
     let (not_finite, crowded, long) = shared.with(py, |simulation| {
         let written = shared.may_be_written();
-        // Looked at again if that is refused.
+        // After a refusal, the next call checks the writes again.
         shared.taken_to_write.store(written, Ordering::SeqCst);
         let not_finite = written.then(|| simulation.not_finite()).flatten();
         let crowded = written.then(|| crowd(simulation.arrays().0)).flatten();
@@ -54,7 +54,7 @@ pub fn steps(py: Python<'_>, shared: &Shared, mut left: u64) -> PyResult<Vec<Str
         warn(py, &what)?;
     }
     while left > 0 {
-        // A signal is handled by the thread that has started Python, and the step does not look for one.
+        // The thread that has started Python handles signals, and the step does not poll for them.
         let slice = match long {
             true => py.detach(|| watched_from_beside(shared, left))?,
             false => py.detach(|| slice(shared, left)),
@@ -75,7 +75,7 @@ pub fn steps(py: Python<'_>, shared: &Shared, mut left: u64) -> PyResult<Vec<Str
     Ok(warnings)
 }
 
-/// Has the watchdog look at the state that the last step has left; returns what is no more than a warning.
+/// Runs the watchdog check on the state after the last step; returns its warnings.
 pub fn look(py: Python<'_>, shared: &Shared) -> PyResult<Vec<String>> {
     let alarms = shared.with(py, |simulation| {
         let mut watchdog = shared.watchdog.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
@@ -87,12 +87,12 @@ pub fn look(py: Python<'_>, shared: &Shared) -> PyResult<Vec<String>> {
     }
 }
 
-/// Steps until the slice is over.
+/// Takes steps until the slice is over.
 fn slice(shared: &Shared, most: u64) -> Slice {
     let begun = Instant::now();
     let mut slice = Slice { taken: 0, alarms: Vec::new(), stopped: false };
     let mut simulation = shared.lock_detached();
-    // Views may have come since the last slice.
+    // Views may have been created since the last slice.
     shared.release_pairs(&mut simulation);
     if shared.may_be_written() {
         simulation.states_written();
@@ -122,7 +122,7 @@ fn slice(shared: &Shared, most: u64) -> Slice {
     slice
 }
 
-/// Steps on another thread, while this one polls for signals.
+/// Takes steps on another thread, while this one polls for signals.
 fn watched_from_beside(shared: &Shared, most: u64) -> PyResult<Slice> {
     std::thread::scope(|scope| {
         let (done, wait) = channel();
@@ -145,13 +145,13 @@ fn watched_from_beside(shared: &Shared, most: u64) -> PyResult<Slice> {
     })
 }
 
-/// Refuses what is no number of steps.
+/// Refuses an invalid number of steps.
 pub fn count(py: Python<'_>, steps: i64) -> PyResult<u64> {
     u64::try_from(steps)
         .map_err(|_| exception(py, "SettingError", &format!("cannot take {steps} steps; give 0 or more")))
 }
 
-/// Does something long on another thread, and asks it to stop where a signal says so.
+/// Runs a long function on another thread, and requests a stop after a signal.
 pub fn beside<R: Send>(py: Python<'_>, work: impl FnOnce() -> R + Send) -> PyResult<R> {
     py.detach(|| {
         std::thread::scope(|scope| {

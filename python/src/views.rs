@@ -1,17 +1,17 @@
-//! Arrays of NumPy that lie in the memory of a simulation.
+//! NumPy arrays over the memory of a simulation.
 //!
-//! The base of such an array is an object that keeps the simulation alive, so that the memory is there for as long as anything that was made
-//! of the array. Two things could still take it away, and neither happens:
+//! The base of such an array is an object that owns the simulation, so that the memory outlives all derived arrays. Two events
+//! could still invalidate the memory, and both are excluded:
 //!
-//! - A step moves the arrays of the grains elsewhere when it makes room for more boxes. Before the first view the simulation is told to keep
-//!   them in place, and from then on it makes no room but what was reserved.
-//! - Grains come or go: that is refused while such a view lives ([`Shared::refuse_views`]).
+//! - A step reallocates the arrays of the grains to add boxes. Before the first view the simulation reserves memory, and from then
+//!   on it never exceeds the reserve.
+//! - Insertion and removal of grains: refused while such a view is alive ([`Shared::refuse_views`]).
 //!
-//! The arrays of the candidate list do change their length. Views of them take over the memory when a step would change it, and the
-//! simulation goes on with a copy ([`Shared::release_pairs`]): they show what they showed.
+//! The arrays of the candidate list do change their length. Before a step changes them, their views take over the memory, and the
+//! simulation continues with a copy ([`Shared::release_pairs`]): the views stay unchanged.
 //!
-//! A thread may read or write such an array while another one steps. It then sees numbers of before or after, and what it writes may be lost:
-//! all of these numbers may have any bits, and nothing that lies in memory is found by them without a check.
+//! A thread may read or write such an array while another one steps. Reads then return old or new numbers, and writes may be
+//! lost. This is safe: any bit pattern is valid, and no number is used as an unchecked index.
 
 use crate::shared::{HeldPairs, Shared};
 use numpy::ndarray::{ArrayView, Dimension, IntoDimension, ShapeBuilder};
@@ -50,14 +50,14 @@ impl Drop for StateOwner {
 /// Base object of views of the candidate list.
 #[pyclass(frozen, module = "makadam._core")]
 struct PairOwner {
-    /// Whose memory it is once that was handed over; until then it is the simulation's.
+    /// Owner of the memory after the hand-over; before, the simulation is the owner.
     _pairs: Arc<HeldPairs>,
     _shared: Arc<Shared>,
 }
 
-/// Numbers in records that follow each other in memory.
+/// Numbers in consecutive records in memory.
 struct Records<T> {
-    /// The first of them.
+    /// Address of the first number.
     start: *const T,
     /// Number of records, numbers per record, and the stride in numbers.
     records: usize,
@@ -65,10 +65,10 @@ struct Records<T> {
     stride: usize,
 }
 
-/// An array over memory that its owner keeps.
+/// Creates an array over memory of its owner.
 ///
 /// # Safety
-/// The memory is there, and stays where it is, for as long as the owner lives.
+/// The memory must stay valid and in place for the lifetime of the owner.
 unsafe fn over<'py, T: Element, D: Dimension>(
     records: &Records<T>,
     shape: impl IntoDimension<Dim = D>,
@@ -76,7 +76,7 @@ unsafe fn over<'py, T: Element, D: Dimension>(
     owner: Bound<'py, PyAny>,
     writable: bool,
 ) -> Bound<'py, PyArray<T, D>> {
-    // SAFETY: by the contract of this function.
+    // SAFETY: guaranteed by the contract of this function.
     let array = unsafe {
         let view = ArrayView::from_shape_ptr(shape.into_dimension().strides(strides.into_dimension()), records.start);
         PyArray::borrow_from_array(&view, owner)
@@ -98,16 +98,16 @@ pub enum State {
     ScaledSpins,
     /// Radii, m.
     Radii,
-    /// One over the mass, 1/kg.
+    /// Inverse masses, 1/kg.
     InverseMasses,
     /// Ids.
     Ids,
 }
 
-/// A view of the grains of a simulation, row by row as they lie in memory.
+/// Returns a view of the grains of a simulation, rows in memory order.
 pub fn state<'py>(py: Python<'py>, shared: &Arc<Shared>, what: State) -> PyResult<Bound<'py, PyAny>> {
     let writable = matches!(what, State::Positions | State::Velocities | State::ScaledSpins);
-    // From here on no grain comes or goes.
+    // From here on, insertion and removal of grains are refused.
     let owner = Bound::new(py, StateOwner::of(shared, writable))?.into_any();
     let placed = shared.with(py, |simulation| {
         simulation.keep_arrays_in_place().map(|()| {
@@ -118,13 +118,13 @@ pub fn state<'py>(py: Python<'py>, shared: &Arc<Shared>, what: State) -> PyResul
     let (sphere, body, ids, count): (*const f64, *const f64, *const u32, usize) =
         placed.map_err(|error| pyo3::exceptions::PyMemoryError::new_err(error.to_string()))?;
     let of = |start: *const f64, offset: usize, width: usize, stride: usize| Records {
-        // An offset below the length of a record; where there are no records nothing is ever read.
+        // The offset is below the length of a record; without records nothing is read.
         start: start.wrapping_add(offset),
         records: count,
         width,
         stride,
     };
-    // Numbers of a record, in its layout: centre and radius; velocity, inverse mass, scaled spin, inverse radius.
+    // Layout of the records: centre and radius; velocity, inverse mass, scaled spin, inverse radius.
     let numbers = match what {
         State::Positions => of(sphere, 0, 3, 4),
         State::Velocities => of(body, 0, 3, 8),
@@ -133,11 +133,11 @@ pub fn state<'py>(py: Python<'py>, shared: &Arc<Shared>, what: State) -> PyResul
         State::InverseMasses => of(body, 3, 1, 8),
         State::Ids => {
             let ids = Records { start: ids, records: count, width: 1, stride: 1 };
-            // SAFETY: the ids are kept in place as all arrays of the grains are, and the owner keeps the simulation.
+            // SAFETY: the ids stay in place like all arrays of the grains, and the owner holds the simulation.
             return Ok(unsafe { over(&ids, [count], [1], owner, false) }.into_any());
         }
     };
-    // SAFETY: as for the ids; records of spheres are four numbers and those of bodies eight, without gaps.
+    // SAFETY: same as for the ids; sphere records are four numbers and body records eight, without gaps.
     Ok(unsafe {
         match numbers.width {
             1 => over(&numbers, [numbers.records], [numbers.stride], owner, writable).into_any(),
@@ -159,10 +159,10 @@ pub enum Pairs {
     WallImpulses,
 }
 
-/// A view of the candidate list of a simulation as it is now.
+/// Returns a view of the present candidate list of a simulation.
 pub fn pairs<'py>(py: Python<'py>, shared: &Arc<Shared>, what: Pairs) -> PyResult<Bound<'py, PyAny>> {
     let taken = shared.with(py, |simulation| {
-        // While nobody steps: what is shown from here on is held when a step would change it.
+        // While no thread steps: from here on, arrays in views are handed over before a step changes them.
         let mut last = shared.pairs.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
         let held = last.upgrade().unwrap_or_else(|| {
             let held = Arc::new(HeldPairs::default());
@@ -177,8 +177,8 @@ pub fn pairs<'py>(py: Python<'py>, shared: &Arc<Shared>, what: Pairs) -> PyResul
     let owner = Bound::new(py, PairOwner { _pairs: held, _shared: shared.clone() })?.into_any();
     let names = |start: *const u32, records: usize| Records { start, records, width: 2, stride: 2 };
     let numbers = |start: *const f64, records: usize| Records { start, records, width: 4, stride: 4 };
-    // SAFETY: until the arrays change they are those of the simulation, which the owner keeps; then they are given to the owner, as they
-    // lie in memory. Records are two numbers, and four, without gaps.
+    // SAFETY: until the arrays change, the simulation owns them, and the owner holds the simulation; then the owner receives them
+    // at the same address. Records are two numbers, and four, without gaps.
     Ok(unsafe {
         match what {
             Pairs::Grains => matrix(&names(pairs.cast(), of_grains), owner),
@@ -189,11 +189,11 @@ pub fn pairs<'py>(py: Python<'py>, shared: &Arc<Shared>, what: Pairs) -> PyResul
     })
 }
 
-/// An array of rows that cannot be written.
+/// Creates a read-only array of rows.
 ///
 /// # Safety
-/// As for [`over`].
+/// Same as for [`over`].
 unsafe fn matrix<'py, T: Element>(records: &Records<T>, owner: Bound<'py, PyAny>) -> Bound<'py, PyAny> {
-    // SAFETY: by the contract of this function.
+    // SAFETY: guaranteed by the contract of this function.
     unsafe { over(records, [records.records, records.width], [records.stride, 1], owner, false) }.into_any()
 }

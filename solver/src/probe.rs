@@ -1,7 +1,7 @@
-//! Single phases of a step, for benches and costs of effects, not for simulating.
+//! Single phases of a step, for benchmarks and the cost of effects, not for simulation.
 //!
-//! A phase is repeated on the state that the last step left, and time stands still. Work on a clone: a simulation that was
-//! probed no longer takes the steps that it would have taken.
+//! A phase is repeated on the state after the last step, at constant time. Use a clone: later steps of a probed simulation differ
+//! from those of an unprobed one.
 
 use crate::Simulation;
 use crate::effects::EffectSet;
@@ -11,7 +11,7 @@ use crate::sweep::{ResidualLevel, SweepBytes, SweepOperands, SweepPass, start_dr
 use crate::world::Body;
 
 impl Simulation {
-    /// Bytes of a sweep over the contacts of the last step.
+    /// Returns the memory traffic of a sweep over the contacts of the last step.
     pub fn sweep_bytes(&self) -> SweepBytes {
         let effects = self.effects();
         let bodies = self.world.grains() * size_of::<Body>();
@@ -22,11 +22,11 @@ impl Simulation {
         SweepBytes { touched: read + bodies, moved: read + written + 2 * bodies }
     }
 
-    /// Builds the candidate list anew, whether it is stale or not. What was laid out before is gone: [`Self::constrain_once`]
-    /// comes before the next sweep.
+    /// Rebuilds the candidate list even if it is valid. The layout is discarded: call [`Self::constrain_once`] before the next
+    /// sweep.
     pub fn detect_once(&mut self) {
         let (set, team) = (self.relaxation.instruction_set, self.team.here());
-        // The groups name bodies by places that are about to change.
+        // The groups refer to body indices that are about to change.
         self.layout.contacts = 0;
         for groups in &mut self.layout.groups {
             groups.empty(self.relaxation.effects);
@@ -34,18 +34,18 @@ impl Simulation {
         team.enter(|| self.candidates.rebuild(&mut self.world, &mut self.layout, set, &team));
     }
 
-    /// Returns true if the candidate list is stale: what a step asks first.
+    /// Returns true if the candidate list is stale: the first check of a step.
     pub fn is_stale_once(&mut self) -> bool {
         let team = self.team.here();
         team.enter(|| self.candidates.are_stale(&self.world, &team))
     }
 
-    /// Lays out the contacts of the present positions as constraints and gives bodies the impulses of the last step to start
-    /// from; repeated, they receive these again and again. Returns the number of contacts.
+    /// Lays out the contacts of the present positions as constraints, and applies the starting impulses of the last step to the
+    /// bodies; each call applies them again. Returns the number of contacts.
     pub fn constrain_once(&mut self) -> usize {
         let team = self.team.here();
         if self.steps == 0 {
-            // A first step does this before.
+            // A first step requires a candidate list.
             self.detect_once();
         }
         team.enter(|| {
@@ -56,8 +56,8 @@ impl Simulation {
         self.layout.contacts
     }
 
-    /// Compiles in other effects than the scene calls for, to see what they cost; coefficients that the scene does not name are
-    /// zero. [`Self::constrain_once`] comes before the next sweep.
+    /// Compiles in other effects than the scene's, to measure their cost; missing coefficients are zero. Call
+    /// [`Self::constrain_once`] before the next sweep.
     pub fn compile_effects(&mut self, effects: EffectSet) {
         self.relaxation.effects = effects;
         self.constrainer.compile_effects(effects);
@@ -68,8 +68,8 @@ impl Simulation {
         }
     }
 
-    /// Relaxes the contacts that are laid out so many times, without over-relaxation and without measuring residuals. Returns
-    /// the number of contact sweeps.
+    /// Relaxes the laid out contacts the given number of times, without over-relaxation and residuals. Returns the number of
+    /// contact sweeps.
     pub fn sweep_times(&mut self, sweeps: u32) -> u64 {
         let team = self.team.here();
         let Simulation { world, layout, solver, relaxation, settings, .. } = self;

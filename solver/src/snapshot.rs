@@ -1,4 +1,4 @@
-//! Frames: two tables, particles and contacts, which every code delivers, and arrays by grain.
+//! Frames: tables of particles and contacts, common to all codes, and arrays by grain.
 //!
 //! ```
 //! use makadam::Partner;
@@ -29,8 +29,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Particle {
-    /// Number of the grain in its frame; grains are numbered from 0 without holes, in the order of
-    /// [`populate`](crate::scene::populate()). Removal of a grain renumbers those behind it: [`Snapshot::origins`] then tells them apart.
+    /// Number of the grain in its frame; grains are numbered contiguously from 0, in the order of [`populate`](crate::scene::populate()).
+    /// Removal of a grain renumbers all later grains: [`Snapshot::origins`] then identifies them.
     pub id: u32,
     /// Centre, metres.
     pub position: [f64; 3],
@@ -47,18 +47,18 @@ pub struct Particle {
 pub enum Partner {
     /// Another grain, by its id.
     Grain(u32),
-    /// A wall, by its place in the scene's list of walls.
+    /// A wall, by its index in the scene's list of walls.
     Wall(u32),
 }
 
 impl Partner {
-    /// Returns true if it is a grain.
+    /// Returns true if the partner is a grain.
     pub fn is_grain(self) -> bool {
         matches!(self, Partner::Grain(_))
     }
 }
 
-/// One contact that bears a force.
+/// Contact with a force.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Contact {
     /// Id of the first grain.
@@ -69,9 +69,9 @@ pub struct Contact {
     pub point: [f64; 3],
     /// Unit normal from the first grain to its partner.
     pub normal: [f64; 3],
-    /// Normal force, N: positive pushes the two apart; negative where cohesion pulls more than the contact bears.
+    /// Normal force, N: positive for repulsion; negative if cohesion exceeds the repulsive force of the contact.
     pub normal_force: f64,
-    /// Tangential force on the partner, N; the first grain bears the opposite.
+    /// Tangential force on the partner, N; the first grain receives the opposite force.
     pub tangential_force: [f64; 3],
 }
 
@@ -82,33 +82,33 @@ impl Contact {
     }
 }
 
-/// Identity of a grain over a run in which grains come and go.
+/// Identity of a grain over a run with insertion and removal of grains.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Origin {
-    /// Number that no other grain of the run has or had: grains of the scene as they are placed, then inserted grains.
+    /// Number that is unique over the run: grains of the scene in placement order, then inserted grains.
     pub number: u64,
-    /// Number of its material, in the order of the scene's names of materials.
+    /// Number of the material, in the order of the scene's material names.
     pub material: u8,
 }
 
-/// One frame: the state of all grains and all contacts at a time.
+/// State of all grains and all contacts at a time.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Snapshot {
     /// Simulated time, s.
     pub time: f64,
     /// Grains, in the order of their ids.
     pub particles: Vec<Particle>,
-    /// Contacts that bear a force.
+    /// Contacts with a force.
     pub contacts: Vec<Contact>,
-    /// Walls that a force or a torque drives, in the order of the scene.
+    /// Dynamic walls, moved by a force or a torque, in scene order.
     pub driven_walls: Vec<DrivenWall>,
-    /// Identities of the grains, in the order of [`Snapshot::particles`]; empty where no grain was inserted or removed, so that ids are
-    /// those of the scene's grains.
+    /// Identities of the grains, in the order of [`Snapshot::particles`]; empty if no grain was inserted or removed, so that ids
+    /// equal those of the scene's grains.
     pub origins: Vec<Origin>,
 }
 
 impl Simulation {
-    /// Grains as they are now, inside the domain where that repeats itself, and the contacts of the last step with their forces (impulse over time step).
+    /// Returns the present grains, wrapped along periodic axes, and the contacts of the last step with their forces (impulse over time step).
     pub fn snapshot(&self) -> Snapshot {
         let world = &self.world;
         let particle = |(id, place): (usize, u32)| {
@@ -137,7 +137,7 @@ impl Simulation {
         }
     }
 
-    /// Identities of the grains by id; none where no grain was inserted or removed.
+    /// Identities of the grains by id; empty if no grain was inserted or removed.
     fn origins(&self) -> Vec<Origin> {
         let numbers = self.interventions.numbers();
         if numbers.is_empty() {
@@ -181,7 +181,7 @@ impl Simulation {
         })
     }
 
-    /// Impacts that the solve of the last step did not know of.
+    /// Impacts outside of the solve of the last step.
     fn strikes(&self) -> impl Iterator<Item = Contact> + '_ {
         let (world, h) = (&self.world, self.settings.step);
         self.swept.strikes.iter().map(move |strike| {
@@ -221,8 +221,8 @@ impl Simulation {
     }
 }
 
-/// Grains and contacts at a time. Arrays of grains go by their ids, which are numbered from 0 without holes: the grains that a scene lists,
-/// then population after population.
+/// Grains and contacts at a time. Arrays of grains are indexed by id, contiguous from 0: the grains that a scene lists, then
+/// population after population.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Frame {
     time: f64,
@@ -244,7 +244,7 @@ impl Frame {
         self.radii.len()
     }
 
-    /// Centres, m; inside the domain where that repeats itself.
+    /// Centres, m, wrapped along periodic axes.
     pub fn positions(&self) -> &[[f64; 3]] {
         &self.positions
     }
@@ -264,12 +264,12 @@ impl Frame {
         &self.radii
     }
 
-    /// Contacts of the last step that bear a force, with grains and walls.
+    /// Contacts of the last step with a force, with grains and walls.
     pub fn contacts(&self) -> &[Contact] {
         &self.contacts
     }
 
-    /// Mean number of contacts per grain: each contact of two grains counts for both, one with a wall for its grain; 0 without grains.
+    /// Mean number of contacts per grain: a contact of two grains counts for both, a contact with a wall for its grain; 0 without grains.
     pub fn coordination_number(&self) -> f64 {
         let ends: usize = self.contacts.iter().map(|contact| if contact.second.is_grain() { 2 } else { 1 }).sum();
         ends as f64 / self.grains().max(1) as f64
@@ -277,7 +277,7 @@ impl Frame {
 }
 
 impl Simulation {
-    /// Grains as they are now, and the contacts of the last step.
+    /// Returns the present grains, and the contacts of the last step.
     pub fn frame(&self) -> Frame {
         let snapshot = self.snapshot();
         let vectors = |of: fn(&Particle) -> [f64; 3]| snapshot.particles.iter().map(of).collect();

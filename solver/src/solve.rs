@@ -1,4 +1,4 @@
-//! The loop around iterations of a method: when to stop, what to report.
+//! Iteration loop of a solve: stop criteria and report.
 
 use crate::interrupt::Interrupt;
 use crate::methods::{Problem, Solver};
@@ -14,41 +14,41 @@ use std::time::Instant;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum StopReason {
-    /// There was no contact.
+    /// No contacts.
     #[default]
     NoContacts,
-    /// The number of sweeps that was asked for is done.
+    /// The requested number of sweeps is complete.
     Sweeps,
     /// The residual is below its bound.
     Residual,
-    /// The wall time is spent.
+    /// The wall time budget is used up.
     TimeBudget,
-    /// The most sweeps are done, the residual or the time budget notwithstanding.
+    /// The maximum number of sweeps is reached before the residual bound or the time budget.
     MaxSweeps,
-    /// It was asked to: see [`interrupt`](crate::interrupt). The step was not taken.
+    /// The solve was interrupted: see [`interrupt`](crate::interrupt). The step was not taken.
     Interrupted,
 }
 
 /// Report of a solve.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SolveReport {
-    /// Iterations of the method done; for most a sweep each.
+    /// Number of iterations of the method; for most methods, each is a sweep.
     pub sweeps: u32,
-    /// Reason for its end.
+    /// Stop reason.
     pub reason: StopReason,
-    /// Residuals of the last iteration that was measured, m/s: see [`methods`](crate::methods).
+    /// Residuals of the last measured iteration, m/s: see [`methods`](crate::methods).
     pub residuals: Residuals,
     /// True if over-relaxation fell back to 1.
     pub fell_back: bool,
 }
 
 impl SolveReport {
-    /// Returns true if the solve came to its bound, or had nothing to solve. One that ends after a number of sweeps, or a time, is not known to.
+    /// Returns true if the solve reached its bound, or had no contacts. After a fixed number of sweeps or a time budget, convergence is unknown.
     pub fn is_converged(&self) -> bool {
         matches!(self.reason, StopReason::NoContacts | StopReason::Residual)
     }
 
-    /// Lets nothing that has not converged pass in silence.
+    /// Converts a solve without convergence to an error.
     ///
     /// # Errors
     /// [`NotConverged`] unless the solve [is converged](SolveReport::is_converged).
@@ -60,23 +60,23 @@ impl SolveReport {
     }
 }
 
-/// A solve that ended before it came to its bound.
+/// Error of a solve that ended above its bound.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error("a solve stopped after {sweeps} sweeps ({reason:?}) at a residual of {residual:.3e} m/s, above its bound")]
 pub struct NotConverged {
-    /// Reason for its end.
+    /// Stop reason.
     pub reason: StopReason,
-    /// Iterations done.
+    /// Number of iterations.
     pub sweeps: u32,
-    /// Root mean square residual that was left, m/s.
+    /// Remaining root mean square residual, m/s.
     pub residual: f64,
 }
 
-/// Period of measurements with a fixed number of sweeps: the last sweep is measured, and of the first and every one whose number this divides the
-/// total residual is, which over-relaxation watches.
+/// Interval of measurements with a fixed number of sweeps. The last sweep is measured in full; of the first and of every multiple
+/// of this number, only the total residual is measured, for over-relaxation.
 const MEASURE_EVERY: u32 = 4;
 
-/// Iterates on the contacts of a step until the settings say stop.
+/// Iterates on the contacts of a step until the stop criterion of the settings.
 pub(crate) fn solve(
     world: &mut World,
     layout: &mut Layout,
@@ -96,7 +96,7 @@ pub(crate) fn solve(
         Stop::Residual { tolerance, .. } => Some(Forecast::new(tolerance * residual_unit(world, settings.step))),
         _ => None,
     };
-    // What is spent is known when a sweep is done: any may be the last.
+    // The time is checked after each sweep: any sweep may be the last.
     let timed = matches!(settings.stop, Stop::TimeBudget { .. });
     let (method, workspace) = solver.parts();
     let World { bodies, drives, .. } = world;
@@ -109,7 +109,7 @@ pub(crate) fn solve(
         let level = forecast.as_ref().map_or_else(|| level(sweep, last), |forecast| forecast.level(last));
         let residuals = method.iterate(&mut problem, level);
         report.sweeps = sweep;
-        // An iteration may have been cut short, be it the last one.
+        // Any iteration may have been cut short, including the last one.
         if problem.is_interrupted() {
             break StopReason::Interrupted;
         }
@@ -135,18 +135,18 @@ pub(crate) fn solve(
     report
 }
 
-/// Returns true if a solve that stops at a residual is about to reach it. What it reports is its last sweep in every direction, which costs
-/// more than half a sweep; so that is measured where the next sweep may be the last, and only the total elsewhere.
+/// Residual predictor of solves with a residual bound. The report contains the last sweep's residuals in every direction, which
+/// cost more than half a sweep. So they are measured only if the next sweep may be the last; other sweeps measure only the total.
 struct Forecast {
     /// Bound on the residual, m/s.
     tolerance: f64,
     /// Residual of the last sweep, m/s.
     last: f64,
-    /// Residual that is expected of the next one, m/s.
+    /// Expected residual of the next sweep, m/s.
     next: f64,
 }
 
-/// Expected residual of the second sweep over that of the first.
+/// Expected residual of the second sweep, as a fraction of the first.
 const SECOND_OVER_FIRST: f64 = 0.5;
 
 impl Forecast {
@@ -154,22 +154,22 @@ impl Forecast {
         Forecast { tolerance, last: f64::INFINITY, next: f64::INFINITY }
     }
 
-    /// Residual level of the next sweep, which may have to be the last.
+    /// Returns the residual level of the next sweep, which is the last if `last` is set.
     fn level(&self, last: bool) -> ResidualLevel {
         if last || self.next <= self.tolerance { ResidualLevel::Directions } else { ResidualLevel::Total }
     }
 
-    /// Takes in the residual of a sweep, m/s; whether the solve is done. A sweep that met the bound when nobody expected it is
-    /// followed by another.
+    /// Records the residual of a sweep, m/s, and returns true if the solve is complete. After an unexpected pass of the bound,
+    /// another sweep follows.
     fn is_met(&mut self, residual: f64, level: ResidualLevel) -> bool {
-        // Convergence is about linear.
+        // Convergence is approximately linear.
         let share = if self.last.is_finite() { (residual / self.last).min(1.0) } else { SECOND_OVER_FIRST };
         (self.last, self.next) = (residual, residual * share);
         level == ResidualLevel::Directions && residual <= self.tolerance
     }
 }
 
-/// Residual level of an iteration, counted from 1, which may be the last.
+/// Returns the residual level of an iteration, counted from 1; `last` if it may be the last.
 pub(crate) fn level(iteration: u32, last: bool) -> ResidualLevel {
     match iteration {
         _ if last => ResidualLevel::Directions,
@@ -179,19 +179,19 @@ pub(crate) fn level(iteration: u32, last: bool) -> ResidualLevel {
     }
 }
 
-/// Velocity that residuals are measured against: g h, with the largest g of the run, or 1 m/s where there is no gravity.
+/// Velocity scale of residuals: g h, with the largest g of the run, or 1 m/s without gravity.
 pub(crate) fn residual_unit(world: &World, h: f64) -> f64 {
     let gravity = world.field.largest();
     if gravity > 0.0 { gravity * h } else { 1.0 }
 }
 
-/// Name of the unit of residuals in a run with this largest gravity (m/s2): g h, or m/s where there is none.
+/// Name of the unit of residuals in a run with this largest gravity (m/s2): g h, or m/s without gravity.
 pub fn residual_unit_name(gravity: f64) -> &'static str {
     if gravity > 0.0 { "g h" } else { "m/s" }
 }
 
-/// Text of a residual or of a bound on one, in a [unit](residual_unit_name): two significant digits, with an exponent where they would need
-/// leading zeros.
+/// Text of a residual or its bound, in a [unit](residual_unit_name): two significant digits, with an exponent instead of leading
+/// zeros.
 pub fn residual_text(value: f64, unit: &str) -> String {
     match value {
         _ if !(0.1..1e3).contains(&value) => format!("{value:.1e} {unit}"),

@@ -1,4 +1,4 @@
-//! Watchdogs: what goes wrong without a word elsewhere is named here, with the grain, the step and the time.
+//! Watchdogs: detection of invalid states, reported with the grain, the step and the time.
 //!
 //! ```
 //! use makadam::watch::Watchdog;
@@ -29,28 +29,28 @@ use std::fmt;
 pub enum Trouble {
     /// A grain's position, velocity or spin is not finite.
     NotFinite {
-        /// Its id.
+        /// Id of the grain.
         grain: u32,
     },
-    /// A grain overlaps its partner too far.
+    /// A grain overlaps its partner beyond the tolerance.
     Overlap {
-        /// Its id.
+        /// Id of the grain.
         grain: u32,
         /// Overlap over the smaller radius.
         share: f64,
         /// Tolerated value.
         bound: f64,
     },
-    /// A grain overlaps its partner so far that its centre lies inside: a contact that pushes either way no longer means anything.
+    /// A grain overlaps its partner so far that its centre is inside: the direction of the contact force is no longer meaningful.
     DeepOverlap {
-        /// Its id.
+        /// Id of the grain.
         grain: u32,
         /// Overlap over the smaller radius.
         share: f64,
-        /// Limit beyond which the numbers are invalid.
+        /// Limit beyond which the results are invalid.
         bound: f64,
     },
-    /// Mechanical energy came from nowhere.
+    /// Mechanical energy has grown without a source.
     Energy {
         /// Id of the fastest grain.
         grain: u32,
@@ -61,36 +61,36 @@ pub enum Trouble {
     },
     /// A grain has left the domain.
     Escape {
-        /// Its id.
+        /// Id of the grain.
         grain: u32,
         /// Position, m.
         position: [f64; 3],
     },
     /// A grain has crossed a wall.
     Crossing {
-        /// Its id.
+        /// Id of the grain.
         grain: u32,
         /// Number of the wall in the scene.
         wall: u32,
     },
     /// Two grains may have passed through each other.
     Passage {
-        /// Their ids.
+        /// Ids of the two grains.
         grains: [u32; 2],
     },
-    /// No solve since the last look has come close to a solution.
+    /// No solve since the last check has come close to a solution.
     Stagnation {
-        /// Smallest residual since then, in the unit of residuals.
+        /// Smallest residual since the last check, in the unit of residuals.
         residual: f64,
         /// Tolerated value.
         bound: f64,
-        /// Name of the unit: g h, or m/s where there is no gravity.
+        /// Name of the unit: g h, or m/s without gravity.
         unit: &'static str,
     },
 }
 
 impl Trouble {
-    /// Its kind, in a word.
+    /// Returns the kind in one word.
     pub fn kind(&self) -> &'static str {
         match self {
             Trouble::NotFinite { .. } => "not finite",
@@ -104,18 +104,18 @@ impl Trouble {
         }
     }
 
-    /// Returns true if the numbers of a run in which it was noticed mean nothing, whatever the scene wants done.
+    /// Returns true if the violation invalidates the results of a run, for any requested reaction.
     pub fn is_fatal(&self) -> bool {
         !matches!(self, Trouble::Overlap { .. } | Trouble::Stagnation { .. })
     }
 }
 
-/// Something that was noticed, and when.
+/// Violation with its step, time and reaction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Alarm {
     /// Violation.
     pub trouble: Trouble,
-    /// Reaction that the scene requests.
+    /// Requested reaction of the scene.
     pub reaction: Reaction,
     /// Steps taken.
     pub step: u64,
@@ -173,32 +173,32 @@ impl fmt::Display for Alarm {
 /// Overlap over the smaller radius above which a centre lies inside its partner.
 const DEEP: f64 = 1.0;
 
-/// Looks at a simulation every so many steps.
+/// Watchdog that checks a simulation at a fixed interval of steps.
 #[derive(Clone, Debug)]
 pub struct Watchdog {
     settings: Watch,
-    /// Interventions of the caller when this took note of a step for the last time.
+    /// Number of interventions at the last observed step.
     interventions: u64,
-    /// Steps that the simulation had taken when this took note of one for the last time, and when it looked.
+    /// Number of steps at the last observed step, and at the last check.
     noted: u64,
     looked: Option<u64>,
-    /// The first of each kind.
+    /// First violation of each kind.
     noticed: Vec<Alarm>,
     /// Gravity at the end of the last step, m/s2.
     gravity: Vector3<f64>,
     /// Work of walls and of changing gravity so far, J.
     supplied: f64,
-    /// Smallest mechanical energy so far, J, less what was supplied until then: no later state may have more, its elastic energy
-    /// left out.
+    /// Smallest mechanical energy so far, J, minus the energy supplied until then: an upper bound on that of later states,
+    /// without elastic energy.
     available: f64,
     /// Largest kinetic energy so far, J.
     kinetic: f64,
-    /// Smallest residual since the last look, in units of g h; none where no step was seen.
+    /// Smallest residual since the last check, in units of g h; `None` without an observed step.
     residual: Option<f64>,
 }
 
 impl Watchdog {
-    /// A watchdog that has seen nothing yet.
+    /// Creates a watchdog without observations.
     pub fn new(settings: &Watch, simulation: &Simulation) -> Watchdog {
         Watchdog {
             settings: settings.clone(),
@@ -214,11 +214,11 @@ impl Watchdog {
         }
     }
 
-    /// Takes note of a step; looks at the state where it is time to. What was noticed comes back, the most severe first.
+    /// Observes a step, and checks the state at the interval of the settings. Returns the violations, the most severe first.
     ///
-    /// It wants to see every step: after one that it has not seen, or in which grains came, went or were written to, it knows no longer
-    /// what was given, and judges energy from there on. Between looks it allocates nothing, and a look no more than a pose a wall.
-    /// A grain that has crossed a wall, or may have passed through another one, is noticed in its step, whatever the scene asks for.
+    /// Every step must be observed: after a missed step or an intervention on grains, the energy supply is unknown, and the
+    /// energy check restarts. Steps between checks allocate nothing, and a check at most one pose per wall. A grain that has
+    /// crossed a wall, or may have passed through another grain, is always reported in the same step.
     pub fn observe(&mut self, simulation: &Simulation, report: &StepReport) -> Vec<Alarm> {
         let crossing = simulation.crossing().map(|Crossing { grain, wall }| Trouble::Crossing { grain, wall });
         let passage = || simulation.passage().map(|Passage { grains }| Trouble::Passage { grains });
@@ -242,8 +242,8 @@ impl Watchdog {
         }
     }
 
-    /// Looks at the state that the last step of a run has left, or one after which it is interrupted, whether it is time to or not.
-    /// A state that was looked at is not looked at again. What was noticed comes back, the most severe first.
+    /// Checks the state after the last step of a run, or at an interrupt, independent of the interval. A checked state is not
+    /// checked again. Returns the violations, the most severe first.
     pub fn last(&mut self, simulation: &Simulation) -> Vec<Alarm> {
         let mut troubles = self.look(simulation);
         if self.settings.every > 0 && self.settings.on_stagnation != Reaction::Ignore {
@@ -254,8 +254,8 @@ impl Watchdog {
         troubles
     }
 
-    /// Looks at a state that is measured, as [`Watchdog::last`] does; solves are judged when it is time to, by all that came
-    /// together since.
+    /// Checks a measured state like [`Watchdog::last`], except for stagnation of solves, which is checked at the interval over
+    /// all solves since.
     pub fn look(&mut self, simulation: &Simulation) -> Vec<Alarm> {
         let mut troubles = Vec::new();
         if self.settings.every == 0 || self.looked == Some(simulation.steps) {
@@ -279,8 +279,8 @@ impl Watchdog {
         troubles
     }
 
-    /// As [`Watchdog::observe`] for a run that is only to end where it has to: looks too where the state is measured, or is the last
-    /// one.
+    /// Observes a step like [`Watchdog::observe`], but returns only violations that end a run; also checks measured states and
+    /// the last state.
     ///
     /// # Errors
     /// Returns the most severe violation that ends a run.
@@ -297,12 +297,12 @@ impl Watchdog {
         alarms.into_iter().find(|alarm| alarm.reaction == Reaction::Stop).map_or(Ok(()), Err)
     }
 
-    /// First violation of each kind that [`Watchdog::check`] has found, also those that did not end the run.
+    /// First violation of each kind found by [`Watchdog::check`], including those that did not end the run.
     pub fn noticed(&self) -> &[Alarm] {
         &self.noticed
     }
 
-    /// Adds what walls and gravity that changes gave in the last step.
+    /// Adds the energy supplied by walls and by changing gravity in the last step.
     fn note_supply(&mut self, simulation: &Simulation) {
         let interventions = simulation.interventions.count;
         if simulation.steps != self.noted + 1 || interventions != self.interventions {
@@ -316,7 +316,7 @@ impl Watchdog {
         self.interventions = interventions;
     }
 
-    /// The deepest overlap, if it is too deep, and what to do then.
+    /// Returns the deepest overlap, if beyond a limit, and the reaction.
     fn overlap(&self, contacts: &ContactEnergy) -> (Option<Trouble>, Reaction) {
         let Watch { overlap: bound, on_overlap, on_deep_overlap, .. } = self.settings;
         let Some((share, grain)) = contacts.deepest.filter(|(share, _)| *share > bound) else {
@@ -345,11 +345,11 @@ impl Watchdog {
         Some(Trouble::Escape { grain: outside, position })
     }
 
-    /// Energy from nowhere.
+    /// Detects energy gain without a source.
     fn energy(&mut self, simulation: &Simulation, contacts: &ContactEnergy) -> Option<Trouble> {
         let world = &simulation.world;
         let energy = simulation.energy_of_grains();
-        // Potential energy where the grains are half a step earlier: then a step without contacts changes nothing.
+        // Potential energy half a step earlier: a step without contacts does not change it.
         let (half, momentum) = (0.5 * simulation.settings.step, simulation.momentum());
         let mechanical =
             energy.kinetic + energy.potential + contacts.cohesive + half * world.gravity.dot(&Vector3::from(momentum))
@@ -357,15 +357,15 @@ impl Watchdog {
         let mass: f64 = world.bodies[..world.grains()].iter().map(|body| 1.0 / body.inverse_mass).sum();
         let weight = world.field.largest() * mass;
         self.kinetic = self.kinetic.max(energy.kinetic);
-        // Where grains are is known to half a step, and potential energy with it.
+        // Positions are known to half a step, and so is potential energy.
         let speeds = world.bodies[..world.grains()].iter().map(|body| Vector3::from(body.velocity).norm());
         let step = half * speeds.fold(0.0, f64::max);
         let scale = self.kinetic + weight * world.largest_and_mean_radius().1.max(step);
-        // Beyond the range of numbers an energy is infinite, or a difference of two that are.
+        // Beyond the range of numbers, an energy is infinite, or a difference of two infinite energies.
         let share = if mechanical.is_finite() { (mechanical - self.available) / scale } else { f64::INFINITY };
         let bound = self.settings.energy;
         let gained = share > bound;
-        // What was said is not said again.
+        // Each gain is reported once.
         let present = mechanical + contacts.elastic;
         self.available = if gained { present } else { self.available.min(present) };
         let fastest = || {

@@ -1,4 +1,4 @@
-//! Coefficients of eight contacts: those of their materials, and those that go by how fast the contacts close or slide.
+//! Coefficients of eight contacts: material constants, and coefficients that depend on approach or sliding speed.
 
 use super::StepContext;
 use crate::effects::friction::while_sliding;
@@ -13,19 +13,19 @@ pub(super) struct LaneMaterial<L> {
     pub damping_ratio: L,
     pub restitution: L,
     pub friction: L,
-    /// Stiffness across the normal over that along it, where contacts have a tangential spring.
+    /// Tangential over normal stiffness, if contacts have a tangential spring.
     pub stiffness_ratio: Option<L>,
 }
 
-/// Eight contacts whose materials can be looked up.
+/// Eight contacts with their materials.
 pub(super) trait Contacts {
-    /// Their materials, lane by lane.
+    /// Material of the contact in a lane.
     fn material<'a>(&self, context: &'a StepContext<'_>, lane: usize) -> &'a ContactMaterial;
 
-    /// Sum of the scaled spins of their grains at the start of the step, m/s.
+    /// Sum of the scaled spins of both grains at the start of the step, m/s.
     fn spin<L: Lanes>(&self, context: &StepContext<'_>) -> [L; 3];
 
-    /// A property of their materials.
+    /// Gathers a property of the materials.
     #[inline(always)]
     fn property<L: Lanes>(&self, context: &StepContext<'_>, property: fn(&ContactMaterial) -> f64) -> L {
         L::load(&Eight(std::array::from_fn::<f64, LANES, _>(|lane| property(self.material(context, lane)))))
@@ -47,7 +47,7 @@ impl<T> Contacts for PairGroup<T> {
     }
 }
 
-/// Contacts with walls, and the surfaces that they are with.
+/// Contacts with walls, and their surfaces.
 pub(super) struct OnSurfaces<'a>(pub &'a WallGroup, pub &'a [u32; LANES]);
 
 impl Contacts for OnSurfaces<'_> {
@@ -77,7 +77,7 @@ impl<L: Lanes> LaneMaterial<L> {
 
     #[inline(always)]
     pub fn of_each<'a>(material: impl Fn(usize) -> &'a ContactMaterial) -> Self {
-        // Looked up once a lane: four of their properties are read.
+        // One lookup per lane: four of the properties are read.
         let materials: [_; LANES] = std::array::from_fn(material);
         let lanes = |property: fn(&ContactMaterial) -> f64| L::load(&Eight(materials.map(property)));
         Self {
@@ -89,8 +89,8 @@ impl<L: Lanes> LaneMaterial<L> {
         }
     }
 
-    /// Sets restitution by the speed of impact (m/s), friction by the sliding velocity (m/s, without the spin of the grains) and the
-    /// stiffness of springs. `borne` holds the impulses of the last step, along the normal and across, N s.
+    /// Sets restitution by impact speed (m/s), friction by sliding velocity (m/s, without the spin of the grains) and the
+    /// stiffness of springs. `borne` holds the normal and tangential impulses of the last step, N s.
     #[inline(always)]
     pub fn adapt(
         &mut self,

@@ -38,7 +38,7 @@ impl<const PERIODIC: bool, T: Tangential> Kernel for FillPairs<'_, PERIODIC, T> 
         let impulses = self.impulses;
         let nothing = self.context.candidates.pairs.len() as u32;
         let (groups, sources, impacts) = (self.pairs, self.sources, self.impacts);
-        // The grains of an interior lie together; those of a face, an edge or a corner here and there.
+        // Interior grains are contiguous in memory; grains of faces, edges and corners are scattered.
         let interior = self.task.is_interior();
         if self.context.fetches && interior {
             prefetch_range(&world.before[self.context.candidates.grains_of_box(self.task.home as usize)]);
@@ -61,7 +61,7 @@ impl<const PERIODIC: bool, T: Tangential> Kernel for FillPairs<'_, PERIODIC, T> 
                 fetch(groups, number + PREFETCH);
             }
             let group = &mut groups[number];
-            // Lanes name grains or dummies, and candidates or the zero behind them.
+            // Lanes refer to grains or padding bodies, and to candidates or the final zero.
             let [x, y, z, radius]: [L; 4] = spheres.load_quads(&group.first);
             let [to_x, to_y, to_z, to_radius]: [L; 4] = spheres.load_quads(&group.second);
             let [u, v, w, inverse_mass]: [L; 4] = before.load_differences(&group.first, &group.second);
@@ -104,11 +104,11 @@ impl Kernel for FillWalls<'_> {
         let StepContext { world, before, candidates, walls: placed, constants, .. } = self.context;
         let nothing = candidates.walls.len() as u32;
         let falling = world.gravity * constants.scheme.step;
-        // Padding lanes are far from everything.
+        // Padding lanes are far from all walls.
         let far = [Eight([1e6; 8]), Eight::default(), Eight::default(), Eight([1.0; 8]), Eight([1.0; 8])];
         let TaskGroups { walls, wall_sources, wall_impacts, wall_drifts, .. } = self.groups;
         for (number, ((group, sources), impacts)) in walls.iter_mut().zip(wall_sources).zip(wall_impacts).enumerate() {
-            // Faces differ from lane to lane, so their geometry is done one by one.
+            // Faces differ per lane, so their geometry is scalar.
             let [mut distances, mut normal_x, mut normal_y, mut normal_z, mut radii] = far;
             let [mut wall_velocity, mut wall_before] = [[Eight::default(); 3]; 2];
             let mut surfaces = [0; crate::lanes::LANES];
@@ -135,7 +135,7 @@ impl Kernel for FillWalls<'_> {
                 surfaces[lane] = wall.surface;
             }
             group.wall_velocity = wall_velocity;
-            // Lanes name grains or dummies, and candidates or the zero behind them.
+            // Lanes refer to grains or padding bodies, and to candidates or the final zero.
             let candidates_of_lanes = sources.or(nothing);
             let (body, remembered): ([L; 4], [L; 4]) =
                 (before.load_quads(&group.body), self.impulses.load_quads(&candidates_of_lanes));
@@ -152,7 +152,7 @@ impl Kernel for FillWalls<'_> {
             material.adapt(self.context, &contacts, speed, [normal, velocity], remembered);
             *impacts =
                 write_contacts(&mut group.contacts, &geometry, motion, &material, (remembered, &impact), constants);
-            // Few grains are so fast, and few scenes have any.
+            // Few grains are this fast, and most scenes have none.
             for lane in (0..crate::lanes::LANES).filter(|lane| swept >> lane & 1 == 1) {
                 let [u, v, w, _] = world.before[group.body[lane] as usize].0;
                 let towards = Vector3::from(group.contacts.normal(lane));
@@ -170,7 +170,7 @@ impl Kernel for FillWalls<'_> {
 }
 
 impl StepContext<'_> {
-    /// Fills the pulls of a task whose contacts are laid out.
+    /// Fills the cohesive impulses of a task after the layout of its contacts.
     pub(super) fn fill_pulls(&self, groups: &mut TaskGroups) {
         let StepContext { world, candidates, walls: placed, constants, .. } = self;
         let h = constants.scheme.step;
@@ -197,7 +197,7 @@ impl StepContext<'_> {
     }
 }
 
-/// Fills the torques of a task whose contacts are filled.
+/// Fills the torques of a task after its contacts.
 pub(super) struct FillTorques<'a, E: Effects> {
     pub context: &'a StepContext<'a>,
     pub groups: &'a mut TaskGroups,
@@ -245,7 +245,7 @@ impl<E: Effects> Kernel for FillTorques<'_, E> {
     }
 }
 
-/// Sets the torques of eight contacts to those of the last step, projected onto what the contacts bear now.
+/// Sets the torques of eight contacts to those of the last step, projected onto the present limits of the contacts.
 #[inline(always)]
 fn start<L: Lanes, E: Effects>(torques: &mut TorqueLanes, contact: &Contact<L, E>) {
     let mut torque = TermState::<L, E::Torque<L>>::angular(torques, L::load);

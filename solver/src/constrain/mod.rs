@@ -1,7 +1,7 @@
-//! A candidate that touches becomes constraint data: gap and normal, bias, regularisation, starting impulse.
+//! Conversion of active candidates to constraint data: gap and normal, bias, regularisation, starting impulse.
 //!
-//! A task goes through its candidates eight at a time and packs those that touch into lane groups, by place only; then
-//! it fills the groups, eight contacts at a time, from the bodies and from the impulses of the last step.
+//! A task processes its candidates eight at a time and packs the active ones into lane groups, by body index only. Then the task
+//! fills the groups, eight contacts at a time, from the bodies and from the impulses of the last step.
 
 mod coefficients;
 mod fill;
@@ -31,16 +31,16 @@ use std::marker::PhantomData;
 use std::sync::atomic::{AtomicU32, Ordering};
 use touch::AssignPairs;
 
-/// Turns candidates into lane groups; keeps its buffers from step to step.
+/// Converts candidates to lane groups; buffers are reused over the steps.
 #[derive(Clone, Debug)]
 pub struct Constrainer {
     constants: StepConstants,
-    /// The stiffest contact that the scene can have.
+    /// Stiffest possible contact of the scene.
     stiffest: NormalContact<f64>,
-    /// Largest gap across which cohesion pulls, m.
+    /// Largest range of cohesion, m.
     range_of_cohesion: f64,
     effects: EffectSet,
-    /// True if what a step touches is too large for the cache, and fetched ahead: whoever has a step laid out says so before.
+    /// True if the data of a step exceed the cache and are prefetched; set by the caller before each step.
     pub(crate) fetches: bool,
     taken: TakenGroups,
     poses: Vec<Pose>,
@@ -53,31 +53,31 @@ struct StepConstants {
     warm_start: f64,
     /// Gap up to which a contact may still matter in a step, m.
     contact_margin: f64,
-    /// Sliding faster than this at the start of a step, a contact has its kinetic friction, m/s.
+    /// Sliding speed at the start of a step above which a contact has kinetic friction, m/s.
     slip_speed: f64,
 }
 
-/// Data that the tasks of a step read.
+/// Input data of the tasks of a step.
 struct StepContext<'a> {
     world: WorldBesideBodies<'a>,
     spheres: Slots<'a, Sphere>,
     /// Velocities and inverse masses at the start of the step.
     before: Slots<'a, Quad>,
-    /// Surface speeds then, if they are kept.
+    /// Surface speeds at the start of the step, if stored.
     spins_before: Slots<'a, Quad>,
     candidates: CandidateList<'a>,
     walls: WallsAt<'a>,
     constants: StepConstants,
     effects: EffectSet,
-    /// True if what a step touches is too large for the cache, and fetched ahead.
+    /// True if the data of a step exceed the cache and are prefetched.
     fetches: bool,
-    /// True if some wall turns, so that contacts with it drift.
+    /// True if some wall turns, so that its contacts drift.
     drifts: bool,
-    /// The contact material of all pairs of grains, if there is only one.
+    /// Contact material of all pairs of grains, if all share one.
     material: Option<&'a ContactMaterial>,
 }
 
-/// A task, what its pairs and its contacts with walls bore, and for each block of its pairs which of them did.
+/// Task with the impulses of its pairs and wall contacts, and the mask of active pairs for each block.
 struct Own<'a> {
     task: &'a PlannedTask,
     memory: [MemoryOfTask<'a>; 2],
@@ -85,7 +85,7 @@ struct Own<'a> {
 }
 
 impl Constrainer {
-    /// A constrainer for the contacts that a world can have.
+    /// Creates a constrainer for the possible contacts of a world.
     pub(crate) fn new(world: &World, settings: &SolverSettings) -> Constrainer {
         let scheme = NormalScheme {
             law: settings.normal_law,
@@ -102,15 +102,15 @@ impl Constrainer {
         Constrainer { constants, stiffest, range_of_cohesion, effects, fetches: false, taken, poses }
     }
 
-    /// Goes by gravity as it now is.
+    /// Updates the settings for the present gravity.
     fn follow(&mut self, gravity: f64) {
         let StepConstants { scheme, contact_margin, .. } = &mut self.constants;
         scheme.gravity = gravity;
         *contact_margin = scheme.contact_margin(&self.stiffest).max(self.range_of_cohesion);
     }
 
-    /// Lays out the contacts of a step from the state at its start, and gives bodies the impulses that contacts start from: those of a
-    /// task as soon as its groups are complete, while they are in the cache.
+    /// Lays out the contacts of a step from the state at its start, and applies the starting impulses to the bodies. Each task
+    /// applies its impulses once its groups are complete and still in the cache.
     pub(crate) fn constrain(
         &mut self,
         world: &mut World,
@@ -142,7 +142,7 @@ impl Constrainer {
             let (taken, first, next) = self.taken.stage();
             let shares = ((ByBodies::of(bodies), taken), ByNumber::of(&mut layout.groups), impulses.shares());
             let set = relaxation.instruction_set;
-            // Where the numbers of a stage's groups begin, and where they have ended so far.
+            // First group number of the stage, and the end so far.
             let (base, end) = (AtomicU32::new(first), AtomicU32::new(first));
             let begin = |_| base.store(end.load(Ordering::Relaxed), Ordering::Relaxed);
             layout.plan.run_stages(team, Phase::Constrain, begin, shares, |_, task, share| {
@@ -160,7 +160,7 @@ impl Constrainer {
         layout.contacts = layout.plan.tasks().iter().map(|task| layout.groups[task.number as usize].contacts()).sum();
     }
 
-    /// Lists the contacts with driven walls, task after task.
+    /// Lists the contacts with dynamic walls, ordered by task.
     fn list_driven(&self, world: &World, walls: &[WallCandidate], layout: &mut Layout) {
         layout.driven.clear();
         for task in layout.plan.tasks() {
@@ -190,12 +190,12 @@ impl Constrainer {
         }
     }
 
-    /// Lays out contacts for other effects than the world's materials call for.
+    /// Lays out contacts with other effects than those of the world's materials.
     pub(crate) fn compile_effects(&mut self, effects: EffectSet) {
         self.effects = effects;
     }
 
-    /// Discretisation of contacts.
+    /// Returns the discretisation of contacts.
     pub(crate) fn scheme(&self) -> &NormalScheme {
         &self.constants.scheme
     }
@@ -206,7 +206,7 @@ impl Constrainer {
 }
 
 impl StepContext<'_> {
-    /// Lays out one task, its groups numbered from `base` on; the number from which those may begin that come after it.
+    /// Lays out one task, with groups numbered from `base` on; returns the next free group number.
     fn lay_out(
         &self,
         own: Own<'_>,
@@ -254,10 +254,10 @@ impl StepContext<'_> {
     }
 }
 
-/// Constraint data and starting impulses of eight contacts, given their velocities along the normals (m/s) and the sums of their
-/// inverse masses (1/kg); what they are to remember of their impacts.
+/// Writes constraint data and starting impulses of eight contacts, and the memory of their impacts. Arguments include the
+/// velocities along the normals (m/s) and the sums of the inverse masses (1/kg).
 ///
-/// The remembered tangential impulse is projected onto the new tangent plane.
+/// The stored tangential impulse is projected onto the new tangent plane.
 #[inline(always)]
 fn write_contacts<L: Lanes, T: Tangential>(
     contacts: &mut ContactLanes<Eight, T>,

@@ -1,4 +1,4 @@
-//! Which candidates touch, and the lane that each gets.
+//! Selection of active candidates, and assignment of lanes.
 
 use super::StepContext;
 use crate::detect::{Impulse, MemoryOfTask, PairCandidate};
@@ -8,7 +8,7 @@ use crate::partition::{LaneAssigner, PlannedTask, TaskGroups};
 use crate::world::Sphere;
 use nalgebra::Vector3;
 
-/// Packs the pairs of a task that touch.
+/// Packs the active pairs of a task.
 pub(super) struct AssignPairs<'a, const PERIODIC: bool> {
     pub context: &'a StepContext<'a>,
     pub task: &'a PlannedTask,
@@ -17,12 +17,12 @@ pub(super) struct AssignPairs<'a, const PERIODIC: bool> {
     pub groups: &'a mut TaskGroups,
     pub impulses: TaskSlots<'a, Impulse>,
     pub known: TaskSlots<'a, ImpactMemory>,
-    /// Which of the task's pairs bore an impulse, as bits: a byte a block.
+    /// Bit mask of the task's pairs active in the last step, one byte per block.
     pub borne: &'a mut [u8],
 }
 
 impl<const PERIODIC: bool> Kernel for AssignPairs<'_, PERIODIC> {
-    /// The number from which groups may begin that come after these.
+    /// Next free group number.
     type Output = u32;
 
     #[inline(always)]
@@ -30,7 +30,7 @@ impl<const PERIODIC: bool> Kernel for AssignPairs<'_, PERIODIC> {
         let AssignPairs { context, task, dummies, mut assigner, groups, impulses, known, borne } = self;
         let start = task.pairs.start;
         let candidates = &context.candidates.pairs[start as usize..task.pairs.end as usize];
-        // The grains of an interior lie together; those of a face, an edge or a corner here and there.
+        // Interior grains are contiguous in memory; grains of faces, edges and corners are scattered.
         let interior = task.is_interior();
         if context.fetches && interior {
             let grains = context.candidates.grains_of_box(task.home as usize);
@@ -39,7 +39,7 @@ impl<const PERIODIC: bool> Kernel for AssignPairs<'_, PERIODIC> {
         } else if context.fetches {
             (0..PREFETCH).for_each(|block| fetch(context, &assigner, candidates, block));
         }
-        // First the arithmetic, which the processor can run ahead with; then what depends on its outcome.
+        // First the arithmetic, which the processor can execute ahead; then the dependent branches.
         let mut touching = std::mem::take(&mut groups.touching);
         touching.clear();
         for (block, eight) in candidates.chunks(LANES).enumerate() {
@@ -49,7 +49,7 @@ impl<const PERIODIC: bool> Kernel for AssignPairs<'_, PERIODIC> {
             touching.push(touching_of::<L, PERIODIC>(context, eight));
         }
         let list = context.candidates.rebuilds;
-        // Where the same pairs touch as in the last step, they are packed already, as they would be again.
+        // If the same pairs are active as in the last step, the existing packing is still valid.
         if !groups.are_assigned_from(list) || *touching != *borne {
             groups.restart_pairs(list, dummies, context.effects);
             let candidates = Slots::of(candidates);
@@ -62,7 +62,7 @@ impl<const PERIODIC: bool> Kernel for AssignPairs<'_, PERIODIC> {
                     *borne = mask;
                 }
                 for &number in listed.list() {
-                    // Numbers below that of the candidates were listed.
+                    // The list contains only numbers below the number of candidates.
                     let pair = candidates.get_trusted(number);
                     let bodies = [pair.first, pair.second];
                     groups.put_pair(assigner.place(bodies), bodies, start + number, dummies);
@@ -75,20 +75,20 @@ impl<const PERIODIC: bool> Kernel for AssignPairs<'_, PERIODIC> {
     }
 }
 
-/// Distance of a grain's centre to a wall, over its radius, below which a slow grain may cross it in a step.
+/// Distance of a grain's centre to a wall, over its radius, below which a slow grain may cross the wall in a step.
 const DEEP: f64 = crate::wall::SHORT_WAY;
 
-/// Blocks of candidates whose distances are computed before they are packed.
+/// Number of candidate blocks whose distances are computed before packing.
 const BATCH: usize = 64;
 
-/// Numbers of candidates, of up to eight at a time.
+/// Numbers of candidates, appended up to eight at a time.
 struct Listed {
-    /// The list, and room for one block behind it.
+    /// List, with space for one block at its end.
     numbers: [u32; (BATCH + 1) * LANES],
     length: usize,
 }
 
-/// The lanes that a mask names, in their order.
+/// Lanes set in each mask, in ascending order.
 const NAMED: [[u8; LANES]; 1 << LANES] = {
     let mut named = [[0; LANES]; 1 << LANES];
     let mut mask = 0;
@@ -106,7 +106,7 @@ const NAMED: [[u8; LANES]; 1 << LANES] = {
     named
 };
 
-/// The number of lanes that a mask names.
+/// Number of lanes set in each mask.
 const COUNTS: [u8; 1 << LANES] = {
     let mut counts = [0; 1 << LANES];
     let mut mask = 0;
@@ -124,7 +124,7 @@ impl Default for Listed {
 }
 
 impl Listed {
-    /// Appends the numbers from `start` on that a mask of eight names. Which these are follows no pattern, so this does not branch.
+    /// Appends `start` plus each lane set in a mask of eight. The masks are unpredictable, so the code is free of branches.
     #[inline(always)]
     fn append(&mut self, start: u32, mask: u8) {
         let room = &mut self.numbers[self.length..self.length + LANES];
@@ -139,7 +139,7 @@ impl Listed {
     }
 }
 
-/// Asks for what is known of the bodies of a block of candidates.
+/// Prefetches the data of the bodies of a block of candidates.
 #[inline(always)]
 fn fetch(context: &StepContext<'_>, assigner: &LaneAssigner<'_>, candidates: &[PairCandidate], block: usize) {
     for pair in candidates.iter().skip(block * LANES).take(LANES) {
@@ -149,7 +149,7 @@ fn fetch(context: &StepContext<'_>, assigner: &LaneAssigner<'_>, candidates: &[P
     }
 }
 
-/// Which of up to eight candidates touch, as bits.
+/// Bit mask of the active ones among up to eight candidates.
 #[inline(always)]
 fn touching_of<L: Lanes, const PERIODIC: bool>(context: &StepContext<'_>, block: &[PairCandidate]) -> u8 {
     match block.try_into() {
@@ -161,7 +161,7 @@ fn touching_of<L: Lanes, const PERIODIC: bool>(context: &StepContext<'_>, block:
     }
 }
 
-/// Which of eight candidates touch, as bits.
+/// Bit mask of the active ones among eight candidates.
 #[inline(always)]
 fn touching<L: Lanes, const PERIODIC: bool>(context: &StepContext<'_>, block: &[PairCandidate; LANES]) -> u8 {
     let (first, second) = (block.map(|pair| pair.first), block.map(|pair| pair.second));
@@ -171,8 +171,8 @@ fn touching<L: Lanes, const PERIODIC: bool>(context: &StepContext<'_>, block: &[
     L::bits(dot(arm, arm).below(touch * touch)) as u8
 }
 
-/// Forgets what those of eight candidates bore that a mask names, and their impacts: a contact that closes, for the first time or again,
-/// starts from nothing.
+/// Clears the impulses and impacts of the candidates selected by a mask of eight: a contact that closes, for the first time or
+/// again, starts from zero.
 #[inline(always)]
 fn forget(impulses: TaskSlots<'_, Impulse>, impacts: TaskSlots<'_, ImpactMemory>, first: usize, closing: u8) {
     for lane in lanes_of(closing) {
@@ -182,8 +182,8 @@ fn forget(impulses: TaskSlots<'_, Impulse>, impacts: TaskSlots<'_, ImpactMemory>
 }
 
 impl StepContext<'_> {
-    /// Packs the contacts of a task that touch walls, those with driven walls or those with the others, behind the groups that are
-    /// there. The number from which groups may begin that come after these.
+    /// Packs the active wall contacts of a task, either those with dynamic walls or all others, after the existing groups.
+    /// Returns the next free group number.
     pub(super) fn assign_walls(
         &self,
         task: &PlannedTask,

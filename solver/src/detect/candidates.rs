@@ -1,4 +1,4 @@
-//! The candidate list: pairs and grain-wall pairs that may touch before it is rebuilt, sorted by task.
+//! Candidate list: grain pairs and grain-wall pairs that may come into contact before the next rebuild, sorted by task.
 
 use super::CellGrid;
 use super::drift::Drift;
@@ -16,13 +16,13 @@ use nalgebra::Vector3;
 use std::ops::Range;
 use std::sync::Mutex;
 
-/// Skin of the list towards walls over its skin towards grains. Grains drift together, but not with the walls.
+/// Skin of the list for walls over its skin for grains. Grains drift together, but not with the walls.
 const WALL_SKINS: f64 = 4.0;
 
-/// Blocks of pairs whose impulses are looked for before the first of them are read.
+/// Number of pair blocks whose impulses are located before the first of them are read.
 const BLOCKS: usize = 8;
 
-/// Two grains that may touch, by their places; the first has the smaller id.
+/// Body indices of two grains that may come into contact; the first grain has the smaller id.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C)]
 pub struct PairCandidate {
@@ -32,7 +32,7 @@ pub struct PairCandidate {
     pub second: u32,
 }
 
-/// A grain, by its place, and a surface that may touch.
+/// Body index of a grain, and a surface that may come into contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C)]
 pub struct WallCandidate {
@@ -42,20 +42,20 @@ pub struct WallCandidate {
     pub surface: u32,
 }
 
-/// Candidates and the impulses remembered for them.
+/// Candidates and their stored impulses.
 #[derive(Clone, Debug)]
 pub struct Candidates {
-    /// Pairs of grains, task after task.
+    /// Pairs of grains, ordered by task.
     pub pairs: Vec<PairCandidate>,
-    /// Grains and surfaces, task after task.
+    /// Grains and surfaces, ordered by task.
     pub walls: Vec<WallCandidate>,
-    /// Their impulses of the last step.
+    /// Impulses of the last step.
     pub impulses: ContactImpulses,
     /// Number of times that the list was built.
     pub rebuilds: u64,
     torques: bool,
     skin: f64,
-    /// Gap across which candidates matter before they touch, m.
+    /// Gap below which candidates matter before contact, m.
     range: f64,
     step: f64,
     grid: CellGrid,
@@ -68,12 +68,12 @@ pub struct Candidates {
     buffers: Buffers,
 }
 
-/// The candidates alone: what a step reads of them while it writes their impulses.
+/// Candidates without impulses, for reading while a step writes the impulses.
 #[derive(Clone, Copy)]
 pub(crate) struct CandidateList<'a> {
-    /// Pairs of grains, task after task.
+    /// Pairs of grains, ordered by task.
     pub pairs: &'a [PairCandidate],
-    /// Grains and surfaces, task after task.
+    /// Grains and surfaces, ordered by task.
     pub walls: &'a [WallCandidate],
     /// Number of times that the list was built.
     pub rebuilds: u64,
@@ -81,7 +81,7 @@ pub(crate) struct CandidateList<'a> {
 }
 
 impl CandidateList<'_> {
-    /// Places of the grains of a box, since the list was built.
+    /// Body indices of the grains of a box, as of the last build.
     pub fn grains_of_box(&self, number: usize) -> Range<usize> {
         self.grid.grains_of_box(number)
     }
@@ -100,7 +100,7 @@ struct Buffers {
 }
 
 impl Candidates {
-    /// No candidates yet, for a world of so many grains; `skin` in m, `step` in s; `torques` if contacts bear any.
+    /// Creates an empty list for the given number of grains; `skin` in m, `step` in s; `torques` if contacts transmit torques.
     pub fn new(boxes: &BoxGrid, world: &World, skin: f64, step: f64, torques: bool) -> Candidates {
         let (grains, (largest_radius, _)) = (world.grains(), world.largest_and_mean_radius());
         let range = world.range_of_cohesion();
@@ -124,30 +124,30 @@ impl Candidates {
         }
     }
 
-    /// Keeps angular impulses, none so far, or keeps none.
+    /// Enables or disables the storage of angular impulses, initially zero.
     pub(crate) fn bear_torques(&mut self, torques: bool) {
         self.torques = torques;
         self.impulses.pairs.resize(self.pairs.len(), torques);
         self.impulses.walls.resize(self.walls.len(), torques);
     }
 
-    /// Centres of the grains by place (m) and simulated time (s) when the list was built; absent while there is none.
+    /// Returns the centres of the grains in memory order (m) and the simulated time (s) at the last build; `None` without a list.
     pub(crate) fn built_from(&self) -> Option<(&[Vector3<f64>], f64)> {
         (self.rebuilds > 0).then_some((&self.reference, self.built_at))
     }
 
-    /// Most boxes that the domain is ever cut into with as many grains.
+    /// Returns the largest possible number of boxes of the domain for this number of grains.
     pub(crate) fn most_boxes(&self) -> usize {
         self.grid.boxes().most()
     }
 
-    /// The candidates, and apart from them what they bore.
+    /// Splits into the candidates and their impulses.
     pub(crate) fn split(&mut self) -> (CandidateList<'_>, &mut ContactImpulses) {
         let Candidates { pairs, walls, rebuilds, grid, impulses, .. } = self;
         (CandidateList { pairs, walls, rebuilds: *rebuilds, grid }, impulses)
     }
 
-    /// Returns true if a grain may have come within touch of a grain or a wall that the list does not know.
+    /// Returns true if a grain may have come into contact with a grain or a wall outside the list.
     pub fn are_stale(&mut self, world: &World, team: &Team) -> bool {
         if self.rebuilds == 0 || self.reference.len() != world.grains() {
             return true;
@@ -164,7 +164,7 @@ impl Candidates {
         })
     }
 
-    /// Returns true if a grain that is too fast for the step meets a wall on its way that the list does not know.
+    /// Returns true if a grain that is too fast for the step has a wall on its path that is not in the list.
     pub(crate) fn miss_a_wall(&self, world: &World, team: &Team) -> bool {
         let poses: Vec<Pose> = world.walls.poses_over(world.time, self.step).collect();
         let (walls, met) = (world.walls.placed(&poses), Mutex::new(Vec::new()));
@@ -188,14 +188,14 @@ impl Candidates {
         known < met.len()
     }
 
-    /// Puts the grains in the order of boxes and cells, builds the list anew and plans its tasks, keeping the impulses of
-    /// candidates that stay.
+    /// Sorts the grains by boxes and cells, rebuilds the list and plans its tasks. Impulses of persistent candidates are carried
+    /// over.
     pub fn rebuild(&mut self, world: &mut World, layout: &mut Layout, set: Available, team: &Team) {
         self.build(world, layout, set, team, None);
     }
 
-    /// Builds the list that was there, given the grains and walls where they were and what it held [beyond](Candidates::beyond) them. Absent
-    /// if these are no candidates.
+    /// Rebuilds a stored list, given the grains and walls at its build and its [extra](Candidates::beyond) candidates. Returns
+    /// `None` if these are not valid candidates.
     pub(crate) fn restore(
         &mut self,
         world: &mut World,
@@ -210,8 +210,8 @@ impl Candidates {
         known.then(|| self.build(world, layout, set, team, Some(beyond)))
     }
 
-    /// Grains and surfaces that are in the list although they were not near each other when it was built: grains that are too fast for the
-    /// step come to them within it. By id and number, in order.
+    /// Returns the extra candidates, which were not near each other at the build: grains too fast for the step reach these
+    /// surfaces within the step. Sorted by grain id and surface number.
     pub(crate) fn beyond(&self) -> &[(u32, u32)] {
         &self.beyond
     }
@@ -247,7 +247,7 @@ impl Candidates {
         self.rebuilds += 1;
     }
 
-    /// Keeps the impulses of the old list, under the grains' new places.
+    /// Stores the impulses of the old list by the grains' new indices.
     fn remember(&mut self, grains: usize, plan: &Plan, team: &Team) {
         let Buffers { new_places, remembered_pairs, remembered_walls, .. } = &mut self.buffers;
         let (pairs, walls, places) = (&self.pairs, &self.walls, &*new_places);
@@ -264,8 +264,8 @@ impl Candidates {
         remembered_walls.collect(grains, &OldList { key, of_task, memory, plan }, team);
     }
 
-    /// Each box looks for pairs and walls. Walls that grains come to within the step depend on velocities: they are looked for too, unless
-    /// those of a list that was there are given.
+    /// Searches the pairs and walls of each box. Walls on the paths of fast grains depend on velocities: the search includes
+    /// them, unless those of a stored list are given.
     fn search(&mut self, world: &World, set: Available, team: &Team, beyond: Option<&[(u32, u32)]>) {
         let look_ahead = beyond.is_none();
         let mut given = Vec::new();
@@ -298,7 +298,7 @@ impl Candidates {
         self.beyond.sort_unstable();
     }
 
-    /// Counts the candidates of each task and finds their places in the list.
+    /// Counts the candidates of each task and computes their offsets in the list.
     fn plan(&mut self, plan: &mut Plan, team: &Team) {
         let (boxes, grid) = (self.grid.boxes(), &self.grid);
         let Buffers { found, pair_starts, wall_starts, .. } = &mut self.buffers;
@@ -318,7 +318,7 @@ impl Candidates {
                 pair_starts[task + 1] += pair_starts[task];
             }
             plan.set(pair_starts, wall_starts);
-            // From here on the starts run ahead with what is placed.
+            // From here on, the starts advance as candidates are stored.
             for (number, found) in found.iter_mut().enumerate() {
                 for direction in (0..DIRECTIONS).filter(|&direction| found.counts[direction] > 0) {
                     let task = grid.task(number, direction);
@@ -329,7 +329,7 @@ impl Candidates {
         });
     }
 
-    /// Writes the list, and gives candidates that stay their impulses back.
+    /// Writes the list, and restores the impulses of persistent candidates.
     fn fill(&mut self, plan: &Plan, team: &Team) {
         let count = |of: fn(&Found) -> usize| self.buffers.found.iter().map(of).sum();
         let (pairs, walls): (usize, usize) = (count(|found| found.pairs.len()), count(|found| found.walls.len()));
@@ -344,7 +344,7 @@ impl Candidates {
             let mut targets = found.targets;
             for (&direction, &pair) in found.directions.iter().zip(&found.pairs) {
                 let target = &mut targets[direction as usize];
-                // SAFETY: each box has its own places in the list.
+                // SAFETY: each box has its own range of indices in the list.
                 *unsafe { pair_parts.at(*target as usize) } = pair;
                 *target += 1;
             }
@@ -363,7 +363,7 @@ impl Candidates {
                 .zip(pairs[range].chunks(BLOCKS * LANES))
                 .zip(borne.chunks_mut(BLOCKS))
             {
-                // First where the impulses of some pairs are, then the impulses, which take their time to come.
+                // First locate the impulses of some pairs, then load them: the loads have a long latency.
                 let (mut found, mut count) = ([(0, 0); BLOCKS * LANES], 0);
                 borne.fill(0);
                 for (place, pair) in pairs.iter().enumerate() {
@@ -386,7 +386,7 @@ impl Candidates {
         });
     }
 
-    /// Finds out which pairs bore an impulse, where impulses were written otherwise than by a step.
+    /// Finds the active pairs after impulses were written outside of a step.
     pub(crate) fn find_borne(&mut self, plan: &Plan) {
         self.impulses.borne.clear();
         for task in plan.tasks() {
@@ -418,7 +418,7 @@ impl Candidates {
     }
 }
 
-/// Gives a candidate what it bore before, and the impact that it is in.
+/// Sets the previous impulse and the current impact of a candidate.
 #[inline(always)]
 fn give(
     (impulse, impact, torque): (Impulse, ImpactMemory, AngularImpulse),

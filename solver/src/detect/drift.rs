@@ -1,11 +1,11 @@
-//! Check of the candidate list: displacements since it was built bound the pairs that it may lack.
+//! Check of the candidate list: displacements since the build bound the distances of missing pairs.
 //!
 //! In a flowing bed grains move far, but neighbours move alike. So displacements are bounded patch by patch, by a box in
-//! the space of displacements; two grains of the same or of adjacent patches have come closer by no more than the largest
-//! distance between points of the two boxes. Grains of patches that are not adjacent start a patch apart.
+//! displacement space. Two grains of the same or of adjacent patches approach by at most the largest distance between points of
+//! the two boxes. Grains of other patches start a patch apart.
 //!
-//! Bounds of a whole box of the grid hold those of its patches, and bounds of all boxes hold everything. Where these show that nothing
-//! has moved too far, nothing finer is looked at; what is found is the same.
+//! Bounds of a whole grid box contain those of its patches, and bounds of all boxes contain everything. If coarse bounds pass,
+//! finer bounds are skipped; the result is the same.
 
 use super::grid::{CellGrid, FORWARD};
 use crate::lanes::Number;
@@ -15,12 +15,12 @@ use crate::world::Sphere;
 use nalgebra::Vector3;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Bounds of displacements; kept from step to step.
+/// Bounds of displacements, with buffers reused over the steps.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Drift {
-    /// In each patch, box after box.
+    /// Bounds of each patch, box after box.
     patches: Vec<Bounds>,
-    /// In each box.
+    /// Bounds of each box.
     boxes: Vec<Bounds>,
 }
 
@@ -34,9 +34,9 @@ struct Bounds {
 /// Displacement, m.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Moved {
-    /// No grain has moved further.
+    /// Upper bound on the displacement of a grain.
     pub shift: f64,
-    /// No two grains of adjacent patches have come closer by more.
+    /// Upper bound on the approach of two grains of adjacent patches.
     pub approach: f64,
 }
 
@@ -55,7 +55,7 @@ impl Bounds {
         }
     }
 
-    /// Bounds of what is in these or in others.
+    /// Returns the union of two bounds.
     #[inline(always)]
     fn with(self, other: &Bounds) -> Bounds {
         Bounds {
@@ -64,7 +64,7 @@ impl Bounds {
         }
     }
 
-    /// Largest displacements: grains in these bounds by themselves, and towards each other and those in bounds beside them.
+    /// Returns the largest displacements: of grains within these bounds, and towards each other and grains within neighbour bounds.
     #[inline(always)]
     fn moved<'a>(&self, beside: impl Iterator<Item = &'a Bounds>) -> Moved {
         if self.is_empty() {
@@ -75,7 +75,7 @@ impl Bounds {
         Moved { shift: self.largest_squared().sqrt(), approach: approach.sqrt() }
     }
 
-    /// Largest distance between a point of each, squared; neither may be empty.
+    /// Largest distance between points of the two bounds, squared; neither may be empty.
     #[inline(always)]
     fn largest_distance_squared(&self, other: &Bounds) -> f64 {
         let mut square = 0.0;
@@ -93,7 +93,7 @@ impl Bounds {
     }
 }
 
-/// Bounds the displacements of a box's grains, patch by patch, and all of them.
+/// Bounds the displacements of a box's grains, per patch and in total.
 fn bound_box(
     grid: &CellGrid,
     number: usize,
@@ -112,7 +112,7 @@ fn bound_box(
 }
 
 impl Drift {
-    /// Returns true if what has moved from `reference` to `spheres`, both in the order of the grid, is `too_far`; if it is, more is so, too.
+    /// Returns true if the motion from `reference` to `spheres`, both in grid order, is `too_far`; this must be monotonic in the motion.
     pub fn is_too_far(
         &mut self,
         grid: &CellGrid,
@@ -144,7 +144,7 @@ impl Drift {
         found.into_inner()
     }
 
-    /// Checks the patches of a box, given the boxes around it.
+    /// Checks the patches of a box, given its neighbour boxes.
     fn is_patch_too_far(
         &self,
         grid: &CellGrid,

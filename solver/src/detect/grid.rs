@@ -1,5 +1,5 @@
-//! Grains sorted into cells by counting. Cells are a whole part of a box, so that grains in the order of cells are in the
-//! order of boxes too.
+//! Grains sorted into cells by counting sort. Boxes are divided into whole cells, so that grains in cell order are also in box
+//! order.
 
 use crate::partition::{BoxGrid, DIRECTIONS, SAME_BOX};
 use crate::schedule::{Phase, Team};
@@ -7,7 +7,7 @@ use crate::world::{World, by_chunk, chunk, chunks};
 use nalgebra::Vector3;
 use std::ops::Range;
 
-/// Cubic cells over the domain: the boxes, each cut into the same number of cells.
+/// Cubic cells over the domain; each box is divided into the same number of cells.
 #[derive(Clone, Debug)]
 pub struct CellGrid {
     boxes: BoxGrid,
@@ -16,25 +16,25 @@ pub struct CellGrid {
     /// Cells of a box along an axis.
     per_box: u32,
     size: [f64; 3],
-    /// Place of each cell's first grain; one more entry than cells.
+    /// Index of each cell's first grain, and a final end entry.
     start: Vec<u32>,
-    /// Old places of the grains, cell after cell.
+    /// Old indices of the grains, cell after cell.
     order: Vec<u32>,
     cell_of: Vec<u32>,
     /// Patches of a box's cells, in the order of the cells.
     runs: Vec<PatchRun>,
 }
 
-/// Cells of a box that follow each other and belong to one patch.
+/// Consecutive cells of a box that belong to one patch.
 #[derive(Clone, Copy, Debug)]
 struct PatchRun {
     /// Number of the patch in the box.
     patch: u32,
-    /// The first cell behind them.
+    /// End of the run: first cell after it.
     end: u32,
 }
 
-/// Neighbours of a cell that come after it, so that each pair of cells is visited once.
+/// Later neighbours of a cell, so that each pair of cells is visited once.
 pub(super) const FORWARD: [[i32; 3]; 13] = [
     [1, 0, 0],
     [-1, 1, 0],
@@ -52,7 +52,7 @@ pub(super) const FORWARD: [[i32; 3]; 13] = [
 ];
 
 impl CellGrid {
-    /// Cells no smaller than `reach` (m) in the boxes of a world of so many grains.
+    /// Creates cells no smaller than `reach` (m) in the boxes of a world with the given number of grains.
     pub fn new(boxes: &BoxGrid, grains: usize, reach: f64) -> CellGrid {
         let mut grid = CellGrid {
             boxes: boxes.clone(),
@@ -68,17 +68,17 @@ impl CellGrid {
         grid
     }
 
-    /// The boxes, as they were when grains were last sorted.
+    /// Returns the boxes as of the last sort.
     pub fn boxes(&self) -> &BoxGrid {
         &self.boxes
     }
 
-    /// Cuts each box into cells, and those into patches.
+    /// Divides each box into cells, and groups these into patches.
     fn cut_boxes(&mut self, grains: usize) {
         let boxes = &self.boxes;
-        // Empty cells cost time too: no more than about eight a grain.
+        // Empty cells cost time too: at most about eight per grain.
         let most = libm::cbrt((8.0 * grains as f64 + 4096.0) / boxes.boxes() as f64);
-        // Around a periodic axis a cell's two neighbours must be different ones.
+        // Around a periodic axis, the two neighbours of a cell must differ.
         let around = |axis: usize| f64::from(3_u32.div_ceil(boxes.counts()[axis]));
         let least = (0..3).filter(|&axis| boxes.period().is_periodic(axis)).map(around).fold(1.0, f64::max);
         let narrowest = boxes.widths().into_iter().fold(f64::INFINITY, f64::min);
@@ -98,8 +98,8 @@ impl CellGrid {
         }
     }
 
-    /// Sorts the grains of a world. Returns the old place of the grain that belongs at each new place. Grains of a cell keep
-    /// their order.
+    /// Sorts the grains of a world. Returns the old index of the grain at each new index. The order of grains within a cell is
+    /// preserved.
     pub fn sort(&mut self, world: &World, team: &Team) -> &[u32] {
         let grains = world.grains();
         let mut cell_of = std::mem::take(&mut self.cell_of);
@@ -122,7 +122,7 @@ impl CellGrid {
         &self.order
     }
 
-    /// Number of the cell of a point in the box of a number.
+    /// Number of the cell of a point in the given box.
     fn cell_in_box(&self, number: u32, point: &Vector3<f64>) -> u32 {
         let origin = self.boxes.origin();
         let point = self.boxes.period().wrapped(point, &origin);
@@ -189,13 +189,13 @@ impl CellGrid {
         self.start[cell] as usize..self.start[cell + 1] as usize
     }
 
-    /// Places of the grains of a box.
+    /// Returns the body indices of the grains of a box.
     pub fn grains_of_box(&self, number: usize) -> Range<usize> {
         let cells = self.cells_of_box();
         self.start[number * cells] as usize..self.start[(number + 1) * cells] as usize
     }
 
-    /// Patches of a box along an axis: cubes of at least two cells a side, where a box has so many.
+    /// Patches of a box along an axis: cubes of at least two cells per side, if the box has two.
     fn patches_per_box(&self) -> u32 {
         (self.per_box / 2).max(1)
     }
@@ -211,7 +211,7 @@ impl CellGrid {
         f64::from(self.per_box / self.patches_per_box()) * narrowest
     }
 
-    /// Calls `visit(patch, places)` for the grains of a box, those of one patch that lie together at a time; patches are numbered inside
+    /// Calls `visit(patch, places)` for the grains of a box, once per contiguous run of one patch; patches are numbered inside
     /// the box.
     #[inline]
     pub fn for_each_run(&self, number: usize, mut visit: impl FnMut(usize, Range<usize>)) {
@@ -227,7 +227,7 @@ impl CellGrid {
         }
     }
 
-    /// The patch that lies a step from one of a box, as the direction of its box and its number there.
+    /// Returns the neighbour patch at an offset from a patch of a box, as the direction of its box and its number there.
     #[inline]
     pub fn patch_beside(&self, patch: usize, step: [i32; 3]) -> (usize, usize) {
         beside(patch, self.patches_per_box() as usize, step)
@@ -238,13 +238,13 @@ impl CellGrid {
         (self.per_box * self.per_box * self.per_box) as usize
     }
 
-    /// The boxes around a box.
+    /// Returns the neighbours of a box.
     pub fn surroundings(&self, number: usize) -> Surroundings {
         Surroundings(self.boxes.around(number).map(|place| Some(place? * self.cells_of_box())))
     }
 
-    /// Fills in the grains of a cell of a box, and the runs of grains in the cells around it that come after it. Grains of one
-    /// cell are neighbours too.
+    /// Fills in the grains of a cell of a box, and the runs of grains in the later neighbour cells. Grains of one cell are
+    /// neighbours too.
     pub fn neighbourhood(&self, surroundings: &Surroundings, cell: usize, found: &mut Neighbourhood) {
         let Some(home) = surroundings.0[SAME_BOX] else { return };
         (found.home, found.count) = (self.grains(home + cell), 0);
@@ -259,20 +259,20 @@ impl CellGrid {
         }
     }
 
-    /// Task of the pairs of a box in a direction of a neighbourhood.
+    /// Returns the task of the pairs of a box in a direction of a neighbourhood.
     pub fn task(&self, number: usize, direction: usize) -> usize {
         self.boxes.task(number, direction)
     }
 }
 
-/// The cell, or patch, that lies a step from one of a box that is cut into so many along each axis: the direction of its box, which
-/// may be the next one, and its number there.
+/// Finds the neighbour cell or patch at an offset, given the number of cells or patches of a box per axis. Returns the direction
+/// of its box, which may be the next one, and its number there.
 #[inline(always)]
 fn beside(number: usize, per_box: usize, step: [i32; 3]) -> (usize, usize) {
     let inside = [number % per_box, number / per_box % per_box, number / (per_box * per_box)];
     let (mut direction, mut place) = (0, 0);
     for axis in (0..3).rev() {
-        // One cell further may be the first or last one of the next box.
+        // The next cell may be the first or last one of the neighbour box.
         let (towards, next) = match (step[axis], inside[axis]) {
             (-1, 0) => (0, per_box - 1),
             (1, last) if last + 1 == per_box => (2, 0),
@@ -284,11 +284,11 @@ fn beside(number: usize, per_box: usize, step: [i32; 3]) -> (usize, usize) {
     (direction, place)
 }
 
-/// Numbers of the first cells of a box and of those around it, by direction as in [`Neighbourhood::runs`]; none where the domain
-/// ends.
+/// Numbers of the first cells of a box and of its neighbours, by direction as in [`Neighbourhood::runs`]; `None` beyond the
+/// domain.
 pub struct Surroundings([Option<usize>; DIRECTIONS]);
 
-/// A cell's grains and those that may touch them, by place.
+/// Body indices of a cell's grains and their potential contacts.
 #[derive(Default)]
 pub struct Neighbourhood {
     /// Grains of the cell.
@@ -298,13 +298,13 @@ pub struct Neighbourhood {
 }
 
 impl Neighbourhood {
-    /// Runs of grains that lie together in memory, with the direction of their box: from the home box by -1, 0 or 1 along
-    /// x, y and z, as `(dx + 1) + 3 (dy + 1) + 9 (dz + 1)`.
+    /// Returns runs of grains that are contiguous in memory, with the direction of their box: offset -1, 0 or 1 from the home box
+    /// along x, y and z, as `(dx + 1) + 3 (dy + 1) + 9 (dz + 1)`.
     pub fn runs(&self) -> &[(Range<usize>, usize)] {
         &self.runs[..self.count]
     }
 
-    /// Adds a run; cells that follow each other in memory make one.
+    /// Adds a run; contiguous cells are merged into one run.
     fn add(&mut self, run: Range<usize>, direction: usize) {
         if run.is_empty() {
             return;

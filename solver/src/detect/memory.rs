@@ -6,7 +6,7 @@ use crate::partition::{ByBlocks, ByBodies, ByCandidates, Plan, PlannedTask, Task
 use crate::schedule::{Phase, Team};
 use bytemuck::{Pod, Zeroable};
 
-/// Impulses and impacts of the contacts of an old list, grouped by their first grain's new place.
+/// Impulses and impacts of the contacts of an old list, grouped by the new index of their first grain.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Remembered {
     start: Vec<u32>,
@@ -14,9 +14,8 @@ pub(super) struct Remembered {
     memory: Memory,
 }
 
-/// An old list: what each candidate is known by (new place of its first grain, anything for its partner), the candidates of a
-/// task that may have borne an impulse, what they keep, and the plan of tasks.
-/// Tasks of a stage share no first grain.
+/// Old list: key of each candidate (new index of its first grain, any key for its partner), the possibly active candidates of a
+/// task, their memory, and the plan of tasks. Tasks of a stage share no first grain.
 pub(super) struct OldList<'a, K, T> {
     pub key: K,
     pub of_task: T,
@@ -57,7 +56,7 @@ impl Remembered {
             resize(&mut self.partners, self.start[grains] as usize, 0);
             self.memory.resize(self.start[grains] as usize, !torques.is_empty());
         });
-        // A grain's entries are its own, as the grain is its task's.
+        // Each grain belongs to one task, and its entries belong to this grain.
         let grouped = [&mut self.start, &mut self.partners].map(|numbers| ByBodies::of(numbers));
         let Memory { impulses: to, impacts: impacts_to, torques: torques_to } = &mut self.memory;
         let borne = (ByBodies::of(to), ByBodies::of(impacts_to), ByBodies::of(torques_to));
@@ -85,7 +84,7 @@ impl Remembered {
         self.start[0] = 0;
     }
 
-    /// Finds the impulses of a candidate, if it had any, and prefetches them.
+    /// Finds the impulses of a candidate, if any, and prefetches them.
     #[inline]
     pub fn find(&self, (first, partner): (u32, u32)) -> Option<u32> {
         let start = self.start[first as usize] as usize;
@@ -95,7 +94,7 @@ impl Remembered {
         Some(place as u32)
     }
 
-    /// The impulses and the impact that were found at a place.
+    /// Returns the impulses and the impact at an index found by [`Self::find`].
     #[inline]
     pub fn recall(&self, place: u32) -> (Impulse, ImpactMemory, AngularImpulse) {
         let (place, Memory { impulses, impacts, torques }) = (place as usize, &self.memory);
@@ -107,7 +106,7 @@ impl Remembered {
     }
 }
 
-/// Resizes a vector whose length wavers: with a sixteenth to spare where it must grow, not twice the memory.
+/// Resizes a vector of fluctuating length: growth reserves a sixteenth, instead of doubling the memory.
 pub(super) fn resize<T: Clone>(vector: &mut Vec<T>, length: usize, value: T) {
     if length > vector.capacity() {
         vector.reserve_exact(length + length / 16 - vector.len());
@@ -115,7 +114,7 @@ pub(super) fn resize<T: Clone>(vector: &mut Vec<T>, length: usize, value: T) {
     vector.resize(length, value);
 }
 
-/// Impulse that a candidate bore in the last step, N s; the tangential part is a world vector. One quad.
+/// Impulse of a candidate in the last step, N s; the tangential part is a world vector. Size: four numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C, align(32))]
 pub struct Impulse {
@@ -126,26 +125,26 @@ pub struct Impulse {
 }
 
 impl Impulse {
-    /// Returns true if it is zero to the last bit: a negative zero is none.
+    /// Returns true if all bits are zero: a negative zero is not blank.
     pub(crate) fn is_blank(&self) -> bool {
         let [x, y, z] = self.tangential;
         [self.normal, x, y, z].iter().all(|component| component.to_bits() == 0)
     }
 }
 
-/// Angular impulse that a candidate bore in the last step, on its second side, N m s.
+/// Angular impulse of a candidate in the last step, on its second side, N m s.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct AngularImpulse(pub [f64; 3]);
 
-/// Impulses and impacts of the last step, by candidate of one kind. Behind them all lie an impulse of zero and an empty impact.
+/// Impulses and impacts of the last step, by candidate of one kind, followed by a zero impulse and an empty impact.
 #[derive(Clone, Debug, Default)]
 pub struct Memory {
     /// Impulses.
     pub impulses: Vec<Impulse>,
     /// Impacts.
     pub impacts: Vec<ImpactMemory>,
-    /// Angular impulses, where contacts bear torques; empty elsewhere. They mean nothing where the normal impulse is zero.
+    /// Angular impulses, if contacts transmit torques; otherwise empty. Meaningless if the normal impulse is zero.
     pub torques: Vec<AngularImpulse>,
 }
 
@@ -157,11 +156,11 @@ pub(crate) struct MemoryOfTask<'a> {
     pub torques: TaskSlots<'a, AngularImpulse>,
 }
 
-/// Partition among tasks that run at the same time: each candidate belongs to one task.
+/// Partition among concurrent tasks: each candidate belongs to one task.
 type MemoryShares<'a> = (ByCandidates<'a, Impulse>, ByCandidates<'a, ImpactMemory>, ByCandidates<'a, AngularImpulse>);
 
 impl Memory {
-    /// Makes room for so many candidates, and for torques if contacts bear any.
+    /// Resizes for the given number of candidates, and for torques if contacts transmit torques.
     pub(crate) fn resize(&mut self, count: usize, torques: bool) {
         resize(&mut self.impulses, count + 1, Impulse::default());
         resize(&mut self.impacts, count + 1, ImpactMemory::default());
@@ -169,7 +168,7 @@ impl Memory {
         resize(&mut self.torques, if torques { count } else { 0 }, AngularImpulse::default());
     }
 
-    /// Sets impulse, impact and angular impulse (N m s) of a candidate; the last only where contacts bear torques.
+    /// Sets impulse, impact and angular impulse (N m s) of a candidate; the last only if contacts transmit torques.
     pub(crate) fn set(&mut self, candidate: usize, impulse: Impulse, impact: ImpactMemory, torque: [f64; 3]) {
         (self.impulses[candidate], self.impacts[candidate]) = (impulse, impact);
         if let Some(place) = self.torques.get_mut(candidate) {
@@ -177,7 +176,7 @@ impl Memory {
         }
     }
 
-    /// Returns true if a candidate has an impulse that is not zero to the last bit, or an impact.
+    /// Returns true if a candidate has an impulse with any bit set, or an impact.
     pub(crate) fn is_known(&self, candidate: usize) -> bool {
         !self.impulses[candidate].is_blank() || self.impacts[candidate].touches()
     }
@@ -203,10 +202,10 @@ impl<'a> From<<MemoryShares<'a> as TaskShares>::Share> for MemoryOfTask<'a> {
 /// Impulses and impacts of all candidates in the last step.
 #[derive(Clone, Debug)]
 pub struct ContactImpulses {
-    /// Memory of each pair that bore an impulse; without meaning for other pairs.
+    /// Memory of each active pair; meaningless for other pairs.
     pub pairs: Memory,
-    /// Which pairs bore an impulse, or may have: those that were contacts in the last step, and since the list was built those that
-    /// were given one. Bits, a byte for each block of a task's pairs.
+    /// Bit mask of active or possibly active pairs: contacts of the last step, and pairs with an impulse set since the list was
+    /// built. One byte per block of a task's pairs.
     pub(crate) borne: Vec<u8>,
     /// Memory of each grain and surface.
     pub walls: Memory,
@@ -221,7 +220,7 @@ impl Default for ContactImpulses {
 }
 
 impl ContactImpulses {
-    /// Memories of the candidates of each task, pairs and walls, and for each block of its pairs a mask of those that have one.
+    /// Partitions the memories of pairs and walls, and the masks of active pairs per block, by task.
     pub(crate) fn shares(&mut self) -> ([MemoryShares<'_>; 2], ByBlocks<'_, u8>) {
         ([self.pairs.shares(), self.walls.shares()], ByBlocks::of(&mut self.borne))
     }

@@ -1,9 +1,9 @@
-//! Which grains and walls may touch: a counting-sorted cell grid, and a candidate list that lives for many steps.
+//! Detection of potential contacts: a counting-sorted cell grid, and a candidate list that is valid for many steps.
 //!
-//! Candidates reach a skin further than contact. They stay valid until neighbouring grains (or a grain and a wall) can have
-//! come closer by more than the skin; gap and normal are computed anew in each step. Impulses are remembered a candidate, so
-//! that warm starting needs no matching but when the list is rebuilt. With the list grains are put in the order of boxes
-//! and cells anew, so that what is near in space is near in memory.
+//! Candidates lie within contact distance plus a skin. They stay valid until neighbouring grains (or a grain and a wall) may have
+//! approached by more than the skin; gap and normal are recomputed in each step. Impulses are stored per candidate, so that warm
+//! starting needs no matching except at a rebuild. A rebuild also sorts the grains by boxes and cells, so that neighbours in
+//! space are neighbours in memory.
 
 mod candidates;
 mod drift;

@@ -1,11 +1,11 @@
-//! Grains taken together, as most of them are far from most walls: a face farther from the middle of a crowd than
+//! Bounding balls of blocks of grains: most grains are far from most walls. A face farther from the middle of a block than
 //!
 //! ```text
-//! R + r + s + h (u + w)     R: half the diagonal of the crowd's centres, r: largest radius, s: skin, h: step,
+//! R + r + s + h (u + w)     R: half the diagonal of the block's centres, r: largest radius, s: skin, h: step,
 //!                           u: largest speed of a grain, w: largest speed of the face within R of the middle
 //! ```
 //!
-//! comes within its skin of none of the crowd's grains, whichever way they fly in the step.
+//! stays outside the skin of all grains of the block, for any direction of motion in the step.
 
 use crate::laws::period::Period;
 use crate::wall::{PlacedFace, WallsAt};
@@ -15,20 +15,20 @@ use std::ops::Range;
 
 type Vector = Vector3<f64>;
 
-/// Grains of a block, which lie together in memory and so in space.
+/// Grains of a block, which are adjacent in memory and so in space.
 const BLOCK: usize = 64;
 
-/// Largest rounding error of a distance, over the length that it is compared with.
+/// Largest rounding error of a distance, relative to the compared length.
 const SLACK: f64 = 1e-9;
 
-/// Grains one behind the other.
+/// Consecutive grains in memory.
 #[derive(Clone, Copy)]
 pub(crate) struct Row<'a> {
-    /// Place of the first.
+    /// Body index of the first grain.
     pub first: usize,
     pub spheres: &'a [Sphere],
     pub bodies: &'a [Body],
-    /// Axes along which space repeats itself, and the lower corner of the domain, m.
+    /// Periodic axes, and the lower corner of the domain, m.
     pub period: &'a Period,
     pub low: &'a Vector,
 }
@@ -49,27 +49,27 @@ impl<'a> Row<'a> {
         })
     }
 
-    /// Place, sphere and body of each grain.
+    /// Index, sphere and body of each grain.
     fn grains(&self) -> impl Iterator<Item = (usize, &'a Sphere, &'a Body)> + use<'a> {
         let grains = (self.first..).zip(self.spheres).zip(self.bodies);
         grains.map(|((place, sphere), body)| (place, sphere, body))
     }
 }
 
-/// Grains taken together.
+/// Block of grains.
 pub(super) struct Crowd<'a> {
     row: Row<'a>,
-    /// Middle of a ball that holds their centres, and its radius, m.
+    /// Middle of a ball around their centres, and its radius, m.
     pub centre: Vector,
     pub half: f64,
-    /// Radius of the largest, m.
+    /// Largest radius, m.
     radius: f64,
-    /// Speed of the fastest, m/s.
+    /// Largest speed, m/s.
     fastest: f64,
 }
 
 impl<'a> Crowd<'a> {
-    /// The grains of a row, of which there is one at least.
+    /// Bounds the grains of a row with at least one grain.
     pub fn of(row: Row<'a>) -> Crowd<'a> {
         let wrapped = |sphere: &Sphere| row.period.wrapped(&sphere.centre, row.low);
         let first = wrapped(&row.spheres[0]);
@@ -85,12 +85,12 @@ impl<'a> Crowd<'a> {
         Crowd { row, centre, half, radius, fastest: fastest.sqrt() }
     }
 
-    /// Place, sphere and body of each grain.
+    /// Index, sphere and body of each grain.
     pub fn grains(&self) -> impl Iterator<Item = (usize, &'a Sphere, &'a Body)> + use<'a> {
         self.row.grains()
     }
 
-    /// Largest approach of the grains towards a face of a speed (m/s) within a step (s), m; nothing if none is too fast for the step.
+    /// Largest approach of the grains to a face of a speed (m/s) within a step (s), m; zero if no grain is too fast for the step.
     pub fn ahead(&self, speed: f64, step: f64) -> f64 {
         let path = self.longest_path(speed, step);
         if path > self.radius { path } else { 0.0 }
@@ -100,14 +100,14 @@ impl<'a> Crowd<'a> {
         (self.fastest + speed) * step
     }
 
-    /// False if no grain is nearer to a face than touch and `beyond` (m).
+    /// Returns false if every grain is farther from a face than contact plus `beyond` (m).
     pub fn may_touch(&self, face: &PlacedFace<'_>, beyond: f64) -> bool {
         face.distance(&self.centre) < (self.half + self.radius + beyond) * (1.0 + SLACK)
     }
 }
 
-/// Visits the grains of a row, each with every face that it may touch within a step (s), given the walls through the step, and with
-/// others; in no order that means anything, and perhaps more than once.
+/// Visits the grains of a row with every face that each may contact within a step (s), given the walls through the step, and
+/// possibly with other faces. The order is arbitrary, and visits may repeat.
 pub(crate) fn for_each_on_the_way<'a>(
     row: Row<'_>,
     walls: &WallsAt<'a>,

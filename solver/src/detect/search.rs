@@ -1,4 +1,4 @@
-//! The search of one box: pairs of grains, and grains and faces of walls, that may touch before the list is built anew.
+//! Search of one box: pairs of grains, and grains and faces of walls, that may come into contact before the next rebuild.
 
 use super::grid::{CellGrid, Neighbourhood};
 use super::reach::{Crowd, Row};
@@ -22,7 +22,7 @@ pub(super) struct Found {
     pub targets: [u32; DIRECTIONS],
     /// Grains and faces, in the order of faces and grains.
     pub walls: Vec<WallCandidate>,
-    /// Candidates among them that are apart: the grain reaches the face within the step.
+    /// Extra candidates among them, not near each other: the grain reaches the face within the step.
     pub beyond: Vec<WallCandidate>,
 }
 
@@ -43,9 +43,9 @@ impl Found {
     }
 }
 
-/// Finds the faces of walls that the grains of a box may touch.
+/// Finds the candidate faces of walls for the grains of a box.
 ///
-/// A grain too fast for the step also finds what it comes to within the step, where that is asked for.
+/// If requested, grains too fast for the step also find the faces on their path within the step.
 pub(super) struct WallSearch<'a> {
     pub world: &'a World,
     pub walls: WallsAt<'a>,
@@ -53,12 +53,12 @@ pub(super) struct WallSearch<'a> {
     pub skin: f64,
     /// Time step, s.
     pub step: f64,
-    /// True if faces that grains reach within the step are searched as well.
+    /// True if the search includes faces that grains reach within the step.
     pub look_ahead: bool,
 }
 
 impl WallSearch<'_> {
-    /// Lists the candidates of the grains at these places: face after face, and grain after grain.
+    /// Lists the candidates of the grains at these indices: face after face, and grain after grain.
     pub fn run(&self, places: Range<usize>, found: &mut Found) {
         found.walls.clear();
         found.beyond.clear();
@@ -74,7 +74,7 @@ impl WallSearch<'_> {
             for surface in faces {
                 let face = self.walls.face(surface);
                 let ahead = self.ahead(&crowd, face.largest_speed(&crowd.centre, crowd.half));
-                // Whole boxes are far from most faces.
+                // Most faces are far from whole boxes.
                 if !crowd.may_touch(&face, self.skin + ahead) {
                     continue;
                 }
@@ -91,7 +91,7 @@ impl WallSearch<'_> {
         }
     }
 
-    /// Lists the same for a wall with an index, which each grain asks for its own faces.
+    /// Lists the candidates of a wall with a spatial index, which each grain queries for its own faces.
     fn search_index(&self, wall: u32, pose: &Pose, crowd: &Crowd<'_>, found: &mut Found) {
         let (start, beyond) = (found.walls.len(), found.beyond.len());
         let fast = self.ahead(crowd, pose.largest_speed(&crowd.centre, crowd.half)) > 0.0;
@@ -114,14 +114,14 @@ impl WallSearch<'_> {
                 }
             });
         }
-        // In the order in which all faces would have been asked, and once, however often the index comes upon a face.
+        // Restore the order of a loop over all faces, and remove duplicate hits of the index.
         found.walls[start..].sort_unstable_by_key(|one| (one.surface, one.body));
         found.walls.dedup();
         found.beyond[beyond..].sort_unstable_by_key(|one| (one.surface, one.body));
         found.beyond.dedup();
     }
 
-    /// Distance that the grains may travel towards a face of a speed (m/s) within a step, m; zero if none is too fast for it.
+    /// Path length of the grains towards a face of a speed (m/s) within a step, m; zero if no grain is too fast for the face.
     fn ahead(&self, crowd: &Crowd<'_>, speed: f64) -> f64 {
         if self.look_ahead { crowd.ahead(speed, self.step) } else { 0.0 }
     }
@@ -131,7 +131,7 @@ impl WallSearch<'_> {
     }
 }
 
-/// Makes room for an eighth more pairs: doubling would waste memory that large scenes need.
+/// Reserves an eighth more pairs: doubling would waste memory that large scenes need.
 #[cold]
 #[inline(never)]
 fn make_room(pairs: &mut Vec<PairCandidate>, directions: &mut Vec<u8>) {
@@ -139,7 +139,7 @@ fn make_room(pairs: &mut Vec<PairCandidate>, directions: &mut Vec<u8>) {
     directions.reserve_exact(pairs.capacity() - directions.len());
 }
 
-/// Finds the pairs of a box: eight neighbours of a grain at a time.
+/// Finds the pairs of a box, eight neighbours of a grain at a time.
 pub(super) struct PairSearch<'a, const PERIODIC: bool> {
     pub world: &'a World,
     pub grid: &'a CellGrid,
@@ -180,7 +180,7 @@ impl<const PERIODIC: bool> Kernel for PairSearch<'_, PERIODIC> {
                         while near != 0 {
                             let other = start + near.trailing_zeros() as usize;
                             near &= near - 1;
-                            // The grain with the smaller id comes first, wherever the two lie in memory.
+                            // The grain with the smaller id comes first, in any memory order.
                             let (first, second) = if ids[grain] < ids[other] { (grain, other) } else { (other, grain) };
                             let pair = PairCandidate { first: first as u32, second: second as u32 };
                             if pairs.len() == pairs.capacity() {

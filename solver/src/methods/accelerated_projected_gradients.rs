@@ -1,7 +1,7 @@
 //! Accelerated projected gradient descent.
 //!
-//! After H. Mazhar, T. Heyn, D. Negrut and A. Tasora, *Using Nesterov's method to accelerate multibody dynamics with friction and
-//! contact*, ACM Transactions on Graphics 34 (2015), in the metric of the operator's diagonal D:
+//! Method of H. Mazhar, T. Heyn, D. Negrut and A. Tasora, *Using Nesterov's method to accelerate multibody dynamics with friction
+//! and contact*, ACM Transactions on Graphics 34 (2015), in the metric of the operator's diagonal D:
 //!
 //! ```text
 //! x_k+1     = P(y_k - D^-1 g(y_k) / L)        g(y) = S y - b; L doubles while d.S d > L d.D d, d = x_k+1 - y_k
@@ -9,23 +9,23 @@
 //! y_k+1     = x_k+1 + theta_k (1 - theta_k) / (theta_k^2 + theta_k+1) (x_k+1 - x_k)
 //! ```
 //!
-//! with a restart (theta = 1, y = x) where `g.(x_k+1 - x_k) > 0` and L decaying by a tenth an iteration. For the quadratic dual
-//! `f(x) - f(y) - g.d` is `d.S d / 2`: the kinetic energy of the change of velocities and a compliant part, so that
-//! backtracking evaluates no function and loses no digits.
+//! with a restart (theta = 1, y = x) if `g.(x_k+1 - x_k) > 0`, and L decaying by a tenth per iteration. For the quadratic dual,
+//! `f(x) - f(y) - g.d` is `d.S d / 2`: the kinetic energy of the change of velocities and a compliant part. So backtracking
+//! evaluates no function and loses no digits.
 //!
-//! The paper's projection is the orthogonal one onto the cone, which makes the problem convex and lets sliding contacts dilate. Here P
-//! is the exact Coulomb law, first the normal impulse and then the disc at that impulse. A fixed point obeys Coulomb, but it
-//! minimises no function, so the theory (rate 1/k^2, descent) holds for scenes without friction only; with friction the method is a
+//! The paper projects orthogonally onto the cone, which makes the problem convex and lets sliding contacts dilate. Here P is the
+//! exact Coulomb law, first the normal impulse and then the disc at that impulse. A fixed point satisfies Coulomb's law but
+//! minimises no function, so the theory (rate 1/k^2, descent) holds only without friction; with friction the method is a
 //! heuristic that may stall.
 
 use super::problem::State;
 use super::{Method, Problem};
 use crate::sweep::{ResidualLevel, Residuals};
 
-/// The operator scaled by its diagonal has a trace of one a row, so its largest eigenvalue is no smaller.
+/// Lower bound of the largest eigenvalue: the operator scaled by its diagonal has a trace of one per row.
 const SMALLEST_CURVATURE: f64 = 1.0;
 
-/// It is no larger than the number of contacts of a grain (see `jacobi`): only rounding doubles as far as this.
+/// Upper bound of L. The eigenvalue is at most the number of contacts of a grain (see `jacobi`): only rounding errors reach this bound.
 const LARGEST_CURVATURE: f64 = 1e3;
 
 /// Factor of L after an iteration.
@@ -34,11 +34,11 @@ const DECAY: f64 = 0.9;
 /// Accelerated projected gradients.
 #[derive(Clone, Debug, Default)]
 pub(super) struct AcceleratedProjectedGradients {
-    /// x of the last iteration.
+    /// Point x of the last iteration.
     last: State,
-    /// y, where the gradient is taken.
+    /// Point y of the gradient.
     ahead: State,
-    /// Room for the change of velocities.
+    /// Buffer for the change of velocities.
     change: State,
     curvature: f64,
     theta: f64,
@@ -57,7 +57,7 @@ impl Method for AcceleratedProjectedGradients {
     }
 
     fn iterate(&mut self, problem: &mut Problem<'_>, _: ResidualLevel) -> Option<Residuals> {
-        // y = x + momentum (x - last), last = x.
+        // Update y = x + momentum (x - last), last = x.
         let here = [1.0, 0.0, 0.0];
         let coefficients = [here, here, [1.0 + self.momentum, -self.momentum, 0.0]];
         problem.transform(&coefficients, &mut self.last, &mut self.ahead);

@@ -1,19 +1,19 @@
-//! Gauss-Seidel with Anderson's acceleration.
+//! Gauss-Seidel with Anderson acceleration.
 //!
-//! After D. G. Anderson, *Iterative procedures for nonlinear integral equations*, Journal of the ACM 12 (1965), in the form of H. F.
-//! Walker and P. Ni, SIAM Journal on Numerical Analysis 49 (2011). With a sweep G and its change `F_j = G(x_j) - x_j`,
+//! Method of D. G. Anderson, *Iterative procedures for nonlinear integral equations*, Journal of the ACM 12 (1965), in the form
+//! of H. F. Walker and P. Ni, SIAM Journal on Numerical Analysis 49 (2011). With a sweep G and its change `F_j = G(x_j) - x_j`,
 //!
 //! ```text
 //! x_k+1 = sum_j c_j G(x_j)     c minimises |sum_j c_j F_j|, sum_j c_j = 1, over the last m + 1 sweeps
 //! ```
 //!
-//! Changes are weighed by their kinetic energy, that is by the velocities that go with them. This is the norm of the operator
-//! without compliance, it makes grains of any mass comparable, and it needs no vector over contacts. An iteration extrapolates
-//! first and then sweeps, so that it leaves impulses inside their cones.
+//! The weight of a change is its kinetic energy, computed from the corresponding velocities. This is the norm of the operator
+//! without compliance; grains of any mass become comparable, and no vector over contacts is needed. An iteration extrapolates
+//! first and then sweeps, so that impulses end inside their cones.
 //!
-//! The map is not smooth, so an extrapolation may lead astray. Where the sweep after it changes more than the last one did by
-//! more than half, it is taken back: the iteration sweeps again from where the last one ended, without over-relaxation
-//! from then on, and the memory starts anew.
+//! The map is not smooth, so an extrapolation may fail. If the next sweep's change exceeds 1.5 times that of the last sweep, the
+//! extrapolation is reverted: the iteration sweeps again from the end of the last one, without over-relaxation from then on, and
+//! the memory is cleared.
 
 use super::gauss_seidel::OverRelaxation;
 use super::problem::State;
@@ -22,33 +22,33 @@ use super::{Method, Problem};
 use crate::sweep::{ResidualLevel, Residuals};
 use crate::world::Body;
 
-/// A sweep's residual over the last one's from which an extrapolation is taken back.
+/// Ratio of successive sweep residuals above which an extrapolation is reverted.
 const SAFEGUARD: f64 = 1.5;
 
-/// Share of each diagonal entry that is added to it: the changes of late sweeps are nearly dependent.
+/// Relative increase of each diagonal entry: the changes of late sweeps are nearly dependent.
 const REGULARISATION: f64 = 1e-12;
 
-/// Anderson's acceleration.
+/// Anderson acceleration.
 #[derive(Clone, Debug)]
 pub(super) struct Anderson {
     factor: OverRelaxation,
-    /// Results of the last sweeps, in a ring.
+    /// Results of the last sweeps, in a ring buffer.
     swept: Vec<State>,
     /// Changes of velocities by the same sweeps.
     changes: Vec<Vec<Body>>,
     /// Products of the changes, J.
     products: [[f64; MOST]; MOST],
-    /// Place of the last sweep in the ring, and how many are remembered.
+    /// Index of the last sweep in the ring buffer, and number of stored sweeps.
     newest: usize,
     remembered: usize,
     /// Residual of the last sweep, m/s.
     last: f64,
-    /// Velocities where a sweep begins.
+    /// Velocities at the start of a sweep.
     before: Vec<Body>,
 }
 
 impl Anderson {
-    /// With so many earlier sweeps remembered, at most [`MOST_MEMORY`](crate::scene::MOST_MEMORY).
+    /// Creates the method with a memory of at most [`MOST_MEMORY`](crate::scene::MOST_MEMORY) earlier sweeps.
     pub fn new(memory: u32) -> Anderson {
         let slots = (memory as usize + 1).min(MOST);
         Anderson {
@@ -63,7 +63,7 @@ impl Anderson {
         }
     }
 
-    /// Sweeps from the present state and remembers what that did.
+    /// Sweeps from the present state and stores the result.
     fn sweep(&mut self, problem: &mut Problem<'_>) -> Option<Residuals> {
         self.before.copy_from_slice(problem.bodies);
         problem.sweep(self.factor.value, ResidualLevel::Directions)
@@ -86,7 +86,7 @@ impl Anderson {
         }
     }
 
-    /// The present state becomes the best combination of what sweeps left; false where there is none but the last.
+    /// Replaces the present state by the best combination of sweep results; returns false if only the last one is stored.
     fn extrapolate(&mut self, problem: &mut Problem<'_>) -> bool {
         let (slots, count) = (self.swept.len(), self.remembered);
         let slot = |age: usize| (self.newest + slots - age) % slots;
@@ -106,8 +106,8 @@ impl Anderson {
     }
 }
 
-/// Weights c with sum one that minimise `c.A c`: `A z = 1`, `c = z / sum z`, by Cholesky. Absent where A is not positive or
-/// there is nothing to weigh.
+/// Weights c of sum one that minimise `c.A c`: `A z = 1`, `c = z / sum z`, by Cholesky. Returns `None` with fewer than two
+/// sweeps, if A is not positive definite, or if the sum of z is not positive.
 fn weights(mut a: [[f64; MOST]; MOST], count: usize) -> Option<[f64; MOST]> {
     if count < 2 {
         return None;

@@ -1,11 +1,11 @@
-//! Projected Gauss-Seidel: contacts are relaxed one after another, each with the velocities that the last one left.
+//! Projected Gauss-Seidel: contacts are relaxed one after another, each with the latest velocities.
 //!
-//! Boxes and lane groups make it parallel without changing what it is: see [`partition`](crate::partition).
+//! Boxes and lane groups parallelise the method without changing it: see [`partition`](crate::partition).
 
 use super::{Method, Problem};
 use crate::sweep::{ResidualLevel, Residuals};
 
-/// Sweeps, over-relaxed as long as that helps.
+/// Sweeps, over-relaxed until the residual grows.
 #[derive(Clone, Debug, Default)]
 pub(super) struct GaussSeidel {
     factor: OverRelaxation,
@@ -29,8 +29,8 @@ impl Method for GaussSeidel {
     }
 }
 
-/// Over-relaxation that falls back to 1 for the rest of the solve once the residual has grown since it was last measured:
-/// factors that speed up most systems never converge on some.
+/// Over-relaxation that falls back to 1 for the rest of the solve once the measured residual has grown: factors that accelerate
+/// most systems never converge on some.
 #[derive(Clone, Debug, Default)]
 pub(super) struct OverRelaxation {
     pub value: f64,
@@ -44,7 +44,7 @@ impl OverRelaxation {
         *self = OverRelaxation { value: factor, last: f64::INFINITY, fell_back: false };
     }
 
-    /// Takes in a residual, m/s.
+    /// Records a residual, m/s.
     pub fn watch(&mut self, residual: f64) {
         if residual > self.last {
             self.fall_back();
@@ -52,7 +52,7 @@ impl OverRelaxation {
         self.last = residual;
     }
 
-    /// No more over-relaxation in this solve.
+    /// Ends over-relaxation for this solve.
     pub fn fall_back(&mut self) {
         if self.value > 1.0 {
             self.value = 1.0;

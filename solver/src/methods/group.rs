@@ -1,4 +1,4 @@
-//! Kernels over the contacts of a task: pairs and walls alike, written once.
+//! Kernels over the contacts of a task, generic over pairs and walls.
 
 use super::problem::Tally;
 use crate::effects::term::{TangentialTerm, TermState};
@@ -10,7 +10,7 @@ use crate::sweep::{Directions, LaneResidual, Off, Turning};
 use crate::world::Body;
 use std::marker::PhantomData;
 
-/// One 3-vector a contact, for eight contacts; in the frame of the world.
+/// Vectors of eight contacts, three components each, in the world frame.
 pub(crate) type Block = [Eight; 3];
 
 /// Reads eight vectors.
@@ -33,22 +33,22 @@ pub(crate) fn add<L: Lanes>(sum: &mut Eight, value: L) {
     (L::load(sum) + value).store(sum);
 }
 
-/// Access of a kernel to a lane group, whether its contacts are with grains or with walls.
+/// Access of a kernel to a lane group of contacts with grains or with walls.
 pub(crate) trait Group<E: Effects> {
-    /// Its contacts.
+    /// Reads the contacts.
     fn read<L: Lanes>(&self) -> Contact<L, E>;
 
-    /// Writes their impulses back.
+    /// Writes the impulses back.
     fn write<L: Lanes>(&mut self, contact: &Contact<L, E>);
 
-    /// Asks for the cache lines of its bodies.
+    /// Prefetches the cache lines of its bodies.
     fn fetch(&self, bodies: Slots<'_, Body>);
 
-    /// Relative velocities at the contacts and inverse masses S_n. Walls move with `wall_share` of their velocity: 1 for
-    /// velocities, 0 for changes of velocities.
+    /// Relative velocities at the contacts and inverse masses S_n. `wall_share` scales the velocity of walls: 1 for velocities, 0
+    /// for changes of velocities.
     fn velocity<L: Lanes>(&self, bodies: Slots<'_, Body>, contact: &Contact<L, E>, wall_share: f64) -> ([L; 3], L);
 
-    /// Gives the bodies an impulse.
+    /// Applies an impulse to the bodies.
     fn push<L: Lanes>(&self, bodies: TaskSlots<'_, Body>, normal: [L; 3], impulse: [L; 3]);
 }
 
@@ -114,7 +114,7 @@ impl<E: Effects> Group<E> for WallGroup {
 
 /// Operation on one lane group after another.
 pub(crate) trait ContactPass {
-    /// Bodies that are worth fetching ahead, if any.
+    /// Bodies to prefetch, if any.
     #[inline(always)]
     fn bodies(&self) -> Option<Slots<'_, Body>> {
         None
@@ -124,7 +124,7 @@ pub(crate) trait ContactPass {
     fn apply<L: Lanes, G: Group<E>, E: Effects>(&mut self, number: usize, group: &mut G);
 }
 
-/// A pass over every group of a task.
+/// Pass over every group of a task.
 pub(crate) struct PassOverTask<'a, V, E: Effects> {
     pub groups: &'a mut TaskGroups,
     pub pass: V,
@@ -152,14 +152,14 @@ impl<V: ContactPass, E: Effects> Kernel for PassOverTask<'_, V, E> {
 }
 
 impl<L: Lanes, T: TangentialTerm<L>> ContactLanes<L, TermState<L, T>> {
-    /// Takes an impulse apart into its normal and tangential part.
+    /// Splits an impulse into its normal and tangential parts.
     #[inline(always)]
     pub(crate) fn set_impulse(&mut self, impulse: [L; 3]) {
         self.impulse_normal = dot(self.normal, impulse);
         self.tangential.impulse = minus(impulse, times(self.normal, self.impulse_normal));
     }
 
-    /// Projects the impulse: the normal part onto repulsion, then the tangential part onto what the contact can bear.
+    /// Projects the impulse: the normal part onto repulsion, then the tangential part onto the limit of the contact.
     #[inline(always)]
     pub(crate) fn project(&mut self) {
         self.impulse_normal = self.impulse_normal.larger(L::zero());
@@ -170,8 +170,8 @@ impl<L: Lanes, T: TangentialTerm<L>> ContactLanes<L, TermState<L, T>> {
     }
 }
 
-/// Adds what one unrelaxed update of each contact's torque by itself would change, as a surface velocity, m/s. A torque is bounded by
-/// the normal impulse that the contact would have then, as friction is.
+/// Adds the change by one unrelaxed update of each contact's torque by itself, as a surface velocity, m/s. A torque is bounded by
+/// the normal impulse after such an update, like friction.
 pub(super) struct MeasureTorques<'a, E: Effects> {
     pub groups: &'a TaskGroups,
     pub bodies: Slots<'a, Body>,

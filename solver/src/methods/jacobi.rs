@@ -1,8 +1,8 @@
 //! Damped Jacobi: every contact is relaxed with the velocities of the last iteration. A historical baseline.
 //!
-//! It is what a parallel Gauss-Seidel without stages would be. With the operator S and its diagonal D it converges if the
-//! damping stays below `2 / lambda_max(D^-1 S)`; that eigenvalue lies between 1 and the largest number of contacts of a
-//! grain, because what each contact adds to a grain's part of the scaled operator has norm one.
+//! The method is equivalent to parallel Gauss-Seidel without stages. With the operator S and its diagonal D it converges if the
+//! damping is below `2 / lambda_max(D^-1 S)`. This eigenvalue lies between 1 and the largest number of contacts of a grain,
+//! because the contribution of each contact to a grain's part of the scaled operator has norm one.
 
 use super::problem::State;
 use super::{Method, Problem};
@@ -16,7 +16,7 @@ pub(super) struct Jacobi {
 }
 
 impl Jacobi {
-    /// With a share of each contact's correction.
+    /// Creates the method with the applied fraction of each contact's correction.
     pub fn new(damping: f64) -> Jacobi {
         Jacobi { damping, last: State::default() }
     }

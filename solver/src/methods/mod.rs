@@ -1,7 +1,7 @@
 //! Methods for the contact problem of a step: one file each, behind one trait.
 //!
 //! ```text
-//! problem   contacts laid out by `constrain`, bodies, threads; a state is impulses and the velocities that go with them
+//! problem   contacts laid out by `constrain`, bodies, threads; a state is impulses and the corresponding velocities
 //! method    one iteration, from a state to a better one
 //! loop      `solve`: iterates, stops, reports
 //! ```
@@ -13,10 +13,10 @@
 //! lambda_t = P_{|.| <= mu lambda_n}[lambda_t - u_t / D_t]                                    D_t = S_t
 //! ```
 //!
-//! that is, complementarity and Coulomb's law. All methods look for this point and no other. By how much a state misses it is
-//! measured alike for all: as `|change of lambda| D`, in m/s, for the normal and two tangential directions.
+//! that is, complementarity and Coulomb's law. All methods seek this point only. The residual of a state has the same definition
+//! for all: `|change of lambda| D`, in m/s, for the normal and two tangential directions.
 //!
-//! | method | an iteration is | state besides impulses and velocities |
+//! | method | an iteration is | state in addition to impulses and velocities |
 //! | --- | --- | --- |
 //! | Gauss-Seidel | a sweep | none |
 //! | Anderson | a sweep and a combination of the last m + 1 | 2 m + 3 velocities, m + 1 impulses |
@@ -25,8 +25,8 @@
 //! | Jacobi | one such step | 1 of each |
 //! | projected conjugate gradients | a step along a direction, three passes over contacts | 1 velocity, 2 impulses |
 //!
-//! Every pass over contacts is a kernel over lane groups, and every sum is taken in the order of tasks or of chunks of
-//! bodies: the contract of same bits holds for all of them.
+//! Every pass over contacts is a kernel over lane groups, and every sum follows the order of tasks or of chunks of bodies. So the
+//! results of all methods are bitwise reproducible.
 
 mod accelerated_projected_gradients;
 mod anderson;
@@ -52,13 +52,13 @@ use projected_conjugate_gradients::ProjectedConjugateGradients;
 
 /// One iteration of a method, and its memory.
 pub(crate) trait Method {
-    /// Makes ready for a new problem.
+    /// Prepares a new problem.
     fn begin(&mut self, problem: &mut Problem<'_>);
 
-    /// Goes from a state to a better one whose impulses lie in their cones.
+    /// Advances a state to a better one whose impulses lie in their cones.
     ///
-    /// Residuals (m/s) are those that come free on the way: a sweep's |delta lambda| S, the natural map where a gradient was
-    /// taken. A method that can do without leaves out what the level does not ask for.
+    /// Residuals (m/s) are by-products of the iteration: |delta lambda| S of a sweep, or the natural map after a gradient. A
+    /// method may omit residuals beyond the requested level.
     fn iterate(&mut self, problem: &mut Problem<'_>, level: ResidualLevel) -> Option<Residuals>;
 
     /// Returns true if over-relaxation fell back to 1 in this solve.
@@ -66,13 +66,13 @@ pub(crate) trait Method {
         false
     }
 
-    /// Bytes that it holds.
+    /// Memory of the method, bytes.
     fn memory_bytes(&self) -> usize {
         0
     }
 }
 
-/// A method with the memory that it reuses from solve to solve.
+/// Method with its buffers, reused from solve to solve.
 #[derive(Clone, Debug)]
 enum Chosen {
     GaussSeidel(GaussSeidel),
@@ -83,7 +83,7 @@ enum Chosen {
     ProjectedConjugateGradients(ProjectedConjugateGradients),
 }
 
-/// The method that a scene chose, and room to work in.
+/// Method of a scene, and its workspace.
 #[derive(Clone, Debug)]
 pub(crate) struct Solver {
     chosen: Chosen,
@@ -91,7 +91,7 @@ pub(crate) struct Solver {
 }
 
 impl Solver {
-    /// With the method of the settings.
+    /// Creates the method of the settings.
     pub fn new(method: SolverMethod) -> Solver {
         let chosen = match method {
             SolverMethod::GaussSeidel => Chosen::GaussSeidel(GaussSeidel::default()),
@@ -137,7 +137,7 @@ impl Solver {
 }
 
 impl SolverSettings {
-    /// Sweeps over all contacts in an iteration.
+    /// Number of sweeps over all contacts per iteration.
     pub(crate) fn sweeps_per_iteration(&self) -> u32 {
         match self.method {
             SolverMethod::GaussSeidel | SolverMethod::Anderson { .. } | SolverMethod::NonlinearConjugateGradients => {

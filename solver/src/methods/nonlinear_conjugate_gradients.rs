@@ -1,17 +1,17 @@
 //! Nonlinear conjugate gradients over Gauss-Seidel sweeps.
 //!
-//! After M. Silcowitz-Hansen, S. Niebe and K. Erleben, *A nonsmooth nonlinear conjugate gradient method for interactive contact
-//! force problems*, The Visual Computer 26 (2010). The change of a sweep stands for the negative gradient:
+//! Method of M. Silcowitz-Hansen, S. Niebe and K. Erleben, *A nonsmooth nonlinear conjugate gradient method for interactive
+//! contact force problems*, The Visual Computer 26 (2010). The change of a sweep serves as the negative gradient:
 //!
 //! ```text
 //! s_k   = sweep(y_k)              g_k = y_k - s_k
-//! beta  = |g_k|^2 / |g_k-1|^2     (Fletcher and Reeves), restart with p = 0 where beta > 1
+//! beta  = |g_k|^2 / |g_k-1|^2     (Fletcher and Reeves), restart with p = 0 if beta > 1
 //! y_k+1 = s_k + beta p            p <- beta p - g_k
 //! ```
 //!
-//! so that p is always `y_k+1 - y_k`. Gradients are measured as a sweep's residual, |delta lambda| S in m/s: it comes free, and
-//! impulses of grains of different mass would not compare. An iteration extrapolates first and then sweeps, so that it leaves
-//! impulses inside their cones.
+//! so that p is always `y_k+1 - y_k`. The norm of a gradient is a sweep's residual, |delta lambda| S in m/s: it costs nothing,
+//! while impulses of grains of different mass are not comparable. An iteration extrapolates first and then sweeps, so that
+//! impulses end inside their cones.
 
 use super::gauss_seidel::OverRelaxation;
 use super::problem::State;
@@ -24,9 +24,9 @@ pub(super) struct NonlinearConjugateGradients {
     factor: OverRelaxation,
     /// State before the last sweep.
     point: State,
-    /// From the point before it to it.
+    /// Displacement from the previous point to `point`.
     direction: State,
-    /// Fletcher and Reeves's factor; absent in the first iteration, which has no direction.
+    /// Fletcher-Reeves factor; `None` in the first iteration, which has no direction.
     beta: Option<f64>,
     /// Squared residual of the last sweep, m2/s2.
     last: f64,
@@ -44,12 +44,12 @@ impl Method for NonlinearConjugateGradients {
     fn iterate(&mut self, problem: &mut Problem<'_>, _: ResidualLevel) -> Option<Residuals> {
         match self.beta {
             None => {
-                // The first direction is the first sweep's change, which the next transform makes of it.
+                // The first direction is the change of the first sweep, computed by the next transform.
                 problem.keep(&mut self.point);
                 problem.transform(&[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0; 3]], &mut self.point, &mut self.direction);
             }
             Some(beta) if beta > 1.0 => {
-                // Restart: the next sweep goes from here without a direction.
+                // Restart: the next sweep starts from here without a direction.
                 problem.transform(&[[1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0; 3]], &mut self.point, &mut self.direction);
                 self.factor.fall_back();
             }

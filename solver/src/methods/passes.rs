@@ -1,4 +1,4 @@
-//! The kernels that several methods share, each as what it does to one lane group.
+//! Kernels shared by several methods, each written for one lane group.
 
 use super::group::{Block, ContactPass, Group, add, load, store};
 use super::problem::Tally;
@@ -21,7 +21,7 @@ impl ContactPass for Keep<'_> {
     }
 }
 
-/// Impulses become a combination of vectors.
+/// Replaces impulses by a combination of vectors.
 pub(crate) struct Combine<'a> {
     pub coefficients: &'a [f64],
     pub from: [&'a [Block]; MOST],
@@ -50,7 +50,7 @@ fn put<L: Lanes, G: Group<E>, E: Effects>(impulse: [L; 3], group: &mut G) {
     group.write(&contact);
 }
 
-/// Impulses and two vectors become combinations of the three.
+/// Replaces impulses and two vectors by combinations of the three.
 pub(crate) struct Transform<'a> {
     pub coefficients: &'a Coefficients,
     pub second: &'a mut [Block],
@@ -74,9 +74,9 @@ impl ContactPass for Transform<'_> {
     }
 }
 
-/// One projected step along the scaled gradient, from a point with its own velocities.
+/// Projected step along the scaled gradient, from a point with its own velocities.
 ///
-/// Sums: `d.D d` of the change d, its compliant part `Sigma' d_n^2`, and gradient times the way from `last`.
+/// Sums: `d.D d` of the change d, its compliant part `Sigma' d_n^2`, and gradient times the displacement from `last`.
 pub(crate) struct Step<'a> {
     /// Velocities at the point.
     pub ahead: Slots<'a, Body>,
@@ -100,7 +100,7 @@ impl ContactPass for Step<'_> {
         contact.set_impulse(load(&self.from[number]));
         let normal = contact.normal;
         let (velocity, inverse_mass) = group.velocity(self.ahead, &contact, 1.0);
-        // Gradient, before the impulse changes.
+        // Gradient before the impulse changes.
         let along = dot(normal, velocity);
         let slack = along + contact.regularisation * contact.impulse_normal - contact.bias;
         natural_map::<L, E>(contact, velocity, inverse_mass, self.tally);
@@ -109,7 +109,7 @@ impl ContactPass for Step<'_> {
         let change = contact.relax::<Off>(velocity, inverse_mass, step, &mut unused);
         group.push(self.bodies, normal, change);
         group.write(&contact);
-        // How far it went, in the metric of the diagonal.
+        // Length of the step in the metric of the diagonal.
         let change_normal = dot(normal, change);
         let compliant = contact.regularisation * change_normal * change_normal;
         let mut scaled = inverse_mass * change_normal * change_normal + compliant;
@@ -129,7 +129,7 @@ impl ContactPass for Step<'_> {
     }
 }
 
-/// Adds what one unrelaxed update of each contact by itself would change, m/s: zero at the solution only.
+/// Adds the change by one unrelaxed update of each contact by itself, m/s: zero only at the solution.
 #[inline(always)]
 pub(crate) fn natural_map<L: Lanes, E: Effects>(
     mut contact: Contact<L, E>,
@@ -142,7 +142,7 @@ pub(crate) fn natural_map<L: Lanes, E: Effects>(
     residual.write(&mut tally.residual);
 }
 
-/// Measures how far a state is from the solution.
+/// Measures the distance of a state from the solution.
 pub(crate) struct Measure<'a> {
     pub bodies: Slots<'a, Body>,
     pub tally: &'a mut Tally,
@@ -159,7 +159,7 @@ impl ContactPass for Measure<'_> {
         let contact = group.read::<L>();
         let (velocity, inverse_mass) = group.velocity(self.bodies, &contact, 1.0);
         natural_map::<L, E>(contact, velocity, inverse_mass, self.tally);
-        // Attraction, or the tangential impulse beyond the disc.
+        // Attraction, or tangential impulse outside the disc.
         let mut excess = -contact.impulse_normal * (inverse_mass + contact.regularisation);
         if E::FRICTION {
             let tangential = contact.tangential.impulse;

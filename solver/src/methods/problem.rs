@@ -1,8 +1,8 @@
-//! The contact problem of a step, with the operations that methods are made of.
+//! Contact problem of a step, with the basic operations of the methods.
 //!
-//! A state is an impulse for each contact, kept in the lane groups, and the velocities that go with them, kept in the
-//! bodies: `v = v_free + M^-1 G^T lambda`. Velocities are affine in the impulses, so states whose coefficients sum to one
-//! combine alike on both sides; where a projection bends an impulse, the difference is given to the bodies.
+//! A state is an impulse for each contact, stored in the lane groups, and the resulting velocities, stored in the bodies: `v =
+//! v_free + M^-1 G^T lambda`. Velocities are affine in the impulses, so a combination of states with coefficients of sum one
+//! applies to both. If a projection changes an impulse, the bodies receive the difference.
 
 use super::group::MeasureTorques;
 use super::group::{Block, ContactPass, PassOverTask};
@@ -22,18 +22,18 @@ use crate::world::Body;
 use std::marker::PhantomData;
 use std::ops::Range;
 
-/// Partial sums of a task over its contacts, lane by lane.
+/// Partial sums of a task over its contacts, separate for each lane.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Tally {
-    /// Three sums; each kernel says of what.
+    /// Three sums, defined by each kernel.
     pub sums: [Eight; 3],
     /// Natural-map residuals, m/s.
     pub residual: TaskResidual,
-    /// By how much tangential impulses leave the Coulomb disc, m/s.
+    /// Excess of tangential impulses over the Coulomb disc, m/s.
     pub cone: TaskResidual,
 }
 
-/// A step's contacts and bodies, who works on them, and memory that is reused from solve to solve.
+/// Contacts and bodies of a step, the team of threads, and buffers reused from solve to solve.
 pub(crate) struct Problem<'a> {
     pub bodies: &'a mut [Body],
     pub drives: &'a mut [Drive],
@@ -52,13 +52,13 @@ pub(crate) struct Workspace {
     pub starts: Vec<usize>,
     /// Bodies and groups of sweeps in single precision.
     pub single: SingleCopy,
-    /// Of sweeps.
+    /// Residuals of sweeps.
     residuals: Vec<TaskResidual>,
     pub tallies: Vec<Tally>,
     energies: Vec<[Eight; MOST]>,
 }
 
-/// A state put aside: an impulse for each contact, N s, and the velocities that go with them.
+/// Stored state: an impulse for each contact, N s, and the resulting velocities.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct State {
     /// Impulses, task after task, pairs before walls.
@@ -68,7 +68,7 @@ pub(crate) struct State {
 }
 
 impl State {
-    /// Makes room for a problem's contacts and bodies; the bodies' masses are right, all else means nothing.
+    /// Resizes for a problem's contacts and bodies; the bodies' masses are set, all other values are meaningless.
     pub fn fit(&mut self, problem: &Problem<'_>) {
         fit(&mut self.impulses, problem);
         self.velocities.clear();
@@ -80,7 +80,7 @@ impl State {
     }
 }
 
-/// Makes room for a vector over a problem's contacts, with an eighth to spare: the next step may have more of them.
+/// Resizes a vector over a problem's contacts, with an eighth to spare: the next step may have more contacts.
 pub(crate) fn fit(vectors: &mut Vec<Block>, problem: &Problem<'_>) {
     let count = problem.workspace.starts.last().copied().unwrap_or(0);
     if count > vectors.capacity() {
@@ -101,23 +101,23 @@ impl Workspace {
 
 /// Result of a projected step.
 pub(crate) struct StepSums {
-    /// `d.D d` of the change d, D the diagonal of the operator, J.
+    /// Squared change `d.D d` in the metric of D, the diagonal of the operator, J.
     pub scaled: f64,
-    /// Part of `d.S d` that compliance adds to the kinetic energy, J.
+    /// Compliant part of `d.S d`, in addition to the kinetic energy, J.
     pub compliant: f64,
-    /// Gradient times the way from the last state to the new one, J; positive where the step went uphill.
+    /// Gradient times the change from the last state to the new one, J; positive for a step uphill.
     pub slope: f64,
-    /// Natural-map residuals where the step began, m/s.
+    /// Natural-map residuals at the start of the step, m/s.
     pub residuals: Residuals,
 }
 
 impl Problem<'_> {
-    /// Returns true if the solve has been asked to stop.
+    /// Returns true if the solve was interrupted.
     pub fn is_interrupted(&self) -> bool {
         polls_interrupt(self.settings) && self.interrupt.is_requested()
     }
 
-    /// Numbers the lane groups, so that vectors over contacts can be made.
+    /// Numbers the lane groups, as indices of vectors over contacts.
     pub fn number_groups(&mut self) {
         let starts = &mut self.workspace.starts;
         starts.clear();
@@ -130,7 +130,7 @@ impl Problem<'_> {
         starts.push(next);
     }
 
-    /// One Gauss-Seidel sweep; its residuals |delta lambda| S, m/s, as far as they are asked for.
+    /// Runs one Gauss-Seidel sweep; returns its residuals |delta lambda| S, m/s, at the requested level.
     pub fn sweep(&mut self, factor: f64, level: ResidualLevel) -> Option<Residuals> {
         let (inner, precision) = (self.settings.inner_sweeps.max(1), self.settings.precision);
         let (polls, interrupt) = (polls_interrupt(self.settings), self.interrupt);
@@ -149,7 +149,7 @@ impl Problem<'_> {
         (level != ResidualLevel::Off).then(|| sums.finish(self.layout.contacts))
     }
 
-    /// Makes the copy that sweeps in single precision work on.
+    /// Copies the state for sweeps in single precision.
     pub fn enter_precision(&mut self) {
         if self.settings.precision == Precision::Single {
             let set = self.relaxation.instruction_set;
@@ -157,21 +157,21 @@ impl Problem<'_> {
         }
     }
 
-    /// Takes over what sweeps in single precision did.
+    /// Copies the result of sweeps in single precision back.
     pub fn leave_precision(&mut self) {
         if self.settings.precision == Precision::Single {
             self.workspace.single.give_back(self.bodies, self.layout, self.team);
         }
     }
 
-    /// Puts the present state aside.
+    /// Stores the present state.
     pub fn keep(&mut self, state: &mut State) {
         state.velocities.copy_from_slice(self.bodies);
         let vectors = ByStarts::of(&mut state.impulses, &self.workspace.starts);
         for_each_group(self.layout, self.relaxation, self.team, vectors, |_, to| Keep { to });
     }
 
-    /// The present state becomes a combination of others, whose coefficients sum to one.
+    /// Replaces the present state by a combination of others, with coefficients of sum one.
     pub fn combine(&mut self, coefficients: &[f64], states: &[&State]) {
         let mut velocities: [&[Body]; MOST] = [&[]; MOST];
         for (velocities, state) in velocities.iter_mut().zip(states) {
@@ -189,7 +189,7 @@ impl Problem<'_> {
         });
     }
 
-    /// The present state (first) and two others become combinations of the three.
+    /// Replaces the present state (first) and two others by combinations of the three.
     pub fn transform(&mut self, coefficients: &Coefficients, second: &mut State, third: &mut State) {
         let bodies = [&mut *self.bodies, &mut second.velocities, &mut third.velocities];
         velocities::transform(bodies, coefficients, self.relaxation.instruction_set, self.team);
@@ -201,8 +201,8 @@ impl Problem<'_> {
         });
     }
 
-    /// The present state becomes the projection of `from - step D^-1 (S from - b)`, D the diagonal of S. The slope counts from
-    /// `last`.
+    /// Replaces the present state by the projection of `from - step D^-1 (S from - b)`, D the diagonal of S. The slope is
+    /// relative to `last`.
     pub fn projected_step(&mut self, from: &State, last: &[Block], step: f64) -> StepSums {
         self.bodies.copy_from_slice(&from.velocities);
         let Workspace { starts, tallies, .. } = &mut *self.workspace;
@@ -217,7 +217,7 @@ impl Problem<'_> {
         StepSums { scaled, compliant, slope, residuals: total.residual.finish(self.layout.contacts) }
     }
 
-    /// Natural-map residuals of the present state, torques included, and by how much impulses leave their cones, m/s.
+    /// Measures the natural-map residuals of the present state, torques included, and the excess of impulses over their cones, m/s.
     pub fn measure(&mut self) -> (Residuals, Residual) {
         tell_driven(self.layout, self.drives);
         let tallies = &mut self.workspace.tallies;
@@ -232,7 +232,7 @@ impl Problem<'_> {
         (total.residual.finish(contacts), total.cone.finish(contacts).normal)
     }
 
-    /// Adds the residuals of torques to the tallies of all tasks.
+    /// Adds the residuals of torques to the partial sums of all tasks.
     fn measure_torques(&mut self) {
         let (plan, groups) = (&self.layout.plan, &self.layout.groups);
         let (bodies, tallies) = (Slots::of(self.bodies), ByPlace::of(&mut self.workspace.tallies));
@@ -245,21 +245,21 @@ impl Problem<'_> {
         });
     }
 
-    /// `difference = bodies - velocities`, and twice its kinetic energy, J.
+    /// Computes `difference = bodies - velocities`, and returns twice its kinetic energy, J.
     pub fn velocity_change(&mut self, velocities: &[Body], difference: &mut [Body]) -> f64 {
         let set = self.relaxation.instruction_set;
         velocities::difference(difference, [self.bodies, velocities], &mut self.workspace.energies, set, self.team)
     }
 
-    /// Twice the kinetic energies of one difference of velocities with several, J.
+    /// Returns twice the kinetic energies of one difference of velocities with several, J.
     pub fn products(&mut self, one: &[Body], others: &[&[Body]]) -> [f64; MOST] {
         let set = self.relaxation.instruction_set;
         velocities::products(one, others, &mut self.workspace.energies, set, self.team)
     }
 }
 
-/// Applies a pass to the lane groups of every task, stage after stage where bodies are written: `make` makes the pass over the task at a place
-/// from its share.
+/// Applies a pass to the lane groups of every task, stage after stage if bodies are written: `make` creates the pass of a task
+/// from its index and its data.
 pub(crate) fn for_each_group<V: ContactPass, S: TaskShares>(
     layout: &mut Layout,
     relaxation: &Relaxation,
@@ -270,8 +270,7 @@ pub(crate) fn for_each_group<V: ContactPass, S: TaskShares>(
     let (plan, shares) = (&layout.plan, (ByNumber::of(&mut layout.groups), shares));
     let set = relaxation.instruction_set;
     let pass = |place: usize, _: &PlannedTask, (groups, share)| {
-        // Torques are no part of a state that is put aside or combined: scenes that have any are refused methods other than
-        // Gauss-Seidel.
+        // Stored and combined states contain no torques: scenes with torques allow no method other than Gauss-Seidel.
         with_tangential!(relaxation.effects, E => {
             set.run(PassOverTask::<V, E> { groups, pass: make(place, share), effects: PhantomData })
         });
@@ -283,14 +282,14 @@ pub(crate) fn for_each_group<V: ContactPass, S: TaskShares>(
 }
 
 impl Tally {
-    /// Empty tallies, one a task.
+    /// Returns empty partial sums, one per task.
     pub fn of_tasks<'a>(tallies: &'a mut Vec<Tally>, layout: &Layout) -> ByPlace<'a, Tally> {
         tallies.clear();
         tallies.resize(layout.plan.tasks().len(), Tally::default());
         ByPlace::of(tallies)
     }
 
-    /// All of them together, in the order of tasks.
+    /// Returns the total of all tasks, in task order.
     pub fn total(tallies: &[Tally]) -> Tally {
         let mut total = Tally::default();
         for tally in tallies {
@@ -305,13 +304,13 @@ impl Tally {
         total
     }
 
-    /// The three sums.
+    /// Returns the three sums.
     pub fn sums(&self) -> [f64; 3] {
         [0, 1, 2].map(|index| sum_of(self.sums[index].0))
     }
 }
 
-/// Blocks of a task in vectors over contacts.
+/// Returns the blocks of a task in vectors over contacts.
 #[inline]
 pub(crate) fn part(starts: &[usize], place: usize) -> Range<usize> {
     starts[place]..starts[place + 1]

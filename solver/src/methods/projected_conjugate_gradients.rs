@@ -1,9 +1,9 @@
 //! Projected conjugate gradients. A historical baseline.
 //!
-//! After M. Renouf and P. Alart, *Conjugate gradient type algorithms for frictional multi-contact problems: applications to granular
-//! materials*, Computer Methods in Applied Mechanics and Engineering 194 (2005), preconditioned by the operator's diagonal D. With
-//! the operator S, the residual `r = b - S lambda` and projections T onto the directions that do not leave the cones (each disc as large as it
-//! is),
+//! Method of M. Renouf and P. Alart, *Conjugate gradient type algorithms for frictional multi-contact problems: applications to
+//! granular materials*, Computer Methods in Applied Mechanics and Engineering 194 (2005), preconditioned by the operator's
+//! diagonal D. With the operator S, the residual `r = b - S lambda` and projections T onto the directions that do not leave the
+//! cones (each disc at its present radius),
 //!
 //! ```text
 //! alpha    = r.p / p.S p
@@ -12,8 +12,8 @@
 //! p       <- w - (w.S p / p.S p) z
 //! ```
 //!
-//! Where the set of sliding and open contacts keeps changing, directions are not conjugate and nothing ensures progress: it
-//! may stall or run in circles.
+//! If the set of sliding and open contacts keeps changing, directions are not conjugate and nothing ensures progress: the method
+//! may stall or cycle.
 
 use super::group::{Block, ContactPass, Group, add, load, store};
 use super::passes::natural_map;
@@ -26,25 +26,25 @@ use crate::sweep::kernel::Contact;
 use crate::sweep::{ResidualLevel, Residuals};
 use crate::world::Body;
 
-/// Share of the Coulomb disc's radius from which a contact counts as sliding.
+/// Fraction of the Coulomb disc's radius above which a contact counts as sliding.
 const SLIDING: f64 = 1.0 - 1e-12;
 
 /// Projected conjugate gradients.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ProjectedConjugateGradients {
-    /// p, then z.
+    /// Search direction p, then z.
     direction: Vec<Block>,
-    /// w.
+    /// Projected gradient w.
     gradient: Vec<Block>,
-    /// Velocities that go with p.
+    /// Velocities that correspond to p.
     velocities: Vec<Body>,
     beta: f64,
-    /// r.p.
+    /// Descent r.p.
     descent: f64,
 }
 
 impl ProjectedConjugateGradients {
-    /// Residual and direction at the present state. `curvature` is p.S p of the last direction.
+    /// Computes residual and direction at the present state. `curvature` is p.S p of the last direction.
     fn turn(&mut self, problem: &mut Problem<'_>, curvature: f64) -> Residuals {
         let workspace = &mut *problem.workspace;
         let tallies = Tally::of_tasks(&mut workspace.tallies, problem.layout);
@@ -68,7 +68,7 @@ impl ProjectedConjugateGradients {
         total.residual.finish(problem.layout.contacts)
     }
 
-    /// p = w + beta z, and the velocities that go with it; returns p.S p.
+    /// Computes p = w + beta z and the corresponding velocities; returns p.S p.
     fn aim(&mut self, problem: &mut Problem<'_>) -> f64 {
         for body in &mut self.velocities {
             (body.velocity, body.scaled_spin) = ([0.0; 3], [0.0; 3]);
@@ -94,7 +94,7 @@ impl ProjectedConjugateGradients {
         problem.products(velocities, &[velocities])[0] + Tally::total(&problem.workspace.tallies).sums()[0]
     }
 
-    /// lambda = P(lambda + alpha p).
+    /// Computes lambda = P(lambda + alpha p).
     fn advance(&mut self, problem: &mut Problem<'_>, alpha: f64) {
         let (bodies, direction, starts) = (ByBodies::of(problem.bodies), &self.direction, &problem.workspace.starts);
         for_each_group(problem.layout, problem.relaxation, problem.team, bodies, |place, bodies| Advance {
@@ -130,7 +130,7 @@ impl Method for ProjectedConjugateGradients {
     }
 }
 
-/// Sums: w.S p, r.w, r.z.
+/// Kernel with the sums w.S p, r.w, r.z.
 struct Turn<'a> {
     bodies: Slots<'a, Body>,
     velocities: Slots<'a, Body>,
@@ -152,7 +152,7 @@ impl ContactPass for Turn<'_> {
         let (velocity, inverse_mass) = group.velocity(self.bodies, &contact, 1.0);
         let (across, _) = group.velocity(self.velocities, &contact, 0.0);
         natural_map::<L, E>(contact, velocity, inverse_mass, self.tally);
-        // Residual r and S p, their normal and tangential parts.
+        // Residual r and S p, with normal and tangential parts.
         let direction = load::<L>(&self.direction[number]);
         let (along, along_direction, across_normal) =
             (dot(normal, velocity), dot(normal, direction), dot(normal, across));
@@ -178,10 +178,10 @@ impl ContactPass for Turn<'_> {
     }
 }
 
-/// The part of a direction that leaves neither repulsion nor the Coulomb disc of the present normal impulse.
+/// Projects a direction so that it leaves neither repulsion nor the Coulomb disc of the present normal impulse.
 ///
-/// The disc counts as fixed: a direction that shrank the disc's rim along with the normal impulse would do so against the residual
-/// of a sliding contact, and `r.w` could become negative.
+/// The disc counts as fixed: a direction that shrinks the disc with the normal impulse would oppose the residual of a sliding
+/// contact, and `r.w` could become negative.
 #[inline(always)]
 fn along_cone<L: Lanes, E: Effects>(contact: &Contact<L, E>, direction: [L; 3]) -> [L; 3] {
     let zero = L::zero();
@@ -192,7 +192,7 @@ fn along_cone<L: Lanes, E: Effects>(contact: &Contact<L, E>, direction: [L; 3]) 
         let tangential = minus(direction, times(contact.normal, along));
         let impulse = contact.tangential.impulse;
         let (length, radius) = (dot(impulse, impulse).sqrt(), contact.disc());
-        // On the rim no radial part leads outwards; a disc that is a point has no directions.
+        // On the rim, no radial part points outwards; a disc of radius zero has no directions.
         let outwards = (dot(impulse, tangential) / length).larger(zero) / length;
         let correction = L::select(length.below(radius * L::splat(SLIDING)), zero, outwards);
         let point = radius.at_most(zero);
@@ -204,7 +204,7 @@ fn along_cone<L: Lanes, E: Effects>(contact: &Contact<L, E>, direction: [L; 3]) 
     result
 }
 
-/// Sum: compliant part of p.S p.
+/// Kernel with the sum of the compliant part of p.S p.
 struct Aim<'a> {
     velocities: TaskSlots<'a, Body>,
     direction: &'a mut [Block],

@@ -1,25 +1,25 @@
-//! Linear algebra over the velocities of all bodies, a cache line a body.
+//! Linear algebra over the velocities of all bodies, one cache line per body.
 
 use crate::lanes::{Available, Eight, Kernel, LANES, Lanes};
 use crate::schedule::{Each, Phase, Team};
 use crate::world::{Body, INERTIA, by_chunk, chunk, chunks};
 
-/// Most states that a combination or a set of products can have.
+/// Maximum number of states in a combination or a set of products.
 pub(crate) const MOST: usize = crate::scene::MOST_MEMORY + 1;
 
-/// Coefficients of new states (rows) by old ones.
+/// Coefficients of new states (rows) by old states.
 pub(crate) type Coefficients = [[f64; 3]; 3];
 
-/// `m v^2 + INERTIA m s^2` is twice the kinetic energy of a solid sphere with scaled spin s.
+/// Energy weights: `m v^2 + INERTIA m s^2` is twice the kinetic energy of a solid sphere with scaled spin s.
 const KINETIC: Eight = Eight([1.0, 1.0, 1.0, 0.0, INERTIA, INERTIA, INERTIA, 0.0]);
 
-/// A body as eight numbers: velocity, inverse mass, scaled spin, inverse radius.
+/// Returns a body as eight numbers: velocity, inverse mass, scaled spin, inverse radius.
 #[inline(always)]
 fn numbers(body: &Body) -> &Eight {
     bytemuck::must_cast_ref(body)
 }
 
-/// Writes a body's velocities and leaves its mass and radius as they are.
+/// Writes a body's velocities; its mass and radius stay unchanged.
 #[inline(always)]
 fn write<L: Lanes>(value: L, body: &mut Body) {
     let (inverse_mass, inverse_radius) = (body.inverse_mass, body.inverse_radius);
@@ -27,7 +27,7 @@ fn write<L: Lanes>(value: L, body: &mut Body) {
     (body.inverse_mass, body.inverse_radius) = (inverse_mass, inverse_radius);
 }
 
-/// `to = sum of coefficients[i] from[i]`, velocities only. No allocation; `from` has at most [`MOST`] states.
+/// Computes `to = sum of coefficients[i] from[i]`, velocities only. No allocation; `from` has at most [`MOST`] states.
 pub(crate) fn combine(to: &mut [Body], coefficients: &[f64], from: &[&[Body]], set: Available, team: &Team) {
     let count = to.len();
     team.each_with(Phase::Sweep, chunks(count), by_chunk(to), |number, to| {
@@ -90,13 +90,13 @@ impl Kernel for Transform<'_> {
     }
 }
 
-/// One row of a transform.
+/// Computes one row of a transform.
 #[inline(always)]
 pub(crate) fn combined<L: Lanes>(row: &[f64; 3], old: [L; 3]) -> L {
     L::splat(row[0]) * old[0] + L::splat(row[1]) * old[1] + L::splat(row[2]) * old[2]
 }
 
-/// `difference = a - b`, and twice its kinetic energy, J; sums in the order of chunks.
+/// Computes `difference = a - b`, and returns twice its kinetic energy, J; sums follow the order of chunks.
 pub(crate) fn difference(
     difference: &mut [Body],
     [a, b]: [&[Body]; 2],
@@ -108,7 +108,7 @@ pub(crate) fn difference(
     products(difference, &[difference], sums, set, team)[0]
 }
 
-/// Twice the kinetic energies `m a.b` of one difference of velocities with several, J.
+/// Returns twice the kinetic energies `m a.b` of one difference of velocities with several, J.
 pub(crate) fn products(
     one: &[Body],
     others: &[&[Body]],
@@ -138,7 +138,7 @@ pub(crate) fn products(
     totals
 }
 
-/// Sum over lanes in one fixed order.
+/// Returns the sum over lanes in a fixed order.
 pub(crate) fn sum_of([a, b, c, d, e, f, g, h]: [f64; LANES]) -> f64 {
     ((a + b) + (c + d)) + ((e + f) + (g + h))
 }

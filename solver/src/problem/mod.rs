@@ -1,8 +1,8 @@
-//! The contact problem of one time step as plain data, apart from whoever lays it out in lanes or solves it.
+//! Contact problem of one time step as plain data, independent of lane layout and solver.
 //!
-//! Bodies have the generalised velocities `(v, omega)` and the inverse mass blocks `M^-1` and `I^-1`. At a contact with the unit
+//! Bodies have the generalised velocities `(v, omega)` and the inverse mass blocks `M^-1` and `I^-1`. A contact has the unit
 //! normal n from its first body a to its second body b, or to a wall, and the arms r from each body's centre to the point of
-//! contact, the relative velocity and what an impulse P on the second body does are
+//! contact. The relative velocity and the effect of an impulse P on the second body are
 //!
 //! ```text
 //! u   = v_b + omega_b x r_b - v_a - omega_a x r_a
@@ -10,7 +10,7 @@
 //! v_a   -= M_a^-1 P    omega_a -= I_a^-1 (r_a x P + L)          P = lambda_n n + lambda_t
 //! ```
 //!
-//! A solution is a state whose impulses keep the laws of all contacts at once. With the bias q and the compliance Sigma',
+//! A solution is a state whose impulses satisfy the laws of all contacts simultaneously. With the bias q and the compliance Sigma',
 //!
 //! ```text
 //! normal      0 <= lambda_n  _|_  w_n = n.u + Sigma' lambda_n - q >= 0
@@ -19,15 +19,15 @@
 //! resistance  the same of the angular impulse L and omega_b - omega_a: a disc across the normal, an interval along it
 //! ```
 //!
-//! q holds what the step asks of the contact: its stabilisation, `(4/h) Y d + Y u_n0`, or the speed `-e u_n0` at which an impact
-//! leaves (C. Lacoursière, *Ghosts and machines*, Umeå 2007, sections 4 and 10). Sigma_t and b are those of a
-//! [tangential spring](crate::effects::spring), zero where there is none. These are the laws that
-//! [`sweep`](crate::sweep) relaxes; `docs/problem.md` tells how a problem is kept in a file.
+//! The bias q contains the stabilisation of the contact, `(4/h) Y d + Y u_n0`, or the rebound speed `-e u_n0` of an impact (C.
+//! Lacoursière, *Ghosts and machines*, Umeå 2007, sections 4 and 10). Sigma_t and b belong to a [tangential
+//! spring](crate::effects::spring), zero without a spring. [`sweep`](crate::sweep) relaxes these laws; `docs/problem.md`
+//! describes the file format of a problem.
 //!
-//! Driven walls are bodies too. Along an axis a with mass M a wall has `M^-1 = a a^T / M` and no inertia that could turn;
-//! about an axis with the moment of inertia I it has `I^-1 = a a^T / I` and no mass that could move.
+//! Dynamic walls are bodies too. Along an axis a with mass M a wall has `M^-1 = a a^T / M` and a zero inverse inertia. About an
+//! axis with the moment of inertia I it has `I^-1 = a a^T / I` and a zero inverse mass.
 //!
-//! The problem of a simulation's next step, and its solution by the scalar reference:
+//! Example: the problem of a simulation's next step, and its solution by the scalar reference:
 //!
 //! ```
 //! use makadam::problem::Reference;
@@ -54,63 +54,63 @@ pub use reference::{Ending, ProblemResiduals, Reference};
 
 use nalgebra::{Matrix3, Vector3};
 
-/// Biases at or below this belong to contacts that bear nothing in the step, m/s.
+/// Largest bias that marks inactive contacts, m/s.
 const NEVER: f64 = -1e29;
 
-/// One time step's contact problem.
+/// Contact problem of one time step.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ContactProblem {
     /// Time at the start of the step, s.
     pub time: f64,
     /// Length h of the step, s.
     pub step: f64,
-    /// Velocity that residuals compare with, m/s: g h, or 1 where there is no gravity.
+    /// Velocity scale of residuals, m/s: g h, or 1 without gravity.
     pub unit: f64,
-    /// Number of grains, which come first among the bodies, by id; driven walls follow in the order of the scene.
+    /// Number of grains, which come first among the bodies, by id; dynamic walls follow in scene order.
     pub grains: usize,
     /// The bodies.
     pub bodies: Vec<Body>,
-    /// The contacts, in the order in which sweeps relax them.
+    /// Contacts, in relaxation order.
     pub contacts: Vec<Contact>,
 }
 
-/// A body that contacts move.
+/// Body moved by contacts.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Body {
-    /// Inverse mass block M^-1, 1/kg: symmetric, not negative.
+    /// Inverse mass block M^-1, 1/kg: symmetric, positive semidefinite.
     pub inverse_mass: Matrix3<f64>,
-    /// Inverse inertia block I^-1 in the frame of the world, 1/(kg m2): symmetric, not negative.
+    /// Inverse inertia block I^-1 in the world frame, 1/(kg m2): symmetric, positive semidefinite.
     pub inverse_inertia: Matrix3<f64>,
-    /// Velocity of the centre before the contacts act, m/s: gravity and the forces on driven walls have acted for the step.
+    /// Velocity of the centre before the contacts act, m/s, including gravity and the forces on dynamic walls over the step.
     pub velocity: Vector3<f64>,
     /// Angular velocity before the contacts act, rad/s.
     pub spin: Vector3<f64>,
 }
 
-/// A contact of two bodies, or of a body with a wall that moves as prescribed.
+/// Contact of two bodies, or of a body with a wall of prescribed motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Contact {
     /// Number of the first body.
     pub first: usize,
-    /// Number of the second body; absent where the contact is with a wall.
+    /// Number of the second body; `None` for a wall.
     pub second: Option<usize>,
     /// Unit normal n from the first body to the second, or to the wall.
     pub normal: Vector3<f64>,
-    /// Two unit vectors across it, with it a right-handed frame.
+    /// Two unit tangents, which form a right-handed frame with the normal.
     pub tangents: [Vector3<f64>; 2],
     /// Arms from the centres of the first and of the second body to the point of contact, m; zero for a wall.
     pub arms: [Vector3<f64>; 2],
-    /// Velocity of the wall at the point, m/s; where it is a second body, the drift that it has besides, because it turns.
+    /// Velocity of the wall at the point, m/s; for a second body, its additional drift due to rotation.
     pub wall_velocity: Vector3<f64>,
-    /// Angular velocity of the wall, rad/s; zero where there is a second body.
+    /// Angular velocity of the wall, rad/s; zero for a second body.
     pub wall_spin: Vector3<f64>,
-    /// Bias q along the normal, m/s: -1e30 where the contact bears nothing in this step.
+    /// Bias q along the normal, m/s: -1e30 for a contact inactive in this step.
     pub bias: f64,
     /// Compliance Sigma' along the normal, 1/kg.
     pub compliance: f64,
-    /// Compliance Sigma_t of the spring across the normal, 1/kg; zero where the contact is rigid there.
+    /// Compliance Sigma_t of the tangential spring, 1/kg; zero for a rigid contact.
     pub tangential_compliance: f64,
-    /// Bias b of that spring in the frame of the world, across the normal, m/s: Sigma_t times the impulse that it bore in the last step.
+    /// Tangential bias b of that spring in the world frame, m/s: Sigma_t times its impulse in the last step.
     pub tangential_bias: Vector3<f64>,
     /// Coefficient of friction mu.
     pub friction: f64,
@@ -118,24 +118,24 @@ pub struct Contact {
     pub rolling_lever: f64,
     /// Largest twisting torque over the normal force, `mu_t R*`, m.
     pub twisting_lever: f64,
-    /// Impulse with which cohesion pulls the two together in the step, N s.
+    /// Impulse of cohesion on the two bodies in the step, N s.
     pub pull: f64,
-    /// Impulse that a solve starts from.
+    /// Starting impulse of a solve.
     pub impulse: ContactImpulse,
 }
 
 /// Impulse of a contact on its second side.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContactImpulse {
-    /// Normal impulse lambda_n, N s; cohesion is apart.
+    /// Normal impulse lambda_n without cohesion, N s.
     pub normal: f64,
-    /// Tangential impulse lambda_t in the frame of the world, N s.
+    /// Tangential impulse lambda_t in the world frame, N s.
     pub tangential: Vector3<f64>,
-    /// Angular impulse L in the frame of the world, N m s.
+    /// Angular impulse L in the world frame, N m s.
     pub angular: Vector3<f64>,
 }
 
-/// Velocities and the impulses that they go with.
+/// Impulses and the corresponding velocities.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ContactState {
     /// Velocity of each body, m/s.
@@ -147,35 +147,35 @@ pub struct ContactState {
 }
 
 impl ContactImpulse {
-    /// The impulse P as a vector, N s.
+    /// Returns the impulse P as a vector, N s.
     pub fn vector(&self, normal: &Vector3<f64>) -> Vector3<f64> {
         normal * self.normal + self.tangential
     }
 }
 
 impl Contact {
-    /// Returns true if the contact may bear something in this step.
+    /// Returns true if the contact may be active in this step.
     pub fn bears(&self) -> bool {
         self.bias > NEVER
     }
 
-    /// Returns true if it resists rolling or twisting.
+    /// Returns true if the contact resists rolling or twisting.
     pub fn resists_turning(&self) -> bool {
         self.rolling_lever != 0.0 || self.twisting_lever != 0.0
     }
 
-    /// Residual of sticking across the normal, m/s, given its relative velocity: w_t.
+    /// Tangential residual w_t of sticking, m/s, given the relative velocity.
     pub fn sliding(&self, velocity: &Vector3<f64>, tangential_impulse: &Vector3<f64>) -> Vector3<f64> {
         let across = velocity - self.normal * self.normal.dot(velocity);
         across + tangential_impulse * self.tangential_compliance - self.tangential_bias
     }
 
-    /// The contact's frame: normal and tangents as columns.
+    /// Returns the contact frame: normal and tangents as columns.
     pub fn frame(&self) -> Matrix3<f64> {
         Matrix3::from_columns(&[self.normal, self.tangents[0], self.tangents[1]])
     }
 
-    /// The bodies, each with its arm and the sign with which an impulse acts on it.
+    /// Iterates over the bodies, each with its arm and the sign of an impulse on it.
     pub fn sides(&self) -> impl Iterator<Item = (usize, Vector3<f64>, f64)> {
         [(Some(self.first), self.arms[0], -1.0), (self.second, self.arms[1], 1.0)]
             .into_iter()
@@ -184,7 +184,7 @@ impl Contact {
 }
 
 impl ContactProblem {
-    /// The state of some impulses, one a contact: velocities before the contacts act, and what pulls and impulses change.
+    /// Returns the state of the given impulses, one per contact: velocities before the contacts act, plus the effect of cohesion and impulses.
     pub fn state_of(&self, impulses: &[ContactImpulse]) -> ContactState {
         let mut state = ContactState {
             velocities: self.bodies.iter().map(|body| body.velocity).collect(),
@@ -198,7 +198,7 @@ impl ContactProblem {
         state
     }
 
-    /// The state that a solve starts from.
+    /// Returns the starting state of a solve.
     pub fn start(&self) -> ContactState {
         let impulses: Vec<ContactImpulse> = self.contacts.iter().map(|contact| contact.impulse).collect();
         self.state_of(&impulses)
@@ -217,7 +217,7 @@ impl ContactProblem {
         contact.sides().fold(contact.wall_spin, |sum, (body, _, sign)| sum + state.spins[body] * sign)
     }
 
-    /// Gives the bodies of a contact an impulse on its second side, N s, and an angular one, N m s.
+    /// Applies an impulse, N s, and an angular impulse, N m s, to the bodies of a contact, on its second side.
     pub fn push(
         &self,
         contact: &Contact,
@@ -232,8 +232,7 @@ impl ContactProblem {
         }
     }
 
-    /// The operator of one contact in its own frame, 1/kg: what an impulse on it changes of its relative velocity, compliance
-    /// left out.
+    /// Operator of one contact in its own frame, 1/kg: the change of its relative velocity per unit impulse, without compliance.
     pub fn own_operator(&self, contact: &Contact) -> Matrix3<f64> {
         let frame = contact.frame();
         let side = |(number, arm, _): (usize, Vector3<f64>, f64)| {
@@ -248,11 +247,10 @@ impl ContactProblem {
         self.contacts.iter().any(Contact::resists_turning)
     }
 
-    /// Describes invalid data: numbers that are not finite, bodies that do not exist, frames that are not
-    /// orthonormal, coefficients below zero.
+    /// Checks the data: finite numbers, existing bodies, orthonormal frames, nonnegative coefficients.
     ///
     /// # Errors
-    /// The first thing found.
+    /// Message of the first violation.
     pub fn check(&self) -> Result<(), String> {
         let finite = |numbers: &[f64]| numbers.iter().all(|number| number.is_finite());
         if !finite(&[self.time, self.step, self.unit]) || self.step <= 0.0 || self.unit <= 0.0 {
@@ -315,7 +313,7 @@ impl ContactProblem {
     }
 }
 
-/// Two unit vectors across a unit vector, with it a right-handed frame.
+/// Two unit tangents, which form a right-handed frame with a unit normal.
 pub(crate) fn tangents_of(normal: &Vector3<f64>) -> [Vector3<f64>; 2] {
     let one = normal.cross(&Vector3::ith(normal.iamin(), 1.0)).normalize();
     [one, normal.cross(&one)]

@@ -1,4 +1,4 @@
-//! The contact problem of a simulation's next step.
+//! Contact problem of a simulation's next step.
 
 use super::{Body, Contact, ContactImpulse, ContactProblem, ContactState, tangents_of};
 use crate::Simulation;
@@ -15,14 +15,13 @@ use crate::world::{self, INVERSE_INERTIA};
 use nalgebra::{Matrix3, Vector3};
 
 impl Simulation {
-    /// The contact problem of the next step, as its solve will find it. The simulation itself stays as it is: a copy poses
-    /// the problem.
+    /// Returns the contact problem of the next step's solve. The simulation stays unchanged: a copy poses the problem.
     ///
-    /// Contacts are listed in the order in which a sweep relaxes them, those that neither bear nor pull anything in the step
-    /// left out. Bodies are numbered by the ids of the grains; driven walls follow.
+    /// Contacts are listed in relaxation order, without contacts that are inactive and not cohesive in the step. Bodies are
+    /// numbered by grain ids; dynamic walls follow.
     pub fn contact_problem(&self) -> ContactProblem {
         let (mut posed, team) = (self.clone(), Team::default());
-        // Bodies as they are before the contacts act, which start from the impulses of the last step.
+        // Bodies before the contacts act; the contacts start from the impulses of the last step.
         posed.set_free(&team);
         let bodies = bodies(&posed);
         posed.lay_out(&team);
@@ -39,8 +38,8 @@ impl Simulation {
 }
 
 impl Simulation {
-    /// Solves the contact problem of the next step with the simulation's own method and sweeps, until the given rule says stop. The
-    /// simulation itself stays as it is: a copy does it.
+    /// Solves the contact problem of the next step with the simulation's own method and sweeps, until the given stop criterion.
+    /// The simulation stays unchanged: a copy runs the solve.
     pub fn solution_in_lanes(&self, stop: Stop) -> (ContactState, SolveReport) {
         let (mut copy, team) = (self.clone(), Team::default());
         copy.settings.stop = stop;
@@ -57,7 +56,7 @@ impl Simulation {
     }
 }
 
-/// The grains by id, then the driven walls, as they move now.
+/// Returns the grains by id, then the dynamic walls, with their present motion.
 fn bodies(simulation: &Simulation) -> Vec<Body> {
     let world = &simulation.world;
     let grains = simulation.places_by_id().into_iter().map(|place| grain(&world.bodies[place as usize]));
@@ -74,7 +73,7 @@ fn grain(body: &world::Body) -> Body {
     }
 }
 
-/// A driven wall, whose one freedom is along or about its axis.
+/// Returns a dynamic wall as a body with one degree of freedom, along or about its axis.
 fn wall(drive: &Drive) -> Body {
     let (axis, turning) = (drive.axis(), drive.turning());
     let along = if turning == Vector3::zeros() { axis } else { Vector3::zeros() };
@@ -86,13 +85,13 @@ fn wall(drive: &Drive) -> Body {
     }
 }
 
-/// Every contact of a posed problem that bears or pulls something.
+/// Returns every active or cohesive contact of a posed problem.
 fn contacts(posed: &Simulation) -> Vec<Contact> {
     let Simulation { world, layout, .. } = posed;
     let radius = |place: u32| world.spheres[place as usize].radius;
     let number = |place: u32| world.ids[place as usize] as usize;
     let mut contacts = Vec::with_capacity(layout.contacts);
-    // They are listed in the order in which they come here, and relaxed behind all others.
+    // Contacts with dynamic walls are listed in the order of this loop, and relaxed after all others.
     let (mut driven, mut last) = (layout.driven.iter(), Vec::new());
     for (_, task) in layout.tasks() {
         for (index, (group, sources)) in task.pairs.iter().zip(&task.pair_sources).enumerate() {
@@ -128,7 +127,7 @@ fn contacts(posed: &Simulation) -> Vec<Contact> {
                 contact.wall_spin = Vector3::zeros();
                 if let Some(one) = driven.next() {
                     contact.second = Some(world.grains() + one.drive as usize);
-                    // The arm across the axis, whose cross product with the axis is the Jacobian.
+                    // Arm across the axis, whose cross product with the axis is the Jacobian.
                     let axis = world.drives[one.drive as usize].turning();
                     contact.arms[1] = Vector3::from(one.jacobian).cross(&axis);
                     contact.wall_velocity = one.drift.into();
@@ -142,7 +141,7 @@ fn contacts(posed: &Simulation) -> Vec<Contact> {
     contacts
 }
 
-/// Values in the lanes of a contact.
+/// Reads the values of a contact from its lanes.
 fn read(lanes: &ContactLanes<Eight, SpringLanes>, lane: usize) -> Contact {
     let normal = Vector3::from(lanes.normal(lane));
     Contact {
@@ -168,42 +167,42 @@ fn read_torques(torques: &TorqueLanes, lane: usize, contact: &mut Contact) {
     contact.impulse.angular = torques.angular_impulse(lane).into();
 }
 
-/// A contact problem in the frames of its contacts, as FCLIB's `fclib_local` has it:
+/// Contact problem in the frames of its contacts, as in FCLIB's `fclib_local`:
 ///
 /// ```text
 /// w = W lambda + q      W = G M^-1 G^T + Sigma'      q = G v + (velocities of walls) - (biases along the normals)
 /// ```
 ///
-/// with v the velocities before the contacts act, pulls included. Sigma' stands on the diagonal in the rows of normals; the compliance of
-/// tangential springs stands in the others, and their biases in q. A solution has `0 <= lambda_n _|_ w_n >= 0` and Coulomb's law of w_t and lambda_t at each contact. (V. Acary, M. Brémond, T. Koziara, F.
-/// Pérignon, *FCLIB: a collection of discrete 3D frictional contact problems*, Inria technical report 444, 2014.)
+/// with v the velocities before the contacts act, cohesion included. Sigma' is on the diagonal in normal rows, and the spring compliance in
+/// tangential rows, with its bias in q. A solution has `0 <= lambda_n _|_ w_n >= 0` and Coulomb's law of w_t and lambda_t. (V. Acary, M.
+/// Brémond, T. Koziara, F. Pérignon, *FCLIB: a collection of discrete 3D frictional contact problems*, Inria technical report 444, 2014.)
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LocalProblem {
-    /// W in blocks of one contact by another, 1/kg, column after column and in each from the first row on.
+    /// Matrix W in blocks of one contact by another, 1/kg, by columns and within each by rows.
     pub blocks: Vec<MatrixBlock>,
-    /// q, m/s: normal and two tangential components of each contact.
+    /// Offset q, m/s: normal and two tangential components of each contact.
     pub offset: Vec<Vector3<f64>>,
     /// Coefficient of friction of each contact.
     pub friction: Vec<f64>,
-    /// Impulses that a solve starts from, N s, in the frames of the contacts.
+    /// Starting impulses of a solve, N s, in the contact frames.
     pub impulses: Vec<Vector3<f64>>,
-    /// Number in the contact problem of each contact; those that bear nothing are left out.
+    /// Number of each contact in the full problem; inactive contacts are omitted.
     pub contacts: Vec<usize>,
 }
 
-/// Block of W: velocity at one contact by the impulse on another.
+/// Block of W: velocity at one contact per unit impulse on another.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MatrixBlock {
-    /// Contact whose velocity changes.
+    /// Contact with the velocity.
     pub row: usize,
     /// Contact with the impulse.
     pub column: usize,
-    /// By how much, 1/kg.
+    /// Velocity per impulse, 1/kg.
     pub values: Matrix3<f64>,
 }
 
 impl ContactProblem {
-    /// The problem reduced to the contacts that may bear something. Angular impulses have no place in it.
+    /// Reduces the problem to the active contacts, without angular impulses.
     pub fn local(&self) -> LocalProblem {
         let bearing: Vec<(usize, &Contact)> =
             self.contacts.iter().enumerate().filter(|(_, contact)| contact.bears()).collect();
@@ -227,7 +226,7 @@ impl ContactProblem {
                 blocks.push(MatrixBlock { row, column, values });
             }
         }
-        // Velocities before the contacts act, pulls included.
+        // Velocities before the contacts act, cohesion included.
         let free = self.state_of(&vec![ContactImpulse::default(); self.contacts.len()]);
         let offset = |(_, contact): &(usize, &Contact)| {
             let [u, v] = contact.tangents.map(|tangent| tangent.dot(&contact.tangential_bias));
@@ -243,7 +242,7 @@ impl ContactProblem {
         }
     }
 
-    /// Velocity at `row` by a unit impulse on `column`, in their frames, 1/kg.
+    /// Velocity at `row` per unit impulse on `column`, in their frames, 1/kg.
     fn coupling(&self, row: &Contact, column: &Contact) -> Matrix3<f64> {
         let mut sum = Matrix3::zeros();
         for (number, arm, sign) in column.sides() {
@@ -254,17 +253,17 @@ impl ContactProblem {
                 sum += (body.inverse_mass + turns) * (sign * other_sign);
             }
         }
-        // Zeros have no sign: entries that are summed from a file have none either.
+        // Negative zeros become positive: sums of entries from a file have no negative zeros either.
         (row.frame().transpose() * sum * column.frame()).map(|entry| entry + 0.0)
     }
 
-    /// An impulse in the frame of its contact: normal and two tangential components, N s.
+    /// Returns an impulse in its contact frame: normal and two tangential components, N s.
     pub fn in_frame(&self, contact: &Contact, impulse: &ContactImpulse) -> Vector3<f64> {
         let [u, v] = contact.tangents.map(|tangent| tangent.dot(&impulse.tangential));
         Vector3::new(impulse.normal, u, v)
     }
 
-    /// The impulses of all contacts, from those of the reduced problem in the frames of its contacts.
+    /// Returns the impulses of all contacts, from those of the reduced problem in contact frames.
     pub fn impulses_of(&self, local: &LocalProblem, impulses: &[Vector3<f64>]) -> Vec<ContactImpulse> {
         let mut all = vec![ContactImpulse::default(); self.contacts.len()];
         for (&number, impulse) in local.contacts.iter().zip(impulses) {
@@ -277,7 +276,7 @@ impl ContactProblem {
 }
 
 impl LocalProblem {
-    /// Velocities `w = W lambda + q`, m/s.
+    /// Returns the velocities `w = W lambda + q`, m/s.
     pub fn velocities(&self, impulses: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
         let mut velocities = self.offset.clone();
         for block in &self.blocks {

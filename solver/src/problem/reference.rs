@@ -1,4 +1,4 @@
-//! Projected Gauss-Seidel on the plain data, one contact after another: the algorithm as it is written down.
+//! Projected Gauss-Seidel on the plain data, one contact after another: the textbook algorithm.
 //!
 //! ```text
 //! for each sweep
@@ -9,10 +9,10 @@
 //!     and the bodies take each change at once
 //! ```
 //!
-//! S_n, S_t and S_r are what an impulse on the contact alone changes: the normal element of its operator, the larger eigenvalue of
-//! the tangential block, the largest of the sum of the inverse inertias. For spheres they are `1/m_a + 1/m_b`, 3.5 times
-//! that, and `1/I_a + 1/I_b`, as in the sweeps over lanes (M. Jean, *The non-smooth contact dynamics method*, Computer Methods in
-//! Applied Mechanics and Engineering 177, 1999; C. Lacoursière, *Ghosts and machines*, Umeå 2007, algorithm 1).
+//! S_n, S_t and S_r form the operator of a single contact: the normal element, the larger eigenvalue of the tangential block, the
+//! largest eigenvalue of the sum of the inverse inertias. For spheres they are `1/m_a + 1/m_b`, 3.5 times that, and `1/I_a +
+//! 1/I_b`, as in the lane sweeps (M. Jean, *The non-smooth contact dynamics method*, Computer Methods in Applied Mechanics and
+//! Engineering 177, 1999; C. Lacoursière, *Ghosts and machines*, Umeå 2007, algorithm 1).
 
 use super::{Contact, ContactImpulse, ContactProblem, ContactState};
 use crate::sweep::Residual;
@@ -23,9 +23,9 @@ use nalgebra::{Matrix2, Matrix3, Vector3};
 pub struct Reference {
     /// Over-relaxation omega, above 0 and below 2.
     pub relaxation: f64,
-    /// Largest `|change of lambda| S` of a sweep at which it stops, m/s.
+    /// Largest `|change of lambda| S` of the final sweep, m/s.
     pub tolerance: f64,
-    /// Most sweeps.
+    /// Maximum number of sweeps.
     pub most_sweeps: u32,
 }
 
@@ -34,9 +34,9 @@ pub struct Reference {
 pub struct Ending {
     /// Sweeps done.
     pub sweeps: u32,
-    /// Largest `|change of lambda| S` of the last of them, m/s.
+    /// Largest `|change of lambda| S` of the last sweep, m/s.
     pub change: f64,
-    /// True if that is within the tolerance.
+    /// True if the change is within the tolerance.
     pub converged: bool,
 }
 
@@ -63,7 +63,7 @@ impl ContactProblem {
         }
     }
 
-    /// Sweeps over a state until the largest change is within the tolerance; the state goes with what it is when this returns.
+    /// Sweeps over a state until the largest change is within the tolerance; on return, velocities and impulses of the state are consistent.
     pub fn solve(&self, state: &mut ContactState, reference: &Reference) -> Ending {
         let operators: Vec<OneContact> = self.contacts.iter().map(|contact| self.one_contact(contact)).collect();
         let mut ending = Ending::default();
@@ -79,7 +79,7 @@ impl ContactProblem {
         ending
     }
 
-    /// Relaxes one contact; the largest change of an impulse times its operator, m/s.
+    /// Relaxes one contact; returns the largest change of an impulse times its operator, m/s.
     fn relax(
         &self,
         number: usize,
@@ -97,7 +97,7 @@ impl ContactProblem {
         let change = impulse.normal - last.normal;
         self.push(contact, state, &(contact.normal * change), &none);
         let mut largest = change.abs() * operator.normal;
-        // Tangential impulse, projected onto the disc at that normal impulse.
+        // Tangential impulse, projected onto the disc at the new normal impulse.
         if operator.tangential > 0.0 {
             let velocity = self.relative_velocity(contact, state);
             let sliding = contact.sliding(&velocity, &last.tangential);
@@ -107,7 +107,7 @@ impl ContactProblem {
             self.push(contact, state, &change, &none);
             largest = largest.max(change.norm() * operator.tangential);
         }
-        // Angular impulse, projected onto what the contact can bear.
+        // Angular impulse, projected onto the limit of the contact.
         if operator.turning > 0.0 {
             let target = last.angular - self.relative_spin(contact, state) * (relaxation / operator.turning);
             impulse.angular = bearable(contact, &target, impulse.normal);
@@ -120,7 +120,7 @@ impl ContactProblem {
     }
 }
 
-/// The nearest vector that is no longer than the radius.
+/// Projects a vector onto the disc of the given radius.
 pub(super) fn onto_disc(vector: Vector3<f64>, radius: f64) -> Vector3<f64> {
     let length = vector.norm();
     if length <= radius { vector } else { vector * (radius / length) }
@@ -132,19 +132,18 @@ fn larger_eigenvalue(matrix: &Matrix2<f64>) -> f64 {
     mean + half.hypot(matrix[(0, 1)])
 }
 
-/// Residuals of a state: what an unrelaxed update of each contact by itself would still change, times the contact's operator,
-/// m/s. All are zero at a solution and nowhere else (the natural map; P. Alart and A. Curnier, Computer Methods in Applied Mechanics
-/// and Engineering 92, 1991, with the exact disc).
+/// Residuals of a state: the change by an unrelaxed update of each contact by itself, times the contact's operator, m/s. All are
+/// zero at a solution only (the natural map; P. Alart and A. Curnier, Computer Methods in Applied Mechanics and Engineering 92,
+/// 1991, with the exact disc).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ProblemResiduals {
     /// Normal complementarity `|min(lambda_n D_n, w_n)|`.
     pub normal: Residual,
-    /// Coulomb's law, the disc and the maximum dissipation in it: `|lambda_t - P[lambda_t - w_t / D_t]| D_t`.
+    /// Coulomb's law, the disc and its maximum dissipation: `|lambda_t - P[lambda_t - w_t / D_t]| D_t`.
     pub tangential: Residual,
     /// Residual of angular impulses, times the first body's arm.
     pub turning: Residual,
-    /// By how much impulses attract or leave the disc: `-lambda_n D_n` or `(|lambda_t| - mu lambda_n) D_t`, the larger of the
-    /// two, not below zero.
+    /// Excess of impulses over the cone: the larger of `-lambda_n D_n` and `(|lambda_t| - mu lambda_n) D_t`, not below zero.
     pub cone: Residual,
 }
 
@@ -154,14 +153,14 @@ impl ProblemResiduals {
         self.normal.rms.hypot(self.tangential.rms).hypot(self.turning.rms)
     }
 
-    /// Largest of any direction, m/s.
+    /// Largest residual of any direction, m/s.
     pub fn max(&self) -> f64 {
         self.normal.max.max(self.tangential.max).max(self.turning.max)
     }
 }
 
 impl ContactProblem {
-    /// Residuals of a state.
+    /// Returns the residuals of a state.
     pub fn residuals(&self, state: &ContactState) -> ProblemResiduals {
         let mut sums = [Sum::default(); 4];
         for (contact, impulse) in self.contacts.iter().zip(&state.impulses).filter(|(contact, _)| contact.bears()) {

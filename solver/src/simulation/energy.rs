@@ -16,26 +16,26 @@ pub struct Energy {
     pub potential: f64,
     /// Elastic energy of the overlaps.
     pub elastic: f64,
-    /// Potential energy of cohesion, zero where nothing is within its range.
+    /// Potential energy of cohesion, zero if no pair is within its range.
     #[serde(default)]
     pub cohesive: f64,
 }
 
 impl Energy {
-    /// All of it, J.
+    /// Total energy, J.
     pub fn total(&self) -> f64 {
         self.kinetic + self.potential + self.elastic + self.cohesive
     }
 }
 
-/// Energy of contacts, and the deepest of them.
+/// Energy of contacts, and the deepest overlap.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct ContactEnergy {
     /// Elastic, J.
     pub elastic: f64,
     /// Cohesive, J.
     pub cohesive: f64,
-    /// Largest overlap over the smaller radius, and the id of a grain that has it.
+    /// Largest overlap over the smaller radius, and the id of a grain with this overlap.
     pub deepest: Option<(f64, u32)>,
 }
 
@@ -63,15 +63,15 @@ impl Simulation {
         ContactEnergy::of(&self.world, &self.candidates, self.settings.normal_law)
     }
 
-    /// Largest overlap of two grains, or of a grain and a wall, over the smaller radius; a wall's counts as infinite. Above 1 a
-    /// centre lies inside its partner. Zero where nothing overlaps.
+    /// Largest overlap of two grains, or of a grain and a wall, over the smaller radius; the radius of a wall counts as infinite.
+    /// Above 1, a centre lies inside its partner. Zero without overlaps.
     pub fn largest_overlap(&self) -> f64 {
         self.contact_energy().deepest.map_or(0.0, |(share, _)| share)
     }
 }
 
 impl ContactEnergy {
-    /// That of the candidates of a list.
+    /// Sums the energy of the candidates of a list.
     pub fn of(world: &World, candidates: &Candidates, law: NormalLaw) -> ContactEnergy {
         let mut sum = ContactEnergy::default();
         let mut take = |(contact, pull): (NormalContact<f64>, Pull), radius: f64, grain: usize| {
@@ -85,7 +85,7 @@ impl ContactEnergy {
                 sum.deepest = Some((share, world.ids[grain]));
             }
         };
-        // Most candidates are apart, which takes neither a root nor their materials to see.
+        // Most candidates are apart: this test needs neither a square root nor their materials.
         let range = world.range_of_cohesion();
         for pair in &candidates.pairs {
             let (first, second) = (pair.first as usize, pair.second as usize);

@@ -1,14 +1,14 @@
-//! A simulation as a caller sees it, and all that goes by its insides.
+//! Simulation: public interface and internals.
 //!
 //! ```text
 //! step.rs         the time step: detect, constrain, solve, move
-//! swept/          grains that would pass a wall or another grain within a step
-//! interrupted.rs  a step that is given up
-//! intervention/   what the caller does between steps: forces, states written, grains that come and go, walls that are moved
+//! swept/          contacts of grains that would cross a wall or another grain within a step
+//! interrupted.rs  abandoned steps
+//! intervention/   actions of the caller between steps: forces, written states, inserted and removed grains, kinematic walls
 //! settings.rs     threads, instruction set, precision, method, stop
 //! energy.rs       mechanical energy of a state
-//! ledger/         where energy and momentum come from and where they go
-//! checkpoint/     a state written down, to go on from
+//! ledger/         sources and sinks of energy and momentum
+//! checkpoint/     stored states, to resume from
 //! ```
 
 pub mod checkpoint;
@@ -37,14 +37,14 @@ use ledger::Ledger;
 use serde::{Deserialize, Serialize};
 use swept::Swept;
 
-/// A scene in motion.
+/// Scene in motion.
 #[derive(Clone, Debug)]
 pub struct Simulation {
     pub(crate) world: World,
     pub(crate) settings: SolverSettings,
     pub(crate) candidates: Candidates,
     pub(crate) relaxation: Relaxation,
-    /// Lane groups ahead of a sweep to fetch, where that was said; elsewhere it goes by the size of the step.
+    /// Prefetch distance of sweeps in lane groups, if set; the default depends on the size of the step.
     prefetch: Option<usize>,
     pub(crate) constrainer: Constrainer,
     pub(crate) layout: Layout,
@@ -56,7 +56,7 @@ pub struct Simulation {
     pub(crate) swept: Swept,
     pub(crate) interrupt: Interrupt,
     pub(crate) interventions: Interventions,
-    /// Work that walls did on grains in the last step besides what the solve tells, J.
+    /// Work of walls on grains in the last step that the solve does not report, J.
     pub(crate) work_outside_of_the_solve: f64,
     phases: PhaseSeconds,
 }
@@ -70,24 +70,24 @@ pub struct PhaseSeconds {
     pub constrain: f64,
     /// Sweeps.
     pub sweep: f64,
-    /// Forces, motion, remembering impulses.
+    /// Forces, motion, storage of impulses.
     pub integrate: f64,
 }
 
 /// Report of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StepReport {
-    /// The solve.
+    /// Report of the solve.
     pub solve: SolveReport,
     /// Number of contacts.
     pub contacts: usize,
 }
 
 impl Simulation {
-    /// Places the scene's grains and makes ready for the first step.
+    /// Inserts the scene's grains and prepares the first step.
     ///
     /// # Errors
-    /// [`SceneError`] if the scene breaks a rule that scenes from files have to keep ([`Scene::check`]), or if its grains do not fit their
+    /// [`SceneError`] if the scene breaks a rule for scenes from files ([`Scene::check`]), or if its grains do not fit into their
     /// container or overlap.
     pub fn new(scene: &Scene, seed: u64) -> Result<Simulation, SceneError> {
         scene.check()?;
@@ -124,7 +124,7 @@ impl Simulation {
         }
     }
 
-    /// Goes on as another simulation of the same scene, but with the grains and contacts that it has.
+    /// Continues with the grains and contacts of another simulation of the same scene.
     fn go_on_as(&mut self, other: &Simulation) {
         self.relaxation.instruction_set = other.relaxation.instruction_set;
         self.use_prefetch(other.prefetch);
@@ -152,7 +152,7 @@ impl Simulation {
         self.settings.step
     }
 
-    /// The effects that the scene calls for, as far as the sweep kernel has to know them.
+    /// Returns the active effects of the scene that concern the sweep kernel.
     pub fn effects(&self) -> EffectSet {
         self.relaxation.effects
     }
@@ -162,7 +162,7 @@ impl Simulation {
         self.relaxation.instruction_set.name()
     }
 
-    /// Contacts times sweeps, summed over the steps taken.
+    /// Returns the number of contacts times sweeps, summed over the steps taken.
     pub fn contact_sweeps(&self) -> u64 {
         self.contact_sweeps
     }
@@ -172,7 +172,7 @@ impl Simulation {
         self.phases
     }
 
-    /// The contacts of the last step as they were laid out.
+    /// Returns the layout of the contacts of the last step.
     pub fn layout(&self) -> &Layout {
         &self.layout
     }
@@ -182,7 +182,7 @@ impl Simulation {
         self.candidates.rebuilds
     }
 
-    /// Hash of the state (time, positions, velocities, spins, grain by grain, then driven walls): FNV-1a, 64 bits, over their bits.
+    /// Hash of the state (time, positions, velocities and spins per grain, then dynamic walls): FNV-1a, 64 bits, over their bits.
     pub fn state_hash(&self) -> u64 {
         let mut bytes = self.world.time.to_bits().to_le_bytes().to_vec();
         for place in self.places_by_id() {
@@ -195,7 +195,7 @@ impl Simulation {
         checksum(&bytes)
     }
 
-    /// Place of each grain, by id.
+    /// Body index of each grain, by id.
     pub(crate) fn places_by_id(&self) -> Vec<u32> {
         let mut places = vec![0; self.world.grains()];
         for (place, &id) in self.world.ids.iter().enumerate() {
@@ -212,14 +212,14 @@ impl Simulation {
         })
     }
 
-    /// Smallest id of the grains of which something holds.
+    /// Smallest id of the grains that satisfy a predicate.
     pub(crate) fn first_grain(&self, holds: impl Fn(&Sphere, &Body) -> bool) -> Option<u32> {
         let World { spheres, bodies, ids, .. } = &self.world;
         let grains = spheres.iter().zip(bodies).zip(ids);
         grains.filter(|((sphere, body), _)| holds(sphere, body)).map(|(_, &id)| id).min()
     }
 
-    /// Bytes that the simulation holds for its bodies, candidates and contacts.
+    /// Memory of the simulation for bodies, candidates and contacts, bytes.
     pub fn memory_bytes(&self) -> usize {
         self.world.memory_bytes()
             + self.candidates.memory_bytes()
@@ -228,7 +228,7 @@ impl Simulation {
             + self.solver.memory_bytes()
     }
 
-    /// Threads and the way in which they share tasks.
+    /// Threads and their scheduler.
     pub fn team(&self) -> &Team {
         &self.team
     }

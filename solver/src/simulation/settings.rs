@@ -1,4 +1,4 @@
-//! Settings of the steps to come, and interrupts. An impossible setting is refused, and nothing changes.
+//! Settings of later steps, and interrupts. An invalid setting is refused, and nothing changes.
 
 use super::Simulation;
 use crate::interrupt::{Interrupt, polls_interrupt};
@@ -10,10 +10,10 @@ use crate::schedule::{Scheduler, Team};
 use crate::world::World;
 
 impl Simulation {
-    /// Works on another instruction set than the one found at start; all give the same bits.
+    /// Selects an instruction set other than the detected one; all give the same bits.
     ///
     /// # Errors
-    /// [`SettingError::NoInstructionSet`] where the processor lacks it.
+    /// [`SettingError::NoInstructionSet`] if the processor lacks it.
     pub fn use_instruction_set(&mut self, instruction_set: InstructionSet) -> Result<(), SettingError> {
         self.relaxation.instruction_set = instruction_set.on_this_processor().ok_or_else(|| {
             let available = InstructionSet::ALL.into_iter().filter(|set| set.is_available());
@@ -22,7 +22,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// Property of the scene that only Gauss-Seidel in double precision has equations for.
+    /// Returns the property of the scene that only Gauss-Seidel in double precision supports.
     fn obstacle(&self) -> Option<Obstacle> {
         Obstacle::of_scene(
             self.relaxation.effects.torques(),
@@ -31,34 +31,34 @@ impl Simulation {
         )
     }
 
-    /// Sweeps in another precision from the next step on; this changes the result.
+    /// Sets the precision of sweeps from the next step on; this changes the result.
     ///
     /// # Errors
-    /// [`SettingError::SinglePrecision`] where contacts bear torques, walls are driven or the method is another than Gauss-Seidel:
-    /// these go with double precision alone.
+    /// [`SettingError::SinglePrecision`] if contacts transmit torques, walls are dynamic or the method is not Gauss-Seidel: all
+    /// three require double precision.
     pub fn use_precision(&mut self, precision: Precision) -> Result<(), SettingError> {
         precision_goes_with(precision, self.settings.method, || self.obstacle())?;
         self.settings.precision = precision;
         Ok(())
     }
 
-    /// Fetches bodies into the cache so many lane groups before a sweep needs them; 0 leaves it to the processor. Absent, as many
-    /// as pay: none where a step fits into the cache.
+    /// Prefetches bodies the given number of lane groups before a sweep needs them; 0 leaves prefetching to the processor. `None`
+    /// selects the distance by size: zero if a step fits into the cache.
     pub fn use_prefetch(&mut self, groups: Option<usize>) {
         self.prefetch = groups;
         self.choose_prefetch();
     }
 
-    /// Gives threads tasks in other portions, with the same bits.
+    /// Sets the task granularity of threads; the bits stay the same.
     pub fn use_portion(&mut self, portion: Portion) {
         self.layout.plan.set_portion(portion);
     }
 
-    /// Solves the steps to come with another method.
+    /// Sets the solver method of later steps.
     ///
     /// # Errors
-    /// [`SettingError::Method`] where contacts bear torques, walls are driven or sweeps are in single precision: these go with
-    /// Gauss-Seidel alone.
+    /// [`SettingError::Method`] if contacts transmit torques, walls are dynamic or sweeps are in single precision: all three
+    /// require Gauss-Seidel.
     pub fn use_method(&mut self, method: SolverMethod) -> Result<(), SettingError> {
         self.goes_with(method)?;
         self.settings.method = method;
@@ -66,23 +66,23 @@ impl Simulation {
         Ok(())
     }
 
-    /// Checks that a method can solve the steps to come.
+    /// Checks that a method can solve later steps.
     ///
     /// # Errors
-    /// As for [`use_method`](Simulation::use_method).
+    /// Same as [`use_method`](Simulation::use_method).
     pub fn goes_with(&self, method: SolverMethod) -> Result<(), SettingError> {
         method_goes_with(method, self.settings.precision, || self.obstacle())
     }
 
-    /// Stops the solves to come by another rule.
+    /// Sets the stop criterion of later solves.
     pub fn use_stop(&mut self, stop: Stop) {
         self.settings.stop = stop;
     }
 
-    /// Steps on so many threads that share tasks in this way; any choice gives the same bits.
+    /// Sets the scheduler and the number of threads; any choice gives the same bits.
     ///
     /// # Errors
-    /// [`SettingError::NoThreads`] where the system gives no more threads.
+    /// [`SettingError::NoThreads`] if the system provides no more threads.
     pub fn use_team(&mut self, scheduler: Scheduler, threads: usize) -> Result<(), SettingError> {
         let refused =
             |error: rayon::ThreadPoolBuildError| SettingError::NoThreads { threads, reason: error.to_string() };
@@ -92,29 +92,29 @@ impl Simulation {
 }
 
 impl Simulation {
-    /// Handle that stops a step of this simulation, and of its clones, from another thread: see [`interrupt`](crate::interrupt). Solves of
-    /// at most 64 sweeps do not look.
+    /// Returns a handle that stops a step of this simulation, and of its clones, from another thread: see
+    /// [`interrupt`](crate::interrupt). Solves of at most 64 sweeps do not poll.
     pub fn interrupt_handle(&self) -> Interrupt {
         self.interrupt.clone()
     }
 
-    /// Stops when this is asked to: one request may stop many simulations.
+    /// Sets the interrupt to poll: one request may stop many simulations.
     pub fn set_interrupt(&mut self, interrupt: Interrupt) {
         self.interrupt = interrupt;
     }
 
-    /// Returns true if its solves may be so long that they look whether they are to stop.
+    /// Returns true if solves may be long enough to poll the interrupt.
     pub fn polls_interrupt(&self) -> bool {
         polls_interrupt(&self.settings)
     }
 
-    /// Returns true if spins at the start of a step are kept: friction may go by how contacts slide, and a step may be abandoned.
+    /// Returns true if spins at the start of a step are stored: friction may depend on the slip velocity, and a step may be abandoned.
     pub(crate) fn keeps_spins(&self) -> bool {
         let effects = &self.relaxation.effects;
         effects.kinetic_friction() || (effects.tangential() && polls_interrupt(&self.settings))
     }
 
-    /// Goes back to the start of a step whose solve was interrupted.
+    /// Restores the start of a step with an interrupted solve.
     pub(crate) fn abandon_step(&mut self) {
         let World { bodies, before, spins_before, drives, .. } = &mut self.world;
         for (body, before) in bodies.iter_mut().zip(before) {

@@ -10,14 +10,14 @@ use crate::world::{World, by_chunk, chunk, chunks};
 use std::time::Instant;
 
 impl Simulation {
-    /// Advances by one time step, unless it is [interrupted](crate::interrupt): then all is as before it, and the report says so.
+    /// Advances by one time step. If [interrupted](crate::interrupt), the step restores the state before it, and the report states so.
     pub fn step(&mut self) -> StepReport {
         self.team = self.team.here();
         let team = self.team.clone();
         team.enter(|| self.step_of(&team))
     }
 
-    /// Advances by one time step and tells how long each task took.
+    /// Advances by one time step and reports the time of each task.
     pub fn trace_step(&mut self) -> (StepReport, StepTrace) {
         self.team = self.team.here();
         let team = self.team.traced();
@@ -30,7 +30,7 @@ impl Simulation {
         // The contact problem of the step.
         self.pose_problem(team);
         let clock = Clock::start();
-        // Iterations until the settings say stop.
+        // Iterations until the stop criterion holds.
         let Simulation { world, settings, layout, relaxation, solver, interrupt, .. } = self;
         let solve = solve(world, layout, relaxation, settings, team, solver, interrupt);
         let clock = clock.lap(&mut self.phases.sweep);
@@ -43,7 +43,7 @@ impl Simulation {
             self.ledger = Some(ledger);
         }
         self.account_for_forces();
-        // Walls and grains that grains would pass within the step.
+        // Contacts of grains that would cross walls or other grains within the step.
         self.stop_ahead(team);
         // Motion with the new velocities.
         self.remember_impulses(team);
@@ -54,15 +54,15 @@ impl Simulation {
         StepReport { solve, contacts: self.layout.contacts }
     }
 
-    /// Poses the next step's contact problem: contacts laid out with the impulses that they start from, and bodies with the
-    /// velocities that go with these.
+    /// Poses the contact problem of the next step: contacts laid out with their starting impulses, and bodies with the
+    /// corresponding velocities.
     pub(crate) fn pose_problem(&mut self, team: &Team) {
         self.set_free(team);
         self.lay_out(team);
     }
 
-    /// Begins the next step: looks which grains and walls may touch, and gives bodies their free velocities, those that they would have at
-    /// its end without contacts.
+    /// Begins the next step: finds candidate contacts, and sets bodies to their free velocities, the velocities at the end of a
+    /// step without contacts.
     pub(crate) fn set_free(&mut self, team: &Team) {
         let set = self.relaxation.instruction_set;
         let clock = Clock::start();
@@ -83,7 +83,7 @@ impl Simulation {
         clock.lap(&mut self.phases.integrate);
     }
 
-    /// Lays out which of those that may touch do, as constraints in boxes, stages and lane groups; they start from their last impulses.
+    /// Lays out the active candidates as constraints in boxes, stages and lane groups; they start from their last impulses.
     pub(crate) fn lay_out(&mut self, team: &Team) {
         let clock = Clock::start();
         self.constrain(team);
@@ -91,8 +91,8 @@ impl Simulation {
         clock.lap(&mut self.phases.constrain);
     }
 
-    /// Keeps the velocities, and spins where they are asked for, at the start of a step of length `h` (s), then lets gravity
-    /// act on the grains, and on driven walls what drives them.
+    /// Stores the velocities, and the spins if requested, at the start of a step of length `h` (s). Then applies gravity to the
+    /// grains and the drives to the dynamic walls.
     pub(crate) fn apply_gravity(&mut self, h: f64, team: &Team) {
         let change = self.world.gravity * h;
         let (time, gravity) = (self.world.time, self.world.gravity);
@@ -123,14 +123,14 @@ impl Simulation {
     }
 
     pub(crate) fn constrain(&mut self, team: &Team) {
-        // Bodies, and contacts about as many as in the last step.
+        // Bodies, and about as many contacts as in the last step.
         self.constrainer.fetches = self.layout.prefetch(self.world.bodies.len()) > 0;
         let Simulation { world, candidates, relaxation, constrainer, layout, .. } = self;
         constrainer.constrain(world, candidates, relaxation, team, layout);
         self.choose_prefetch();
     }
 
-    /// Fetches as far ahead as was said, or as pays for what is laid out.
+    /// Sets the prefetch distance: the given one, or the default for the size of the layout.
     pub(super) fn choose_prefetch(&mut self) {
         let pays = self.layout.prefetch(self.world.bodies.len());
         self.relaxation.prefetch = self.prefetch.unwrap_or(pays);
@@ -152,7 +152,7 @@ impl Simulation {
         }
     }
 
-    /// Time after a number of steps: a product, so that it gathers no rounding error.
+    /// Returns the time after a number of steps as a product, which accumulates no rounding error.
     pub(crate) fn world_time_after(&self, steps: u64) -> f64 {
         steps as f64 * self.settings.step
     }
@@ -166,7 +166,7 @@ impl Simulation {
     }
 }
 
-/// Laps of wall time.
+/// Lap timer of wall time.
 struct Clock(Instant);
 
 impl Clock {

@@ -1,4 +1,4 @@
-//! Relaxation of contacts with driven walls, one after another: see [`drive`](crate::effects::drive).
+//! Relaxation of contacts with dynamic walls, one after another: see [`drive`](crate::effects::drive).
 
 use super::Relaxation;
 use super::kernel::{Bodies, Contact, Pair};
@@ -12,7 +12,7 @@ use crate::partition::{DrivenContact, Layout, TaskGroups};
 use crate::world::Body;
 
 impl Relaxation {
-    /// Relaxes every contact with a driven wall once; its residuals count as the level says.
+    /// Relaxes every contact with a dynamic wall once, and adds its residuals of the level.
     pub(crate) fn sweep_driven(
         &self,
         bodies: &mut [Body],
@@ -42,7 +42,7 @@ fn sweep<E: Effects, G: MeasuredLevel>(
     residual
 }
 
-/// The one-contact solution, the wall's inertia included.
+/// One-contact solution, including the wall's inertia.
 #[inline(always)]
 fn relax<E: Effects, G: MeasuredLevel>(
     one: &DrivenContact,
@@ -70,7 +70,7 @@ fn relax<E: Effects, G: MeasuredLevel>(
         residual.add_normal::<G>(change * operator);
     }
     if E::FRICTION {
-        // Tangential impulse, at the velocity that the normal impulse has left.
+        // Tangential impulse, at the velocity after the normal impulse.
         let velocity = contact.velocity(&Pair::with_wall(&grain, one.velocity(drive.rate)));
         let tangential = minus(velocity, times(contact.normal, dot(contact.normal, velocity)));
         let across = (dot(one.jacobian, one.jacobian) - along * along).max(0.0);
@@ -99,14 +99,14 @@ fn relax<E: Effects, G: MeasuredLevel>(
 }
 
 impl DrivenContact {
-    /// Velocity of the wall at the contact, m/s, when the drive moves it at a rate, m/s or rad/s.
+    /// Velocity of the wall at the contact, m/s, for a rate of the drive, m/s or rad/s.
     #[inline(always)]
     pub(crate) fn velocity(&self, rate: f64) -> [f64; 3] {
         plus(times(self.jacobian, rate), self.drift)
     }
 }
 
-/// Gives driven walls the impulses that their contacts start from.
+/// Applies the starting impulses of their contacts to dynamic walls.
 pub(crate) fn start_driven(layout: &Layout, drives: &mut [Drive]) {
     for one in &layout.driven {
         let (task, drive) = (&layout.groups[one.task as usize], &mut drives[one.drive as usize]);
@@ -121,7 +121,7 @@ pub(crate) fn start_driven(layout: &Layout, drives: &mut [Drive]) {
     }
 }
 
-/// Tells the contacts with driven walls how fast these are now.
+/// Copies the present rates of dynamic walls to their contacts.
 pub(crate) fn tell_driven(layout: &mut Layout, drives: &[Drive]) {
     let Layout { groups, driven, .. } = layout;
     for one in &*driven {

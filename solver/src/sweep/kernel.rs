@@ -1,4 +1,4 @@
-//! One relaxation of one lane group: eight contacts that share no body.
+//! Relaxation of one lane group: eight contacts that share no body.
 //!
 //! For a contact with unit normal n from a to b, relative velocity u at the contact and scaled spins s = r omega,
 //!
@@ -10,10 +10,10 @@
 //! v_a -= P/m_a   v_b += P/m_b   s_a -= 2.5/m_a n x P   s_b -= 2.5/m_b n x P
 //! ```
 //!
-//! A contact's normal impulse does not change its tangential velocity (spheres), so u is computed once. Of the normal impulse the
-//! change is computed, at least -lambda_n: then all but one product and one comparison is ready before u is. Where grains resist rolling
-//! or twisting, the contact's angular impulse follows (`torques`). Where the contact has a tangential spring, `u_t + Sigma_t lambda_t - b`
-//! and `S_t + Sigma_t` stand for u_t and S_t ([`spring`](crate::effects::spring)).
+//! A contact's normal impulse does not change its tangential velocity (spheres), so u is computed once. The kernel computes the
+//! change of the normal impulse, at least -lambda_n: all but one product and one comparison is ready before u is. With resistance
+//! to rolling or twisting, the contact's angular impulse follows (`torques`). With a tangential spring, `u_t + Sigma_t lambda_t -
+//! b` and `S_t + Sigma_t` replace u_t and S_t ([`spring`](crate::effects::spring)).
 
 use super::residual::{LaneResidual, MeasuredLevel};
 use crate::effects::term::{Tangential, TangentialTerm, TermState};
@@ -22,7 +22,7 @@ use crate::lanes::{LANES, Lanes, Number, SINGLE_LANES, SingleLanes, Slots, TaskS
 use crate::partition::SingleBody;
 use crate::world::{Body, INVERSE_INERTIA};
 
-/// One body, or eight.
+/// Velocities and inverse masses of one body, or of eight.
 #[derive(Clone, Copy)]
 pub(crate) struct Bodies<N> {
     pub velocity: [N; 3],
@@ -32,7 +32,7 @@ pub(crate) struct Bodies<N> {
 }
 
 impl<L: Lanes> Bodies<L> {
-    /// Loads eight bodies of a task; without friction their spin is left where it is.
+    /// Loads eight bodies of a task; without friction, their spins are not loaded.
     #[inline(always)]
     pub fn load<E: Effects>(bodies: Slots<'_, Body>, places: &[u32; LANES]) -> Self {
         let [x, y, z, inverse_mass] = bodies.load_halves::<L, 0>(places);
@@ -75,7 +75,7 @@ impl Bodies<f64> {
         Self { velocity, inverse_mass, scaled_spin, inverse_radius }
     }
 
-    /// Becomes the velocities of a body; without friction its spin is left as it is.
+    /// Writes the velocities to a body; without friction, its spin stays unchanged.
     #[inline(always)]
     pub fn put<E: Effects>(&self, body: &mut Body) {
         body.velocity = self.velocity;
@@ -100,7 +100,7 @@ impl<N: Number> Bodies<N> {
 /// Relative motion of the two sides of a contact.
 #[derive(Clone, Copy)]
 pub(crate) struct Pair<N> {
-    /// Velocity of the second less that of the first, m/s.
+    /// Velocity of the second side minus that of the first, m/s.
     pub velocity: [N; 3],
     /// Sum of their inverse masses, 1/kg.
     pub inverse_mass: N,
@@ -109,7 +109,7 @@ pub(crate) struct Pair<N> {
 }
 
 impl<N: Number> Pair<N> {
-    /// Of these two.
+    /// Relative motion of two bodies.
     #[inline(always)]
     pub fn of(first: &Bodies<N>, second: &Bodies<N>) -> Self {
         Self {
@@ -119,7 +119,7 @@ impl<N: Number> Pair<N> {
         }
     }
 
-    /// Of a grain and a wall that moves with `wall_velocity` (m/s) at their contact.
+    /// Relative motion of a grain and a wall with velocity `wall_velocity` (m/s) at their contact.
     #[inline(always)]
     pub fn with_wall(grain: &Bodies<N>, wall_velocity: [N; 3]) -> Self {
         let Bodies { velocity, inverse_mass, scaled_spin, .. } = *grain;
@@ -128,7 +128,7 @@ impl<N: Number> Pair<N> {
 }
 
 impl<L: Lanes> Pair<L> {
-    /// Loads eight of them.
+    /// Loads eight pairs.
     #[inline(always)]
     pub fn load<E: Effects>(bodies: Slots<'_, Body>, group: &PairGroup<E::Tangential>) -> Self {
         let (first, second) = (&group.first, &group.second);
@@ -146,14 +146,14 @@ impl<L: Lanes> Pair<L> {
         (Self { velocity: [x, y, z], inverse_mass, scaled_spin: [L::zero(); 3] }, kept)
     }
 
-    /// Gives bodies that were kept, and have not changed since, an impulse without spin.
+    /// Applies an impulse without spin to loaded bodies that have not changed in memory since.
     #[inline(always)]
     pub fn push_kept<T>(bodies: TaskSlots<'_, Body>, group: &PairGroup<T>, kept: [L::Kept; 2], impulse: [L; 3]) {
         bodies.add_to_kept(&group.first, kept[0], impulse, -1.0);
         bodies.add_to_kept(&group.second, kept[1], impulse, 1.0);
     }
 
-    /// Gives the bodies of eight contacts their impulses: P, and its lever n x P.
+    /// Applies impulses to the bodies of eight contacts: P, and its lever n x P.
     #[inline(always)]
     pub fn push<E: Effects>(bodies: TaskSlots<'_, Body>, group: &PairGroup<E::Tangential>, push: [[L; 3]; 2]) {
         push_each::<L, E>(bodies, &group.first, -1.0, push);
@@ -161,7 +161,7 @@ impl<L: Lanes> Pair<L> {
     }
 }
 
-/// Gives eight bodies in memory `sign` times an impulse: what [`Bodies::push`] does, without loading them first.
+/// Adds `sign` times an impulse to eight bodies in memory: [`Bodies::push`] without a prior load.
 #[inline(always)]
 pub(super) fn push_each<L: Lanes, E: Effects>(
     bodies: TaskSlots<'_, Body>,
@@ -176,7 +176,7 @@ pub(super) fn push_each<L: Lanes, E: Effects>(
     }
 }
 
-/// Constraint data and impulses of one contact, or of eight, in a kernel that is compiled for effects `E`.
+/// Constraint data and impulses of one contact, or of eight, in a kernel compiled for effects `E`.
 pub(crate) type Contact<N, E> = ContactLanes<N, TermState<N, <<E as Effects>::Tangential as ContactLayout>::Term<N>>>;
 
 impl<N: Number, T: TangentialTerm<N>> ContactLanes<N, TermState<N, T>> {
@@ -192,7 +192,7 @@ impl<N: Number, T: TangentialTerm<N>> ContactLanes<N, TermState<N, T>> {
         }
     }
 
-    /// Writes its impulses back.
+    /// Writes the impulses back.
     #[inline(always)]
     pub(crate) fn write<S>(&self, contacts: &mut ContactLanes<S, impl Tangential<S>>, number: impl Fn(N, &mut S)) {
         number(self.impulse_normal, &mut contacts.impulse_normal);
@@ -203,7 +203,7 @@ impl<N: Number, T: TangentialTerm<N>> ContactLanes<N, TermState<N, T>> {
         }
     }
 
-    /// Its impulse as a vector.
+    /// Returns the impulse as a vector.
     #[inline(always)]
     pub(crate) fn impulse(&self) -> [N; 3] {
         plus(self.tangential.impulse, times(self.normal, self.impulse_normal))
@@ -215,7 +215,7 @@ impl<N: Number, T: TangentialTerm<N>> ContactLanes<N, TermState<N, T>> {
         self.tangential.term.coefficient() * self.impulse_normal
     }
 
-    /// Operator across the normal: `S_t = 3.5 S_n` for solid spheres, and what the tangential term adds.
+    /// Tangential operator: `S_t = 3.5 S_n` for solid spheres, plus the tangential term.
     #[inline(always)]
     pub(crate) fn tangential_operator(&self, inverse_mass: N) -> N {
         self.tangential.term.operator(inverse_mass * N::splat(1.0 + INVERSE_INERTIA))
@@ -255,7 +255,7 @@ impl<N: Number, T: TangentialTerm<N>> ContactLanes<N, TermState<N, T>> {
         impulse
     }
 
-    /// Relative velocity at the contact of two sides that move so.
+    /// Relative velocity at the contact of two sides with the given motion.
     #[inline(always)]
     pub(crate) fn velocity(&self, pair: &Pair<N>) -> [N; 3] {
         if !T::ACTS {
@@ -264,7 +264,7 @@ impl<N: Number, T: TangentialTerm<N>> ContactLanes<N, TermState<N, T>> {
         minus(pair.velocity, cross(pair.scaled_spin, self.normal))
     }
 
-    /// Relaxes the contact of two sides that move so: the impulse P for the second one, and its lever n x P.
+    /// Relaxes the contact of two sides with the given motion: returns the impulse P on the second side, and its lever n x P.
     #[inline(always)]
     pub(crate) fn relax_with_lever<G: MeasuredLevel>(
         &mut self,

@@ -1,4 +1,4 @@
-//! One relaxation of a task's lane groups, in the same arithmetic on every instruction set.
+//! Relaxation of a task's lane groups, in the same arithmetic on every instruction set.
 
 mod driven;
 pub(crate) mod kernel;
@@ -29,14 +29,14 @@ use std::marker::PhantomData;
 
 pub(crate) use torques::Turning;
 
-/// The relaxation that a scene calls for, on the instruction set that was chosen.
+/// Relaxation kernel for the effects of a scene and the selected instruction set.
 #[derive(Clone, Copy, Debug)]
 pub struct Relaxation {
     /// Instruction set of the kernel.
     pub instruction_set: Available,
-    /// Effects that the kernels are compiled with; without friction bodies carry no spin through the sweep.
+    /// Effects compiled into the kernels; without friction, sweeps do not carry spins.
     pub effects: EffectSet,
-    /// Number of lane groups ahead whose bodies are fetched into the cache; 0 for not at all.
+    /// Prefetch distance of bodies in lane groups; 0 for none.
     pub prefetch: usize,
 }
 
@@ -50,20 +50,20 @@ struct Sweep<'a, E: Effects, G: MeasuredLevel> {
     compiled: PhantomData<(E, G)>,
 }
 
-/// Gives bodies the impulses that a task's contacts start from.
+/// Applies the starting impulses of a task's contacts to the bodies.
 struct Start<'a, E: Effects> {
     bodies: TaskSlots<'a, Body>,
     groups: &'a TaskGroups,
     effects: PhantomData<E>,
 }
 
-/// Gives bodies the impulses with which cohesion pulls at a task's contacts.
+/// Applies the cohesive impulses of a task's contacts to the bodies.
 struct Pull<'a> {
     bodies: TaskSlots<'a, Body>,
     groups: &'a TaskGroups,
 }
 
-/// Keeps a task's impulses and impacts with the candidates that its contacts came from.
+/// Stores a task's impulses and impacts with the candidates of its contacts.
 struct Remember<'a> {
     groups: &'a TaskGroups,
     memory: [MemoryOfTask<'a>; 2],
@@ -72,7 +72,7 @@ struct Remember<'a> {
 }
 
 impl Relaxation {
-    /// Relaxes every group of a task once, pairs first; adds to `residual` what the level says.
+    /// Relaxes every group of a task once, pairs first; adds the residuals of the level to `residual`.
     pub(crate) fn sweep(
         &self,
         bodies: TaskSlots<'_, Body>,
@@ -87,7 +87,7 @@ impl Relaxation {
         }))
     }
 
-    /// Gives bodies the impulses that a task's contacts start from, and those with which cohesion pulls at them.
+    /// Applies the starting impulses and the cohesive impulses of a task's contacts to the bodies.
     pub(crate) fn start(&self, bodies: TaskSlots<'_, Body>, groups: &TaskGroups) {
         with_effects!(self.effects, E => {
             self.instruction_set.run(Start::<E> { bodies, groups, effects: PhantomData });
@@ -97,7 +97,7 @@ impl Relaxation {
         }
     }
 
-    /// Keeps a task's impulses, angular ones too where there are any, with the candidates that its contacts came from.
+    /// Stores a task's impulses, and its angular impulses if any, with the candidates of its contacts.
     pub(crate) fn remember(&self, groups: &TaskGroups, memory: [MemoryOfTask<'_>; 2]) {
         let springs = self.effects.spring();
         self.instruction_set.run(Remember { groups, memory, springs });
@@ -120,7 +120,7 @@ impl<E: Effects, G: MeasuredLevel> Kernel for Sweep<'_, E, G> {
         } else {
             self.relax_in_turn::<L>(factor, &mut residual);
         }
-        // Contacts with walls of prescribed motion; those with driven walls follow once for all tasks.
+        // Contacts with kinematic and fixed walls; contacts with dynamic walls follow once for all tasks.
         let prescribed = self.groups.prescribed_walls();
         for (number, group) in self.groups.walls[..prescribed].iter_mut().enumerate() {
             let mut grain = Bodies::<L>::load::<E>(self.bodies.to_read(), &group.body);
@@ -132,7 +132,7 @@ impl<E: Effects, G: MeasuredLevel> Kernel for Sweep<'_, E, G> {
                 push_each::<L, E>(self.bodies, &group.body, -1.0, push);
                 continue;
             }
-            // The torque of the contact, at the spin that the impulse has left.
+            // Torque of the contact, at the spin after the impulse.
             grain.push::<E>(-1.0, push[0], push[1]);
             let WallTorqueLanes { wall_spin, torques } = &mut self.groups.wall_torques[number];
             let mut torque = TermState::<L, E::Torque<L>>::angular(torques, L::load);
@@ -160,7 +160,7 @@ impl<E: Effects> Kernel for Start<'_, E> {
                 prefetch_places(self.bodies.as_ptr(), &ahead.first);
                 prefetch_places(self.bodies.as_ptr(), &ahead.second);
             }
-            // Impulses of the last step, with their levers.
+            // Impulses of the last step, with their lever arms.
             let contact = Contact::<L, E>::read(&group.contacts, L::load);
             let impulse = contact.impulse();
             let lever = cross(contact.normal, impulse);
@@ -185,7 +185,7 @@ impl<E: Effects> Kernel for Start<'_, E> {
     }
 }
 
-/// Gives eight bodies in memory `sign` times an angular impulse.
+/// Adds `sign` times an angular impulse to eight bodies in memory.
 #[inline(always)]
 fn turn_each<L: Lanes, E: Effects>(bodies: TaskSlots<'_, Body>, places: &[u32; LANES], sign: f64, impulse: [L; 3]) {
     let mut turned = Bodies::<L>::load::<E>(bodies.to_read(), places);
@@ -233,7 +233,7 @@ impl Kernel for Remember<'_> {
     }
 }
 
-/// Stores the impulses of a lane group with its candidates, those across the normals by their term.
+/// Stores the impulses of a lane group with its candidates; the tangential term provides the tangential ones.
 #[inline(always)]
 fn remember<L: Lanes, T: Tangential>(
     contacts: &ContactLanes<Eight, impl Tangential>,
@@ -254,7 +254,7 @@ fn remember<L: Lanes, T: Tangential>(
     }
 }
 
-/// Keeps the impacts of a task's contacts.
+/// Stores the impacts of a task's contacts.
 #[inline(always)]
 fn remember_impacts(groups: &[ImpactLanes], sources: &[Sources], impacts: TaskSlots<'_, ImpactMemory>) {
     for (group, sources) in groups.iter().zip(sources) {
@@ -264,7 +264,7 @@ fn remember_impacts(groups: &[ImpactLanes], sources: &[Sources], impacts: TaskSl
     }
 }
 
-/// Keeps the angular impulses of a task's contacts.
+/// Stores the angular impulses of a task's contacts.
 fn remember_torques(groups: &TaskGroups, [of_pairs, of_walls]: [MemoryOfTask<'_>; 2]) {
     let TaskGroups { pair_torques, pair_sources, wall_torques, wall_sources, .. } = groups;
     let pairs = pair_torques.iter().zip(pair_sources).map(|both| (both, of_pairs.torques));
@@ -282,20 +282,20 @@ pub(crate) enum SweepOperands<'a> {
     Single(&'a mut SingleCopy),
 }
 
-/// Relaxation of tasks: number of times in turn, and residual level of the last.
+/// Relaxation of tasks: number of repetitions, and residual level of the last one.
 pub(crate) struct SweepPass<F> {
     /// Relaxation factor.
     pub factor: f64,
-    /// Times that each task is relaxed.
+    /// Number of relaxations of each task.
     pub inner: u32,
-    /// Returns true to skip the remaining times; polled where there are several.
+    /// Returns true to skip the remaining repetitions; polled if there are several.
     pub stops: F,
-    /// Residual level of the last time.
+    /// Residual level of the last repetition.
     pub level: ResidualLevel,
 }
 
 impl Relaxation {
-    /// Relaxes every task as the pass says, stage after stage; returns the summed residuals of the last time, with `residuals` for room.
+    /// Relaxes every task, stage after stage; returns the summed residuals of the last repetition, with `residuals` as buffer.
     pub(crate) fn sweep_all(
         &self,
         plan: &Plan,
@@ -353,14 +353,14 @@ impl<F: Fn() -> bool + Sync> SweepPass<F> {
                 }
             },
         );
-        // Summed in the order of tasks, whoever did them.
+        // Summed in task order, on any number of threads.
         let mut total = TaskResidual::default();
         residuals.iter().for_each(|own| total.merge(own));
         total
     }
 }
 
-/// Arrays of impulses that a sweep writes: one along the normal, and three components of each other kind.
+/// Size of the impulse arrays written by a sweep: one along the normal, and three components of each other kind.
 const NORMAL: usize = size_of::<Eight>();
 /// See [`NORMAL`].
 const VECTOR: usize = 3 * size_of::<Eight>();
@@ -368,31 +368,31 @@ const VECTOR: usize = 3 * size_of::<Eight>();
 /// Memory traffic of a sweep, bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SweepBytes {
-    /// All that it touches, each byte once: lane groups and a cache line a grain.
+    /// Bytes accessed at least once, each counted once: lane groups and a cache line per grain.
     pub touched: usize,
-    /// Traffic where nothing stays in a cache between sweeps: lane groups are read and their impulses written, each grain is read and
-    /// written once, since a box's grains stay in the innermost cache while its contacts are relaxed. Padding lanes move too.
+    /// Traffic without reuse between sweeps: lane groups are read and their impulses written, and each grain is read and written
+    /// once, since a box's grains stay in the innermost cache while its contacts are relaxed. Padding lanes are included.
     pub moved: usize,
 }
 
 impl EffectSet {
-    /// Bytes of a contact of two grains in its lane groups.
+    /// Returns the bytes of a contact of two grains in its lane groups.
     pub fn bytes_of_contact(&self) -> usize {
         self.bytes_of_pairs() / LANES
     }
 
-    /// Bytes of the lane groups of eight contacts of two grains.
+    /// Returns the bytes of the lane groups of eight contacts of two grains.
     pub(crate) fn bytes_of_pairs(&self) -> usize {
         let torques = if self.torques() { size_of::<TorqueLanes>() } else { 0 };
         with_effects!(*self, E => size_of::<PairGroup<<E as Effects>::Tangential>>()) + torques
     }
 
-    /// Bytes of the lane groups of eight contacts with walls, which have room for friction in any case.
+    /// Returns the bytes of the lane groups of eight contacts with walls, which always include friction.
     pub(crate) fn bytes_of_walls(&self) -> usize {
         size_of::<WallGroup>() + if self.torques() { size_of::<WallTorqueLanes>() } else { 0 }
     }
 
-    /// Bytes of the impulses of eight contacts, which a sweep writes.
+    /// Returns the bytes of the impulses of eight contacts, which a sweep writes.
     pub(crate) fn bytes_written(&self) -> usize {
         NORMAL + usize::from(self.tangential()) * VECTOR + usize::from(self.torques()) * VECTOR
     }

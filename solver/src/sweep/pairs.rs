@@ -1,4 +1,4 @@
-//! The pairs of a task, group after group.
+//! Relaxation of the pairs of a task, group after group.
 
 use super::Sweep;
 use super::kernel::{Bodies, Contact, Pair};
@@ -19,7 +19,7 @@ impl<E: Effects, G: MeasuredLevel> Sweep<'_, E, G> {
             fetch(self.bodies.as_ptr(), pairs, number, self.prefetch);
             let group = &mut pairs[number];
             let mut contact = Contact::<L, E>::read(&group.contacts, L::load);
-            // Without spin there are registers enough to keep the bodies until they are written.
+            // Without spin, the registers suffice to hold the bodies until they are written.
             if !E::FRICTION {
                 let (pair, kept) = Pair::<L>::load_keeping(self.bodies.to_read(), group);
                 let [impulse, _] = contact.relax_with_lever::<G>(&pair, factor, residual);
@@ -27,7 +27,7 @@ impl<E: Effects, G: MeasuredLevel> Sweep<'_, E, G> {
                 contact.write(&mut group.contacts, L::store);
                 continue;
             }
-            // Torques need both bodies' spins; else what they do together is enough, and bodies stay in memory.
+            // Torques need both bodies' spins; otherwise the relative motion suffices, and bodies stay in memory.
             if !E::TORQUES {
                 let pair = Pair::<L>::load::<E>(self.bodies.to_read(), group);
                 let push = contact.relax_with_lever::<G>(&pair, factor, residual);
@@ -54,17 +54,17 @@ impl<E: Effects, G: MeasuredLevel> Sweep<'_, E, G> {
         }
     }
 
-    /// Relaxes the pairs with three groups on their way at a time, to the same bits; not for contacts that bear torques.
+    /// Relaxes the pairs as a pipeline of three groups, to the same bits; not for contacts that transmit torques.
     ///
-    /// A group is one long chain of operations: its bodies, a division, a root, another division, its bodies again. What waits for
-    /// the chain's end fills the processor's queues, so that it does not see the next group. Here, behind each group that is relaxed,
-    /// the bodies of the group before it get their impulses and those of the group after it are read, which nothing holds up:
+    /// A group is one long dependency chain: its bodies, a division, a root, another division, its bodies again. Waiting
+    /// instructions fill the processor's queues and hide the next group. The pipeline fills this gap: after each relaxed group,
+    /// it writes the impulses of the previous group and loads the bodies of the next group, which do not wait.
     ///
     /// ```text
     /// relax 4 · push 3 · read 5 · relax 5 · push 4 · read 6 ...
     /// ```
     ///
-    /// A group that shares a body with the one before it is read only when that one has pushed.
+    /// A group that shares a body with the previous group is loaded only after that group's impulses are written.
     #[inline(always)]
     pub(super) fn relax_overlapped<L: Lanes>(&mut self, factor: L, residual: &mut LaneResidual<L>) {
         let TaskGroups { pairs, pair_waits, .. } = &mut *self.groups;
@@ -94,11 +94,11 @@ impl<E: Effects, G: MeasuredLevel> Sweep<'_, E, G> {
     }
 }
 
-/// Asks for the bodies of the group that is so far ahead, and for the group that is twice as far; for nothing if that is 0.
+/// Prefetches the bodies of the group at the given distance, and the group at twice the distance; nothing for distance 0.
 #[inline(always)]
 fn fetch<B, T>(bodies: *const B, pairs: &[PairGroup<T>], number: usize, distance: usize) {
     if distance > 0 {
-        // The group itself is fetched before the bodies that it names.
+        // The group is prefetched before its bodies.
         prefetch_lines(pairs.as_ptr().wrapping_add(number + 2 * distance), size_of::<PairGroup<T>>());
         if let Some(ahead) = pairs.get(number + distance) {
             prefetch_places(bodies, &ahead.first);

@@ -1,5 +1,5 @@
-//! Residuals of a sweep: |delta lambda| S, in m/s, for the normal and two tangential directions, and for the
-//! turning of two surfaces against each other.
+//! Residuals of a sweep: |delta lambda| S, in m/s, for the normal and two tangential directions, and for the relative rotation of
+//! two surfaces.
 
 /// Normal, two tangential, and turning.
 const DIRECTIONS: usize = 4;
@@ -25,7 +25,7 @@ pub struct Residuals {
     pub tangential_u: Residual,
     /// Second tangential direction.
     pub tangential_v: Residual,
-    /// Turning: angular velocity times the smaller radius. Zero where nothing resists it.
+    /// Turning: angular velocity times the smaller radius; zero without resistance to turning.
     #[serde(default)]
     pub turning: Residual,
 }
@@ -41,23 +41,23 @@ impl Residuals {
 /// Detail of the residuals of a sweep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ResidualLevel {
-    /// Nothing.
+    /// No residuals.
     Off,
-    /// Root mean squares along the normal and across it; the latter stands in the first tangential direction. Nearly free.
+    /// Root mean squares, normal and tangential; the first tangential direction holds the tangential total. Nearly free.
     Total,
     /// Root mean squares and maxima in every direction, at more than half the cost of a sweep.
     Directions,
 }
 
-/// A level that kernels are compiled with.
+/// Residual level known at compile time.
 pub(crate) trait MeasuredLevel {
-    /// True if it tells anything.
+    /// True if the level measures residuals.
     const ANY: bool;
-    /// True if it tells directions apart, and maxima.
+    /// True if the level separates directions and includes maxima.
     const DIRECTIONS: bool;
 }
 
-/// One level.
+/// Compile-time residual level.
 pub(crate) struct Compiled<const ANY: bool, const DIRECTIONS: bool>;
 /// [`ResidualLevel::Off`].
 pub(crate) type Off = Compiled<false, false>;
@@ -71,7 +71,7 @@ impl<const ANY: bool, const DIRECTIONS: bool> MeasuredLevel for Compiled<ANY, DI
     const DIRECTIONS: bool = DIRECTIONS;
 }
 
-/// Evaluates an expression for the level that a value names.
+/// Evaluates an expression for the compile-time level of a value.
 macro_rules! with_level {
     ($level:expr, $compiled:ident => $body:expr) => {
         $crate::sweep::residual::with_level!($level, $compiled => $body; Off, Total, Directions)
@@ -83,14 +83,14 @@ macro_rules! with_level {
 }
 pub(super) use with_level;
 
-/// Sums over lane groups while they are relaxed, still lane by lane, so that their order is fixed.
+/// Sums over lane groups during relaxation, separate for each lane, so that their order is fixed.
 #[derive(Clone, Copy)]
 pub(crate) struct LaneResidual<N> {
     squares: [N; DIRECTIONS],
     largest: [N; DIRECTIONS],
 }
 
-/// Sums of a task in memory.
+/// Residual sums of a task in memory.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct TaskResidual {
     squares: [Eight; DIRECTIONS],
@@ -104,7 +104,7 @@ impl<N: Number> LaneResidual<N> {
         self.largest[direction] = self.largest[direction].larger(value.abs());
     }
 
-    /// Adds a square to a sum, and looks for no maximum.
+    /// Adds a square to a sum, without a maximum.
     #[inline(always)]
     fn add_square(&mut self, direction: usize, square: N) {
         self.squares[direction] = self.squares[direction] + square;
@@ -120,10 +120,10 @@ impl<N: Number> LaneResidual<N> {
         }
     }
 
-    /// Splits the tangential residual vectors of a group along two directions perpendicular to the normal, if these are told
-    /// apart.
+    /// Splits the tangential residual vectors of a group along two directions perpendicular to the normal, if the level separates
+    /// directions.
     ///
-    /// The basis needs no branch and is continuous but for one seam (Duff et al., J. Comput. Graph. Tech. 6(1), 2017).
+    /// The basis is free of branches and continuous except at one seam (Duff et al., J. Comput. Graph. Tech. 6(1), 2017).
     #[inline(always)]
     pub fn add_tangential<G: MeasuredLevel>(&mut self, normal: [N; 3], value: [N; 3]) {
         if !G::DIRECTIONS {
@@ -139,7 +139,7 @@ impl<N: Number> LaneResidual<N> {
         self.add(2, dot(v, value));
     }
 
-    /// Adds the surface velocities by which torques still turned a group.
+    /// Adds the surface velocities of the remaining relative rotation in a group.
     #[inline(always)]
     pub fn add_turning<G: MeasuredLevel>(&mut self, value: [N; 3]) {
         let square = dot(value, value);
@@ -150,7 +150,7 @@ impl<N: Number> LaneResidual<N> {
         }
     }
 
-    /// Nothing summed yet.
+    /// Returns empty sums.
     #[inline(always)]
     pub fn zero() -> Self {
         Self { squares: [N::zero(); DIRECTIONS], largest: [N::zero(); DIRECTIONS] }
@@ -158,13 +158,13 @@ impl<N: Number> LaneResidual<N> {
 }
 
 impl<L: Lanes> LaneResidual<L> {
-    /// The sums so far.
+    /// Returns the sums so far.
     #[inline(always)]
     pub fn read(from: &TaskResidual) -> Self {
         Self { squares: from.squares.each_ref().map(L::load), largest: from.largest.each_ref().map(L::load) }
     }
 
-    /// Keeps the sums.
+    /// Stores the sums.
     #[inline(always)]
     pub fn write(self, to: &mut TaskResidual) {
         for direction in 0..DIRECTIONS {
@@ -194,7 +194,7 @@ impl<S: SingleLanes> LaneResidual<S> {
 }
 
 impl TaskResidual {
-    /// Adds what one lane did.
+    /// Adds the residuals of one lane.
     pub(super) fn add_lane(&mut self, lane: usize, own: LaneResidual<f64>) {
         for direction in 0..DIRECTIONS {
             self.squares[direction].0[lane] += own.squares[direction];
@@ -203,7 +203,7 @@ impl TaskResidual {
         }
     }
 
-    /// Adds the sums of another task; callers keep the order of tasks.
+    /// Adds the sums of another task; the caller must follow the order of tasks.
     pub fn merge(&mut self, other: &TaskResidual) {
         for direction in 0..DIRECTIONS {
             for lane in 0..LANES {
@@ -214,9 +214,9 @@ impl TaskResidual {
         }
     }
 
-    /// Residuals over `contacts` contacts.
+    /// Returns the residuals over `contacts` contacts.
     pub fn finish(&self, contacts: usize) -> Residuals {
-        // One fixed order of summation.
+        // Fixed order of summation.
         let sum = |[a, b, c, d, e, f, g, h]: [f64; 8]| ((a + b) + (c + d)) + ((e + f) + (g + h));
         let residual = |direction: usize| Residual {
             rms: (sum(self.squares[direction].0) / contacts.max(1) as f64).sqrt(),

@@ -1,4 +1,4 @@
-//! The sweep in single precision: the same relaxation, sixteen contacts at a time.
+//! Sweep in single precision: the same relaxation, sixteen contacts at a time.
 
 use super::Relaxation;
 use super::kernel::{Bodies, Contact, Pair};
@@ -19,7 +19,7 @@ pub(super) struct SingleSweep<'a, E: Effects, G: MeasuredLevel> {
 }
 
 impl Relaxation {
-    /// As [`Relaxation::sweep`], in single precision; always in lanes.
+    /// Same as [`Relaxation::sweep`], in single precision; always in lanes.
     pub(crate) fn sweep_single(
         &self,
         bodies: TaskSlots<'_, SingleBody>,
@@ -28,7 +28,7 @@ impl Relaxation {
         level: ResidualLevel,
         residual: &mut TaskResidual,
     ) {
-        // Scenes with torques or springs are refused single precision when they are read.
+        // Scenes with torques or springs do not allow single precision.
         with_level!(level, G => match self.effects.tangential() {
             true => self.run_single::<Frictional, G>(bodies, groups, factor, residual),
             false => self.run_single::<Frictionless, G>(bodies, groups, factor, residual),
@@ -58,7 +58,7 @@ impl<E: Effects, G: MeasuredLevel> Kernel for SingleSweep<'_, E, G> {
         let pairs = &mut self.groups.pairs;
         for number in 0..pairs.len() {
             if self.prefetch > 0 {
-                // The group itself is fetched before the bodies that it names.
+                // The group is prefetched before its bodies.
                 prefetch_lines(pairs.as_ptr().wrapping_add(number + 2 * self.prefetch), SinglePairGroup::used::<E>());
                 if let Some(ahead) = pairs.get(number + self.prefetch) {
                     prefetch_places(self.bodies.as_ptr(), &ahead.first);

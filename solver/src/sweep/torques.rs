@@ -20,7 +20,7 @@ impl<N: Number> Bodies<N> {
         self.scaled_spin = plus(self.scaled_spin, times(impulse, factor));
     }
 
-    /// One over the moment of inertia, 1/(kg m2).
+    /// Inverse moment of inertia, 1/(kg m2).
     #[inline(always)]
     pub(super) fn inverse_inertia(&self) -> N {
         self.inverse_mass * self.inverse_radius * self.inverse_radius * N::splat(INVERSE_INERTIA)
@@ -30,16 +30,16 @@ impl<N: Number> Bodies<N> {
 /// Relative rotation of the two sides of a contact.
 #[derive(Clone, Copy)]
 pub(crate) struct Turning<N> {
-    /// Angular velocity of the second less that of the first, rad/s.
+    /// Angular velocity of the second side minus that of the first, rad/s.
     pub spin: [N; 3],
     /// Sum of the inverse moments of inertia, 1/(kg m2).
     pub operator: N,
-    /// One over the smaller radius, 1/m.
+    /// Inverse of the smaller radius, 1/m.
     pub inverse_radius: N,
 }
 
 impl<N: Number> Turning<N> {
-    /// Of two grains.
+    /// Relative rotation of two grains.
     #[inline(always)]
     pub fn of(first: &Bodies<N>, second: &Bodies<N>) -> Self {
         Self {
@@ -49,7 +49,7 @@ impl<N: Number> Turning<N> {
         }
     }
 
-    /// Of a grain and a wall that turns with `wall_spin` (rad/s).
+    /// Relative rotation of a grain and a wall with angular velocity `wall_spin` (rad/s).
     #[inline(always)]
     pub fn with_wall(grain: &Bodies<N>, wall_spin: [N; 3]) -> Self {
         let (spin, operator) = (minus(wall_spin, grain.spin()), grain.inverse_inertia());

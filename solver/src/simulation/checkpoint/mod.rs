@@ -1,9 +1,9 @@
-//! Checkpoints: a simulation written down, to be continued bit for bit, or to start another one from.
+//! Checkpoints: stored simulations, to resume bit for bit or to start another simulation from.
 //!
-//! What the next step depends on is the state of the grains, the impulses that contacts bore, and the candidate list: the order
-//! of its pairs is the order in which contacts are relaxed. The list itself is not written. It follows from where the grains
-//! were when it was built, so these places are, and reading builds it again. What it holds besides, because grains were too fast for the step,
-//! is written as it is: it came from velocities that nobody knows any more.
+//! The next step depends on the state of the grains, the contact impulses, and the candidate list: the order of its pairs is the
+//! order in which contacts are relaxed. The checkpoint stores the grain positions at the last build of the list, and reading
+//! rebuilds the list from them. Extra candidates, added because grains were too fast for the step, are stored explicitly: the
+//! velocities behind them are no longer known.
 //!
 //! ```
 //! # use makadam::{Scene, Simulation};
@@ -34,17 +34,17 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use xxhash_rust::xxh3::xxh3_64;
 
-/// First bytes of a file; the last one is the version of the format.
+/// Magic bytes of a file; the last byte is the version of the format.
 const MARK: [u8; 8] = *b"makadam\x0f";
 
-/// Checkpoint of a simulation in which grains have come or gone, walls are moved by the caller, the candidate list holds more than what was
-/// near when it was built, or the ledger has something from outside or in tangential springs: what that is follows the state.
+/// Magic bytes of a checkpoint with optional state after the state: grains inserted or removed, kinematic walls, extra
+/// candidates, or ledger entries of external actions or tangential springs.
 const MARK_OF_ALTERED: [u8; 8] = *b"makadam\x10";
 
-/// Reason for which a checkpoint could not be written or read.
+/// Reason why a checkpoint could not be written or read.
 #[derive(Debug, thiserror::Error)]
 pub enum CheckpointError {
-    /// The system refused.
+    /// Operating system error.
     #[error("{}: {source}; check that the path is right and the disk has room", file.display())]
     Io {
         /// The file.
@@ -52,7 +52,7 @@ pub enum CheckpointError {
         /// Message of the system.
         source: std::io::Error,
     },
-    /// The bytes are no checkpoint of this version, or not one of this scene.
+    /// Format error: not a checkpoint of this version, or not of this scene.
     #[error("the checkpoint {problem}; delete it and start anew")]
     Format {
         /// Problem.
@@ -61,12 +61,12 @@ pub enum CheckpointError {
 }
 
 impl Simulation {
-    /// The present state as a checkpoint. Forces that were [applied](Simulation::apply_forces) to the step to come are not part of it.
+    /// Returns the present state as a checkpoint. Forces [applied](Simulation::apply_forces) for the next step are not part of the checkpoint.
     pub fn checkpoint(&self) -> Vec<u8> {
         State::of(self).write()
     }
 
-    /// Writes a checkpoint to a file; whatever happens meanwhile, what stood there before or the whole of it is there.
+    /// Writes a checkpoint to a file atomically: after any failure, the file holds either the old or the new checkpoint.
     ///
     /// # Errors
     /// [`CheckpointError::Io`] if the file cannot be written.
@@ -75,8 +75,8 @@ impl Simulation {
         write_atomically(file, &self.checkpoint()).map_err(|source| CheckpointError::Io { file: file.into(), source })
     }
 
-    /// Goes on from a checkpoint of the same scene, bit for bit as if it had never stopped; also where grains had been inserted or removed,
-    /// or walls been moved by the caller.
+    /// Resumes from a checkpoint of the same scene, bit for bit like an uninterrupted run. This includes inserted and removed
+    /// grains and kinematic walls.
     ///
     /// # Errors
     /// [`CheckpointError::Format`] if the bytes are damaged, or belong to another version or scene.
@@ -85,21 +85,21 @@ impl Simulation {
         State::read(bytes).and_then(|state| state.resume(scene)).map_err(refuse)
     }
 
-    /// Starts a scene at time zero from the grains of a checkpoint in place of its jittered lattice, with the impulses of their
-    /// contacts scaled to the scene's time step.
+    /// Starts a scene at time zero from the grains of a checkpoint instead of its jittered lattice. Contact impulses are scaled
+    /// to the scene's time step.
     ///
     /// # Errors
-    /// [`CheckpointError::Format`] if the bytes are damaged, of another version, or hold other grains than the scene.
+    /// [`CheckpointError::Format`] if the bytes are damaged or of another version, or if the grains differ from those of the scene.
     pub fn start_from(scene: &Scene, bytes: &[u8]) -> Result<Simulation, CheckpointError> {
         let refuse = |problem| CheckpointError::Format { problem };
         State::read(bytes).and_then(|state| state.start(scene)).map_err(refuse)
     }
 }
 
-/// Bytes before the body: a mark of eight bytes, the length of the body and its checksum (XXH3, 64 bits).
+/// Header length, bytes: eight magic bytes, the length of the body and its checksum (XXH3, 64 bits).
 const HEAD: usize = 24;
 
-/// Puts a mark, the length and the checksum before a body. The last byte of a mark is the version of what follows.
+/// Adds magic bytes, length and checksum before a body. The last magic byte is the version of the body format.
 pub fn seal(mark: [u8; 8], body: &[u8]) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(HEAD + body.len());
     bytes.extend(mark);
@@ -109,10 +109,10 @@ pub fn seal(mark: [u8; 8], body: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// The body of what [`seal`] made.
+/// Returns the body of a file written by [`seal`].
 ///
 /// # Errors
-/// What is wrong: it is too short, another kind of file or version, cut off, or damaged.
+/// Message that states the problem: too short, another kind of file or version, truncated, or damaged.
 pub fn open(mark: [u8; 8], bytes: &[u8]) -> Result<&[u8], String> {
     let number = |at: usize| bytes[at..at + 8].try_into().map(u64::from_le_bytes).unwrap_or_default();
     if bytes.len() < HEAD {
@@ -134,22 +134,22 @@ pub fn open(mark: [u8; 8], bytes: &[u8]) -> Result<&[u8], String> {
     Ok(body)
 }
 
-/// Hash of a text or a state by which it is known: FNV-1a, 64 bits (G. Fowler, L. C. Noll, K.-P. Vo).
+/// Hash that identifies a text or a state: FNV-1a, 64 bits (G. Fowler, L. C. Noll, K.-P. Vo).
 pub fn checksum(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3))
 }
 
-/// Ending of the name of a draft of a file; a number follows it.
+/// Suffix of the name of a temporary file; a number follows.
 pub const DRAFT: &str = ".part";
 
-/// Names that are tried before a folder full of drafts is given up.
+/// Number of names tried before a folder full of temporary files is given up.
 const TRIES: usize = 1000;
 
-/// Writes a file and its place in the folder to the disk; the folder is made where it is missing. Whatever happens, a cut of power
-/// included, the whole new file or the whole old one is there.
+/// Writes a file and its folder entry to the disk, and creates a missing folder. After any failure, a power cut included, the
+/// whole new file or the whole old file exists.
 ///
 /// # Errors
-/// What the system says; the whole old file or the whole new one stands there then.
+/// Error of the operating system; the whole old file or the whole new file exists then.
 pub fn write_atomically(file: &Path, bytes: &[u8]) -> Result<(), Error> {
     if let Some(folder) = file.parent() {
         std::fs::create_dir_all(folder)?;
@@ -161,22 +161,22 @@ pub fn write_atomically(file: &Path, bytes: &[u8]) -> Result<(), Error> {
     sync_folder(file.parent().unwrap_or(Path::new("")))
 }
 
-/// Puts what `write` writes in the place of a file. Whatever happens to the process, the whole new file or the whole old one is
-/// there; a cut of power may leave neither until [`sync_file`] and [`sync_folder`] have returned.
+/// Replaces a file by the output of `write`. If the process fails, the whole new file or the whole old file exists. After a power
+/// cut neither may exist, unless [`sync_file`] and [`sync_folder`] have returned.
 ///
 /// # Errors
-/// What the system or `write` says; the old file stays then.
+/// Error of the operating system or of `write`; the old file remains then.
 pub fn replace_with(file: &Path, write: impl FnOnce(&mut File) -> Result<(), Error>) -> Result<(), Error> {
     let (draft, mut open) = draft_of(file)?;
     let written = write(&mut open);
     drop(open);
     written.and_then(|()| std::fs::rename(&draft, file)).inspect_err(|_| {
-        // A draft that cannot be removed does no harm: it is never read.
+        // A temporary file that cannot be removed is harmless: no code reads it.
         let _ = std::fs::remove_file(&draft);
     })
 }
 
-/// A new file beside `file`. What stands there already is never opened: it may be a link that somebody planted.
+/// Creates a temporary file next to `file`. An existing file is never opened: it may be a planted link.
 fn draft_of(file: &Path) -> Result<(PathBuf, File), Error> {
     static NUMBER: AtomicU64 = AtomicU64::new(0);
     let name = file.file_name().ok_or_else(|| Error::new(ErrorKind::InvalidInput, "is not the name of a file"))?;
@@ -194,18 +194,18 @@ fn draft_of(file: &Path) -> Result<(PathBuf, File), Error> {
     Err(refused.unwrap_or_else(|| ErrorKind::AlreadyExists.into()))
 }
 
-/// Writes what a file holds to the disk.
+/// Writes the content of a file to the disk.
 ///
 /// # Errors
-/// What the system says.
+/// Error of the operating system.
 pub fn sync_file(file: &Path) -> Result<(), Error> {
     File::open(file)?.sync_all()
 }
 
-/// Writes the names in a folder to the disk: what was made, renamed and removed there. An empty path is the folder at hand.
+/// Writes the entries of a folder to the disk: files created, renamed and removed. An empty path is the current folder.
 ///
 /// # Errors
-/// What the system says; a file system that cannot do it is no error.
+/// Error of the operating system; a file system without this operation causes no error.
 pub fn sync_folder(folder: &Path) -> Result<(), Error> {
     let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     match File::open(here)?.sync_all() {

@@ -14,59 +14,59 @@ use crate::world::{Body, Sphere, World};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// No count of a run comes near it: beyond it, time as a product of steps is no longer exact.
+/// Upper bound of the step counters: above this value, time as a product of steps is no longer exact.
 const LARGEST_COUNT: u64 = 1 << 53;
 
-/// No place, speed, size or impulse of a run comes near it, in SI units; its square is a number still.
+/// Upper bound of positions, speeds, sizes and impulses in SI units; the square of the bound is finite.
 const LARGEST: f64 = 1e30;
 
-/// All that later steps depend on.
+/// Complete state on which later steps depend.
 #[derive(Serialize, Deserialize)]
 pub(in crate::simulation) struct State {
     /// Time step, s.
     step: f64,
     steps: u64,
     contact_sweeps: u64,
-    /// Grains by place.
+    /// Grains in memory order.
     grains: Vec<GrainState>,
     /// Absent before the first step.
     list: Option<ListState>,
     pairs: Vec<Remembered>,
     walls: Vec<Remembered>,
-    /// Angular impulses of the same, N m s, where contacts bear torques; empty elsewhere.
+    /// Angular impulses of these pairs, N m s, if contacts transmit torques; otherwise empty.
     pair_torques: Vec<[f64; 3]>,
     wall_torques: Vec<[f64; 3]>,
-    /// In the order of the scene.
+    /// States of the dynamic walls in scene order.
     driven_walls: Vec<DriveState>,
-    /// Place of a stored checkpoint.
+    /// Position of a stored ledger in the checkpoint.
     ledger: Option<Ledger>,
-    /// Written only if there is anything to say.
+    /// Optional state, written only if not empty.
     #[serde(skip)]
     altered: Altered,
 }
 
-/// State that few simulations have: effects of the caller on later steps, what the candidate list holds beyond what
-/// was near, and what springs took up.
+/// Optional state that few simulations have: effects of the caller on later steps, extra candidates, and the energy of tangential
+/// springs.
 #[derive(Clone, Default, PartialEq, Serialize, Deserialize)]
 struct Altered {
-    /// True if there may be other grains than the scene has.
+    /// True if the grains may differ from the grains of the scene.
     other_grains: bool,
-    /// Walls that the caller moves, by their numbers in the scene.
+    /// Kinematic walls by their numbers in the scene.
     moved_walls: Vec<(u32, Steered)>,
-    /// Entries of the ledger from outside.
+    /// Ledger entries of external actions.
     booked: Booked,
-    /// True if contacts that the next candidate list finds were made by the caller, where a ledger is kept.
+    /// True if the caller caused the new contacts of the next candidate list and a ledger is open.
     disturbed: bool,
-    /// Energy that tangential springs took up since the ledger was opened, J.
+    /// Net energy stored by tangential springs since the ledger was opened, J.
     springs: f64,
-    /// Numbers of the grains, by id, and of the next one to be inserted, where there are other grains than the scene has.
+    /// Numbers of the grains, by id, and the next free number, if the grains differ from the grains of the scene.
     numbers: (Vec<u64>, u64),
-    /// Ids and surfaces that the candidate list holds although they were not near each other when it was built.
+    /// Ids and surfaces of extra candidates, which were not near each other when the list was built.
     beyond: Vec<(u32, u32)>,
 }
 
 impl Altered {
-    /// Returns true if each of the grains has a number of its own below the next one, where grains came or went, and none has elsewhere.
+    /// Returns true if grain numbers are unique and below the next free number; unless grains were inserted or removed, the list must be empty.
     fn has_sound_numbers(&self, grains: usize) -> bool {
         let (numbers, next) = &self.numbers;
         match self.other_grains {
@@ -79,7 +79,7 @@ impl Altered {
     }
 }
 
-/// State of a driven wall.
+/// State of a dynamic wall.
 #[derive(Serialize, Deserialize)]
 struct DriveState {
     /// m or rad
@@ -107,24 +107,24 @@ struct ListState {
     /// Simulated time, s.
     built_at: f64,
     rebuilds: u64,
-    /// Centres by place, m.
+    /// Centres in memory order, m.
     reference: Vec<[f64; 3]>,
     pairs: u32,
     walls: u32,
 }
 
-/// An impulse that a candidate bore.
+/// Impulse of an active candidate.
 #[derive(Serialize, Deserialize)]
 struct Remembered {
-    /// Place in the list.
+    /// Index in the list.
     candidate: u32,
     /// Id of the first grain.
     first: u32,
-    /// Id of the second one, or number of the surface.
+    /// Id of the second grain, or number of the surface.
     second: u32,
     /// Normal and tangential impulse, N s.
     impulse: [f64; 4],
-    /// Speed and last normal velocity of the impact that it is in, m/s.
+    /// Approach speed and last normal velocity of the current impact, m/s.
     impact: [f32; 2],
 }
 
@@ -140,14 +140,14 @@ impl Remembered {
     }
 }
 
-/// Gives a candidate what it bore, times a factor, and its angular impulse in a scene that has any.
+/// Sets the impulse of a candidate, times a factor, and its angular impulse in a scene with torques.
 fn give(memory: &mut Memory, candidate: usize, (known, torque): (&Remembered, Option<&[f64; 3]>), scale: f64) {
     let torque = torque.map_or([0.0; 3], |torque| torque.map(|component| component * scale));
     memory.set(candidate, known.scaled(scale), known.impact(), torque);
 }
 
-/// Impulses and impacts of the candidates that have any, each with its place in the list. Impulses count that are not zero to the
-/// last bit.
+/// Impulses and impacts of the active candidates, each with its index in the list. An impulse is active if any of its bits is
+/// set.
 fn remembered<'a>(
     candidates: impl Iterator<Item = usize> + 'a,
     memory: &'a Memory,
@@ -162,14 +162,14 @@ fn remembered<'a>(
     })
 }
 
-/// The angular impulses that go with these; none where contacts bear no torques.
+/// Returns the angular impulses of these candidates; empty if contacts transmit no torques.
 fn torques_of(borne: &[Remembered], torques: &[AngularImpulse]) -> Vec<[f64; 3]> {
     let known = |one: &Remembered| torques.get(one.candidate as usize).map(|torque| torque.0);
     borne.iter().filter_map(known).collect()
 }
 
 impl State {
-    /// The state of a simulation.
+    /// Captures the state of a simulation.
     pub fn of(simulation: &Simulation) -> State {
         let Simulation { world, candidates, .. } = simulation;
         let grains = world.ids.iter().enumerate().map(|(place, &id)| GrainState {
@@ -229,7 +229,7 @@ impl State {
         }
     }
 
-    /// The state as a checkpoint.
+    /// Serializes the state as a checkpoint.
     pub fn write(&self) -> Vec<u8> {
         const PLAIN: &str = "a state holds only numbers and lists";
         match self.altered == Altered::default() {
@@ -271,7 +271,7 @@ impl State {
         if sound { Ok(state) } else { Err("holds numbers that no run can have".into()) }
     }
 
-    /// A simulation that goes on from here.
+    /// Builds a simulation that continues from this state.
     pub fn resume(&self, scene: &Scene) -> Result<Simulation, String> {
         if self.step.to_bits() != scene.solver.step.to_bits() {
             return Err(format!("has a time step of {:e} s where the scene has {:e} s", self.step, scene.solver.step));
@@ -297,10 +297,10 @@ impl State {
         Ok(simulation)
     }
 
-    /// A simulation of the scene at time zero with these grains, in the order of their ids, and the impulses of their contacts.
+    /// Builds a simulation of the scene at time zero with these grains, in id order, and the impulses of their contacts.
     pub fn start(&self, scene: &Scene) -> Result<Simulation, String> {
         let mut simulation = Simulation::of_world(&scene.solver, self.world(scene)?);
-        // A scene that drives other walls than the one that the grains come from begins with its walls where it places them.
+        // If the scene has other dynamic walls than the source of the grains, its walls start at their initial positions.
         if self.driven_walls.len() == simulation.world.drives.len() {
             self.put_driven_walls(&mut simulation.world, |wall| wall.displacement);
         }
@@ -311,11 +311,11 @@ impl State {
         Ok(simulation)
     }
 
-    /// Gives a simulation with these grains, in the order of their ids and without a candidate list, the impulses of their contacts.
+    /// Sets the contact impulses of a simulation that has these grains, in id order, and no candidate list.
     pub fn give_impulses(&self, simulation: &mut Simulation, scale: f64) -> Result<(), String> {
         let (grains, surfaces) = (self.grains.len() as u32, simulation.world.walls.faces() as u32);
         let candidates = &mut simulation.candidates;
-        // A scene that bears torques may start from one that bore none, and the other way round.
+        // Start and source may differ in whether contacts transmit torques.
         let torques = simulation.relaxation.effects.torques();
         let (of_pairs, of_walls) = (&mut candidates.impulses.pairs, &mut candidates.impulses.walls);
         of_pairs.resize(self.pairs.len(), torques);
@@ -339,7 +339,7 @@ impl State {
         Ok(())
     }
 
-    /// The world of a scene with the grains in the order of their ids.
+    /// Returns the world of a scene with the grains in id order.
     fn world(&self, scene: &Scene) -> Result<World, String> {
         let expected = scene.grain_count();
         if self.grains.len() != expected && !self.altered.other_grains {
@@ -349,7 +349,7 @@ impl State {
         self.populate(World::new(scene, &[]))
     }
 
-    /// A world without grains, with these in the order of their ids.
+    /// Fills a world without grains with these grains, in id order.
     pub fn populate(&self, mut world: World) -> Result<World, String> {
         let mut by_id: Vec<&GrainState> = self.grains.iter().collect();
         by_id.sort_by_key(|grain| grain.id);
@@ -379,7 +379,7 @@ impl State {
         Ok(world)
     }
 
-    /// Adds a grain of a material, by its number, and a density (kg/m3).
+    /// Adds a grain with its material number and density (kg/m3).
     pub fn add(&mut self, id: u32, entry: &GrainEntry, material: u8, density: f64) {
         let radius = entry.radius;
         self.grains.push(GrainState {
@@ -393,7 +393,7 @@ impl State {
         });
     }
 
-    /// Numbers grains anew, given the new id of each old one; those without one are gone, and their contacts with them.
+    /// Renumbers grains, given the new id of each old id; grains without a new id and their contacts are removed.
     pub fn renumber(&mut self, new_ids: &[Option<u32>]) {
         let new_id = |id: u32| new_ids.get(id as usize).copied().flatten();
         self.grains.retain_mut(|grain| new_id(grain.id).map(|id| grain.id = id).is_some());
@@ -410,7 +410,7 @@ impl State {
         }
     }
 
-    /// Has the walls that the caller moves where they were at some time.
+    /// Sets the kinematic walls to their poses at the given time.
     fn put_moved_walls(&self, world: &mut World, then: impl Fn(&Steered) -> Steered) -> Result<(), String> {
         for (wall, steered) in &self.altered.moved_walls {
             if *wall as usize >= world.walls.count() {
@@ -421,7 +421,7 @@ impl State {
         Ok(())
     }
 
-    /// Puts driven walls where they were at some time.
+    /// Sets the dynamic walls to the given displacements.
     fn put_driven_walls(&self, world: &mut World, displacement: impl Fn(&DriveState) -> f64) {
         for (drive, state) in world.drives.iter_mut().zip(&self.driven_walls) {
             (drive.displacement, drive.rate) = (displacement(state), state.rate);
@@ -429,7 +429,7 @@ impl State {
         world.place_driven_walls();
     }
 
-    /// Builds the candidate list where it was built, and gives its candidates their impulses.
+    /// Rebuilds the candidate list at the state of its last build, and restores the impulses of its candidates.
     fn rebuild(&self, simulation: &mut Simulation, list: &ListState) -> Result<(), String> {
         const OTHER: &str = "belongs to another scene or version: its contacts do not come out the same";
         let Simulation { world, candidates, layout, relaxation, team, .. } = simulation;
@@ -437,14 +437,14 @@ impl State {
         if list.reference.len() != self.grains.len() || !list.reference.iter().flatten().all(|x| x.abs() < LARGEST) {
             return Err(OTHER.into());
         }
-        // Grains lie in the order of their ids: put them where they were, then where they are.
+        // Grains lie in id order: set the positions of the last build first, then the present positions.
         let places: Vec<u32> = self.grains.iter().map(|grain| grain.id).collect();
         world.reorder(&places, team);
         for (sphere, centre) in world.spheres.iter_mut().zip(&list.reference) {
             sphere.centre = Vector3::from(*centre);
         }
         world.time = list.built_at;
-        // The start has put its own candidates there, by id.
+        // Remove the candidates by id that the start has inserted.
         (candidates.pairs, candidates.walls) = (Vec::new(), Vec::new());
         candidates.impulses.pairs = Memory::default();
         *layout = Layout::new(0);

@@ -4,20 +4,20 @@
 //! v' = v + h F / m          w' = w + h T / I,   I = 2/5 m r^2
 //! ```
 //!
-//! before the contacts act, as gravity does. A force is no approach: restitution goes by the velocities at the start of the step. Its work
-//! is `h F . (v + v')/2` with the velocities at the start and at the end of the step, the contacts' impulses among what lies between.
+//! before the contact solve, like gravity. Forces do not count as approach: restitution depends on the velocities at the start of the step.
+//! The work of a force is `h F . (v + v')/2`, with the velocities at the start and at the end of the step, contact impulses included.
 
 use super::{InterventionError, Interventions};
 use crate::Simulation;
 use crate::lanes::{cross, dot, plus, times};
 use crate::world::{Body, INVERSE_INERTIA, World};
 
-/// No force of a run comes near it, in SI units.
+/// Upper bound of forces in SI units.
 const LARGEST: f64 = 1e30;
 
 impl Simulation {
-    /// Has forces act on the centres of the grains in the next step, and in no other: N, one a grain, in the order of their ids. They
-    /// take the place of those that were given before for the same step; an empty list takes these back. They are on top of gravity.
+    /// Applies forces at the centres of the grains in the next step only: N, one per grain, in id order, in addition to gravity.
+    /// They replace forces set earlier for the same step; an empty list clears these.
     ///
     /// ```
     /// # use makadam::{GrainEntry, Material, Scene, Simulation};
@@ -36,15 +36,15 @@ impl Simulation {
     /// ```
     ///
     /// # Errors
-    /// [`InterventionError::Length`] if the list is neither empty nor as long as there are grains, [`InterventionError::Number`] if a force
-    /// is not finite.
+    /// [`InterventionError::Length`] if the list is neither empty nor of one entry per grain, [`InterventionError::Number`] if a
+    /// force is not finite.
     pub fn apply_forces(&mut self, forces: &[[f64; 3]]) -> Result<(), InterventionError> {
         self.check_forces(forces)?;
         replace(&mut self.interventions.loads[APPLIED].forces, forces);
         Ok(())
     }
 
-    /// Applies torques about the centres, N m, in the same way.
+    /// Applies torques about the centres, N m, under the same rules.
     ///
     /// # Errors
     /// As for [`apply_forces`](Simulation::apply_forces).
@@ -54,7 +54,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// Both at once, in place of all forces and torques that were applied before for the same step. If one list is refused, neither acts.
+    /// Applies both, instead of all forces and torques set earlier for the same step. If one list is refused, neither is applied.
     ///
     /// # Errors
     /// As for [`apply_forces`](Simulation::apply_forces).
@@ -62,7 +62,7 @@ impl Simulation {
         self.give_loads(APPLIED, forces, torques)
     }
 
-    /// Forces and torques on top of those that are applied, for the step to come; in place of those that were added before for the same step.
+    /// Adds forces and torques to the applied ones for the next step; they replace loads added earlier for the same step.
     ///
     /// # Errors
     /// As for [`apply_forces`](Simulation::apply_forces).
@@ -86,7 +86,7 @@ impl Simulation {
         check("the list of torques", "the torque", torques, self.world.grains())
     }
 
-    /// Has the forces and torques of the step act, after velocities at its start were kept.
+    /// Applies the forces and torques of the step, after the velocities at its start were stored.
     pub(crate) fn act_from_outside(&mut self) {
         let Interventions { loads, spins_before, .. } = &mut self.interventions;
         spins_before.clear();
@@ -101,15 +101,15 @@ impl Simulation {
         }
     }
 
-    /// Takes the torques of a step that is given up back; it is taken again with the same.
+    /// Reverts the torques of an abandoned step; the step is repeated with the same torques.
     pub(crate) fn abandon_torques(&mut self) {
         for (body, spin) in self.world.bodies.iter_mut().zip(&self.interventions.spins_before) {
             body.scaled_spin = *spin;
         }
     }
 
-    /// Takes account of what the forces and torques of a step did, once its velocities are known and before anything moves; they are over
-    /// then.
+    /// Books the work and impulses of the forces and torques of a step, once its velocities are known and before bodies move;
+    /// then clears the loads.
     pub(crate) fn account_for_forces(&mut self) {
         self.interventions.work = 0.0;
         let Simulation { world, interventions, settings, ledger, .. } = self;
@@ -145,14 +145,14 @@ impl Simulation {
     }
 }
 
-/// Forces (N) and torques (N m) of a step, by id; empty where there are none.
+/// Forces (N) and torques (N m) of a step, by id; empty without loads.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Loads {
     pub forces: Vec<[f64; 3]>,
     pub torques: Vec<[f64; 3]>,
 }
 
-/// Number of the loads that are applied, of those on top of them, and of all.
+/// Indices of the applied loads, the added loads, and their sum.
 const APPLIED: usize = 0;
 const ADDED: usize = 1;
 pub(super) const LOADS: usize = 2;
@@ -162,7 +162,7 @@ impl Loads {
         self.forces.is_empty() && self.torques.is_empty()
     }
 
-    /// Has a grain's force and torque act on it for a step of length `h`, s.
+    /// Applies the force and torque of a grain for a step of length `h`, s.
     fn push(&self, body: &mut Body, id: u32, h: f64) {
         if let Some(force) = self.forces.get(id as usize) {
             body.velocity = plus(body.velocity, times(*force, h * body.inverse_mass));

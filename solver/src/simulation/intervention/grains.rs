@@ -1,8 +1,8 @@
-//! Grains that come and go between steps.
+//! Insertion and removal of grains between steps.
 //!
-//! A simulation into which grains come, or from which they go, becomes one that begins with the grains that are there, in the order of their
-//! ids, with the impulses that their contacts bore, at the time that it is: what reading a checkpoint of them would give, bit for bit.
-//! Boxes are cut for the new number of grains, and the next step builds the candidate list anew.
+//! After insertion or removal, the simulation restarts at its present time with the present grains, in id order, and the impulses
+//! of their contacts. The result equals reading a checkpoint of them, bit for bit. Boxes are chosen for the new number of grains,
+//! and the next step rebuilds the candidate list.
 
 use super::{Booked, InterventionError};
 use crate::Simulation;
@@ -20,7 +20,7 @@ const RADII: Range<f64> = 1e-9..100.0;
 const LARGEST: f64 = 1e6;
 
 impl Simulation {
-    /// The grains as a scene would list them now, in the order of their ids: `scene` gives the names of their materials.
+    /// Returns the present grains as scene entries, in id order: `scene` provides the names of their materials.
     pub fn grain_entries(&self, scene: &Scene) -> Vec<GrainEntry> {
         let names: Vec<&String> = scene.material.keys().collect();
         let entry = |place: u32| {
@@ -43,20 +43,20 @@ impl Simulation {
         self.world.grains()
     }
 
-    /// Returns true if grains were inserted or removed, so that there may be others than the scene has.
+    /// Returns true if grains were inserted or removed, so that the grains may differ from the grains of the scene.
     pub fn has_other_grains(&self) -> bool {
         self.interventions.other_grains
     }
 
-    /// Adds grains of materials of the scene that this is a simulation of, and returns their ids, which follow those that are there.
+    /// Inserts grains with materials of this simulation's scene, and returns their ids, which follow the present ids.
     ///
-    /// Nothing is known of the contacts of the last step until the next one has been taken: they bore what they bore, but
-    /// [`frame`](Simulation::frame) lists none.
+    /// Contacts of the last step are unknown until the next step: their impulses are preserved, but [`frame`](Simulation::frame)
+    /// lists no contacts.
     ///
     /// # Errors
-    /// [`InterventionError::Insertion`] if a grain is of no known material, has no sound radius or state, lies outside the domain, or overlaps
-    /// a wall or a grain by more than the scene's `largest_start_overlap` of the smaller radius; [`InterventionError::Rule`] if a scene that
-    /// lists all of the grains is refused ([`Scene::check`]), as where a period is too short for them; [`InterventionError::TooMany`].
+    /// [`InterventionError::Insertion`] if a grain has an unknown material or an invalid radius or state, lies outside the domain, or
+    /// overlaps a wall or a grain by more than the scene's `largest_start_overlap` of the smaller radius. [`InterventionError::Rule`] if a
+    /// scene with all of the grains fails [`Scene::check`], for instance because of a short period. [`InterventionError::TooMany`].
     pub fn insert(&mut self, scene: &Scene, grains: &[GrainEntry]) -> Result<Range<u32>, InterventionError> {
         let before = self.world.grains();
         let all = before + grains.len();
@@ -86,10 +86,10 @@ impl Simulation {
         Ok(before as u32..all as u32)
     }
 
-    /// Removes grains by their ids, which may be given more than once. The others keep their order and are numbered anew, without holes:
-    /// returns the new id of each old one, absent for those that are gone.
+    /// Removes grains by their ids; duplicates are allowed. The others keep their order and are renumbered contiguously: returns
+    /// the new id of each old id, `None` for removed grains.
     ///
-    /// Contacts of the last step are known as after [`insert`](Simulation::insert).
+    /// Contacts of the last step are unknown until the next step, as after [`insert`](Simulation::insert).
     ///
     /// # Errors
     /// [`InterventionError::NoGrain`].
@@ -115,7 +115,7 @@ impl Simulation {
         Ok(new_ids)
     }
 
-    /// Goes on with the grains and impulses of a state; `new_ids` tells who is who of the old ones.
+    /// Restarts with the grains and impulses of a state; `new_ids` maps old ids to new ids.
     fn begin_anew(&mut self, state: &State, new_ids: &[Option<u32>], grains: usize) {
         let before = Booked::of(self);
         let world = state.populate(self.world.without_grains()).expect("all numbers were checked");
@@ -174,7 +174,7 @@ impl Simulation {
         }
     }
 
-    /// Checks whether a scene may list the grains to insert beside those that are there, of which the largest of each material stands for all.
+    /// Checks the scene rules for the new grains together with the present grains; the largest grain of each material represents all of them.
     fn check_rules(&self, scene: &Scene, grains: &[GrainEntry]) -> Result<(), InterventionError> {
         let mut largest: BTreeMap<u8, f64> = BTreeMap::new();
         for (material, sphere) in self.world.materials[..self.world.grains()].iter().zip(&self.world.spheres) {
@@ -192,11 +192,11 @@ impl Simulation {
         all.check().map_err(|error| InterventionError::Rule(error.to_string()))
     }
 
-    /// Checks that new grains have room next to the existing grains and to each other.
+    /// Checks the overlaps of new grains with present grains and with each other.
     fn check_overlaps(&self, scene: &Scene, new: &[GrainEntry]) -> Result<(), InterventionError> {
         let world = &self.world;
         let there = world.spheres[..world.grains()].iter().zip(&world.ids);
-        // Number, centre and radius: old ones by their ids, new ones behind them.
+        // Number, centre and radius: present grains by their ids, then new grains.
         let mut all: Vec<(usize, Vector3<f64>, f64)> =
             there.map(|(sphere, &id)| (id as usize, world.wrapped(&sphere.centre), sphere.radius)).collect();
         let old = all.len();

@@ -1,18 +1,18 @@
-//! Interventions of the caller between steps, in addition to the scene: forces, states that are written, grains that
-//! come and go, walls that are steered.
+//! Interventions of the caller between steps, in addition to the scene: forces, written states, inserted and removed grains,
+//! kinematic walls.
 //!
 //! ```text
 //! forces.rs   forces and torques on grains, for one step
 //! states.rs   positions, velocities and spins as arrays in memory, to be read and written
 //! grains.rs   insertion and removal
-//! walls.rs    walls that the caller moves
-//! contacts.rs pairs that may touch and what they bore, handed out without copying
+//! walls.rs    kinematic walls
+//! contacts.rs candidate pairs and their impulses, returned without copying
 //! ```
 //!
-//! None of it costs anything in a simulation that nobody intervenes in. What is done depends on nothing but the state and what is asked
-//! for, so that bits are the same on any number of threads. The ledger enters all of it under `outside`; a watchdog judges energy anew
-//! after it, but for forces, whose work it knows. A checkpoint holds what later steps depend on, forces of the step to come left out:
-//! these are given for one step, and are given again.
+//! Interventions cost nothing in simulations without them. Their effect depends only on the state and the arguments, so that bits
+//! are the same on any number of threads. The ledger books them under `outside`. A watchdog resets its energy reference after
+//! them, except for forces, whose work is known. A checkpoint holds the state of later steps without the forces of the next step:
+//! the caller must set these again.
 
 mod forces;
 mod grains;
@@ -26,20 +26,20 @@ use forces::{LOADS, Loads};
 use serde::{Deserialize, Serialize};
 pub use states::{KeptContact, PairsInList, States};
 
-/// Reason for which an intervention was refused; the simulation stays as it was.
+/// Reason why an intervention was refused; the simulation stays unchanged.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum InterventionError {
-    /// A list is not as long as there are grains.
+    /// List of another length than the number of grains.
     #[error("{what} has {given} rows where there are {grains} grains; give one for each, in the order of their ids")]
     Length {
         /// The list.
         what: &'static str,
-        /// Its length.
+        /// Length of the list.
         given: usize,
         /// Number of grains.
         grains: usize,
     },
-    /// A number is not one that a run can have.
+    /// Number outside the valid range of a run.
     #[error("{what} of grain {grain} is {value:?}; give finite numbers below 1e30 in SI units")]
     Number {
         /// The list.
@@ -49,20 +49,20 @@ pub enum InterventionError {
         /// Given value.
         value: [f64; 3],
     },
-    /// A grain cannot be inserted.
+    /// Grain that cannot be inserted.
     #[error("grain {index} of those to insert {problem}; {remedy}")]
     Insertion {
-        /// Its place among those to insert.
+        /// Index in the list of grains to insert.
         index: usize,
         /// Problem.
         problem: String,
         /// Remedy.
         remedy: &'static str,
     },
-    /// With the grains to insert, those that are there and the walls would not be a scene.
+    /// Violated scene rule: the new grains, the present grains and the walls do not form a valid scene.
     #[error("with the grains to insert the scene breaks a rule of scenes: {0}")]
     Rule(String),
-    /// There is no such grain.
+    /// Unknown grain.
     #[error("there is no grain {id} to remove; ids go from 0 to {} without holes", grains.saturating_sub(1))]
     NoGrain {
         /// Requested index.
@@ -70,7 +70,7 @@ pub enum InterventionError {
         /// Number of grains.
         grains: usize,
     },
-    /// There would be more grains than can be numbered.
+    /// More grains than ids.
     #[error("{grains} grains are too many; at most {most} can be numbered")]
     TooMany {
         /// Resulting number.
@@ -78,7 +78,7 @@ pub enum InterventionError {
         /// Largest number.
         most: usize,
     },
-    /// There is no such wall.
+    /// Unknown wall.
     #[error("there is no wall {wall}; walls are numbered from 0 in the order of the scene, which has {walls}")]
     NoWall {
         /// Requested index.
@@ -86,7 +86,7 @@ pub enum InterventionError {
         /// Number of walls.
         walls: usize,
     },
-    /// A wall cannot be moved so.
+    /// Invalid motion of a wall.
     #[error("wall {wall}: {problem}")]
     Wall {
         /// Number of the wall in the scene.
@@ -96,50 +96,50 @@ pub enum InterventionError {
     },
 }
 
-/// Interventions so far, and loads of the step to come.
+/// Interventions so far, and loads of the next step.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Interventions {
-    /// Forces and torques of the step to come: those that are applied, and those on top of them.
+    /// Forces and torques of the next step: applied loads, and added loads.
     loads: [Loads; LOADS],
-    /// Scaled spins at the start of the step in which these act, m/s, by place.
+    /// Scaled spins at the start of the step with loads, m/s, by body index.
     spins_before: Vec<[f64; 3]>,
     /// Work of forces and torques in the last step, J.
     pub work: f64,
     /// Number of interventions that a watchdog cannot account for.
     pub count: u64,
-    /// True if there are, or may be, other grains than the scene has.
+    /// True if the grains may differ from the grains of the scene.
     pub other_grains: bool,
-    /// Number of each grain, by id, that no other grain of the run has or had; empty unless `other_grains`.
+    /// Number of each grain, by id, unique over the run; empty unless `other_grains`.
     numbers: Vec<u64>,
-    /// Number of the next grain that is inserted; 0 unless `other_grains`.
+    /// Number of the next inserted grain; 0 unless `other_grains`.
     next_number: u64,
     /// Entry `outside` of the ledger.
     pub booked: Booked,
-    /// True if grains came, went or were written since the last step, where a ledger is kept.
+    /// True if grains were inserted, removed or written since the last step and a ledger is open.
     pub disturbed: bool,
-    /// True if positions and velocities may be written from outside.
+    /// True if the caller may write positions and velocities.
     handed_out: bool,
-    /// Energy, momentum and angular momentum before the caller wrote; only where a ledger is kept and states were handed out.
+    /// Energy, momentum and angular momentum before the caller's changes; only with a ledger and after states were handed out.
     known: Option<Booked>,
 }
 
 impl Interventions {
-    /// Numbers of the grains by id, which stay with them; none where no grain was inserted or removed.
+    /// Returns the permanent numbers of the grains by id; empty if no grain was inserted or removed.
     pub fn numbers(&self) -> &[u64] {
         &self.numbers
     }
 
-    /// The numbers and the next one, for a checkpoint.
+    /// Returns the numbers and the next number, for a checkpoint.
     pub fn numbering(&self) -> (Vec<u64>, u64) {
         (self.numbers.clone(), self.next_number)
     }
 
-    /// Takes over the numbers of a checkpoint in which grains came or went.
+    /// Restores the numbers of a checkpoint with inserted or removed grains.
     pub fn renumber(&mut self, (numbers, next_number): (Vec<u64>, u64)) {
         (self.other_grains, self.numbers, self.next_number) = (true, numbers, next_number);
     }
 
-    /// Numbers of the grains once some have come or gone, and the next number: those that stay keep theirs.
+    /// Returns the numbers of the grains after insertion or removal, and the next number: remaining grains keep their numbers.
     fn numbers_after(&self, new_ids: &[Option<u32>], grains: usize) -> (Vec<u64>, u64) {
         let (numbered, mut next) = (self.other_grains, self.next_number);
         if !numbered {
@@ -153,7 +153,7 @@ impl Interventions {
         (numbers, next + inserted)
     }
 
-    /// Interventions after grains have been inserted or removed; `new_ids` tells who is who of the old ones.
+    /// Returns the interventions after grains have been inserted or removed; `new_ids` maps old ids to new ids.
     fn after(&self, new_ids: &[Option<u32>], grains: usize) -> Interventions {
         let renumbered = |list: &[[f64; 3]]| {
             let mut new = vec![[0.0; 3]; if list.is_empty() { 0 } else { grains }];
@@ -182,7 +182,7 @@ impl Interventions {
     }
 }
 
-/// Energy (J), momentum (kg m/s) and angular momentum (kg m2/s) that came from outside.
+/// External energy (J), momentum (kg m/s) and angular momentum (kg m2/s).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Booked {
     pub energy: f64,
@@ -200,7 +200,7 @@ impl Booked {
         }
     }
 
-    /// Adds what a change from one state to another has brought.
+    /// Adds the difference between two states.
     fn add_change(&mut self, before: &Booked, after: &Booked) {
         self.energy += after.energy - before.energy;
         self.impulse = plus(self.impulse, minus(after.impulse, before.impulse));
@@ -209,11 +209,11 @@ impl Booked {
 }
 
 impl Simulation {
-    /// Moves a wall, by its number in the scene, from the next step on: at this velocity or rate, until it is given another. It goes from
-    /// where it stands, and the scene no longer says how it moves. Grains have no influence on it.
+    /// Moves a wall, by its number in the scene, from the next step on, at this velocity or rate until the next call. The motion
+    /// starts from the present pose and replaces the motion of the scene. Grains have no influence on the wall.
     ///
-    /// A wall either moves along or turns about one axis: which one is settled at its first motion, and by the scene where that moves it.
-    /// The first velocity is a jump; later changes count as acceleration, as those of a vibrating wall do.
+    /// A wall either translates or turns about one axis: its first motion decides, or the scene if the scene moves the wall. The
+    /// first velocity is a jump; later changes count as acceleration, as for a vibrating wall.
     ///
     /// ```
     /// # use makadam::{Material, Scene, Shape, Simulation, Wall, wall::WallMotion};
@@ -241,7 +241,7 @@ impl Simulation {
         moved.map_err(|problem| InterventionError::Wall { wall, problem })
     }
 
-    /// Displacement of any wall along (m) and its angle (rad) from where the scene places it, whatever moves it.
+    /// Returns the displacement (m) and the angle (rad) of any wall from its pose in the scene, for every kind of motion.
     ///
     /// # Errors
     /// [`InterventionError::NoWall`].
@@ -253,7 +253,7 @@ impl Simulation {
         }
     }
 
-    /// Displacement (m) and angle (rad) of a wall that the caller moves, from its place in the scene; absent for others.
+    /// Returns the displacement (m) and angle (rad) of a kinematic wall from its pose in the scene; `None` for other walls.
     pub fn moved_by(&self, wall: u32) -> Option<([f64; 3], f64)> {
         self.world.walls.steered().find(|(number, _)| *number == wall).map(|(_, steered)| steered.place())
     }

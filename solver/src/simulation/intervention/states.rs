@@ -1,4 +1,4 @@
-//! Positions, velocities and spins as they lie in memory, to be read and written between steps.
+//! Positions, velocities and spins in memory order, to read and write between steps.
 
 use super::{Booked, Interventions};
 use crate::Simulation;
@@ -7,12 +7,11 @@ use crate::groups::ImpactMemory;
 use crate::world::{Body, Sphere};
 use std::collections::TryReserveError;
 
-/// The grains of a simulation as they lie in memory, to be read and written: [`Simulation::states`].
+/// Grains of a simulation in memory order, to read and write: [`Simulation::states`].
 ///
-/// A grain's row is its place in memory, which changes when the candidate list is built anew, within a step; [`id`](States::id) tells who
-/// is there. What was written counts from the next step on. A grain that was moved is found by the check of the candidate list that every
-/// step makes, and one that was made fast by the look ahead at walls; nothing keeps it from being put into another grain or a wall, which
-/// then push it out.
+/// The row of a grain is its index in memory, which changes when a step rebuilds the candidate list; [`id`](States::id) returns
+/// the grain of a row. Written values count from the next step on. The drift check of the candidate list finds moved grains, and
+/// the swept search finds grains made fast. Overlaps with other grains or walls are not checked; the next steps resolve them.
 #[derive(Debug)]
 pub struct States<'a>(&'a mut Simulation);
 
@@ -25,7 +24,7 @@ impl States<'_> {
     /// Id of the grain in a row.
     ///
     /// # Panics
-    /// There is no such row, here as below.
+    /// If there is no such row; the same holds for the methods below.
     pub fn id(&self, row: usize) -> u32 {
         self.0.world.ids[row]
     }
@@ -35,7 +34,7 @@ impl States<'_> {
         self.0.world.spheres[self.inside(row)].radius
     }
 
-    /// Centre, m; outside of the domain, too, where that repeats itself.
+    /// Centre, m; with periodic axes the centre may lie outside the domain.
     pub fn position(&mut self, row: usize) -> &mut [f64; 3] {
         let row = self.inside(row);
         &mut self.0.world.spheres[row].centre.data.0[0]
@@ -47,13 +46,13 @@ impl States<'_> {
         &mut self.0.world.bodies[row].velocity
     }
 
-    /// Radius times angular velocity, m/s: what is kept of a spin.
+    /// Radius times angular velocity, m/s: the stored form of a spin.
     pub fn scaled_spin(&mut self, row: usize) -> &mut [f64; 3] {
         let row = self.inside(row);
         &mut self.0.world.bodies[row].scaled_spin
     }
 
-    /// Behind the grains there are others, which are none.
+    /// Checks the row against the number of grains: padding bodies follow the grains.
     fn inside(&self, row: usize) -> usize {
         assert!(row < self.grains(), "there is no row {row} of {} grains", self.grains());
         row
@@ -67,7 +66,7 @@ impl Drop for States<'_> {
 }
 
 impl Simulation {
-    /// The grains as they lie in memory, to be read and written.
+    /// Returns the grains in memory order, to read and write.
     ///
     /// ```
     /// # use makadam::{GrainEntry, Material, Scene, Simulation};
@@ -87,7 +86,7 @@ impl Simulation {
         States(self)
     }
 
-    /// Spheres, bodies and ids of the grains by place, for who writes to them through pointers: such a caller says so with
+    /// Returns spheres, bodies and ids of the grains in memory order, for writes through pointers. Such a caller must call
     /// [`states_written`](Simulation::states_written) before each step.
     #[doc(hidden)]
     pub fn arrays(&mut self) -> (&mut [Sphere], &mut [Body], &[u32]) {
@@ -96,27 +95,27 @@ impl Simulation {
         (&mut self.world.spheres[..grains], &mut self.world.bodies[..grains], &self.world.ids)
     }
 
-    /// Sees to it that no step moves the arrays of the grains to another place in memory, for as long as no grains come or go. A copy of
-    /// the simulation has arrays of its own, which may move.
+    /// Prevents steps from reallocating the arrays of the grains until grains are inserted or removed. A copy of the simulation
+    /// has its own arrays, which may move.
     ///
     /// # Errors
-    /// Where the memory that they may grow into is not to be had.
+    /// If the memory for their growth cannot be allocated.
     #[doc(hidden)]
     pub fn keep_arrays_in_place(&mut self) -> Result<(), TryReserveError> {
         let boxes = self.candidates.most_boxes();
         self.world.keep_in_place(boxes)
     }
 
-    /// Says that positions, velocities or spins may have been written since the last step.
+    /// Declares that positions, velocities or spins may have been written since the last step.
     #[doc(hidden)]
     pub fn states_written(&mut self) {
         self.interventions.count += 1;
-        // Some grain may be swift now.
+        // Some grains may be fast now.
         self.swept.forget_pace();
         self.book_what_was_written();
     }
 
-    /// Keeps in mind what energy there is before somebody writes.
+    /// Notes the energy before the caller writes.
     fn hand_out_states(&mut self) {
         self.interventions.handed_out = true;
         if self.ledger.is_some() && self.interventions.known.is_none() {
@@ -124,20 +123,20 @@ impl Simulation {
         }
     }
 
-    /// Keeps in mind what nobody has changed from outside yet, where it may be.
+    /// Notes the energy of the unchanged state, if the caller may write.
     pub(crate) fn note_known_energy(&mut self) {
         let watched = self.ledger.is_some() && self.interventions.handed_out;
         self.interventions.known = watched.then(|| Booked::of(self));
     }
 
-    /// Enters what was written since.
+    /// Books the changes by the caller since then.
     fn book_what_was_written(&mut self) {
         let Some(before) = self.interventions.known else { return };
         self.note_known_energy();
         self.book_disturbance(&before);
     }
 
-    /// Enters how energy, momentum and angular momentum were changed by the caller, given what they were before.
+    /// Books the changes of energy, momentum and angular momentum by the caller, given their previous values.
     pub(super) fn book_disturbance(&mut self, before: &Booked) {
         let after = Booked::of(self);
         if after == *before {
@@ -149,7 +148,7 @@ impl Simulation {
         self.restart_stored_energy();
     }
 
-    /// Has the ledger go on from what contacts store now, as far as the candidate list knows of them.
+    /// Restarts the ledger from the present stored energy of the contacts in the candidate list.
     fn restart_stored_energy(&mut self) {
         if let Some(ledger) = &mut self.ledger {
             ledger.restart_stored(&self.world, &self.candidates, self.constrainer.scheme());
@@ -157,17 +156,17 @@ impl Simulation {
     }
 }
 
-/// Pairs of a candidate list and what they bore in the last step, entry by entry.
+/// Pairs of a candidate list and their impulses of the last step, entry by entry.
 #[doc(hidden)]
 #[derive(Debug, Default)]
 pub struct PairsInList {
-    /// Two grains each, by place.
+    /// Body indices of two grains each.
     pub pairs: Vec<PairCandidate>,
-    /// Impulse of each, and one of zero behind them; zero where two did not touch.
+    /// Impulse of each pair, and a final zero; zero without contact.
     pub pair_impulses: Vec<Impulse>,
-    /// A grain, by place, and a face.
+    /// Body index of a grain, and a face.
     pub walls: Vec<WallCandidate>,
-    /// As `pair_impulses`.
+    /// Impulse of each wall candidate, as in `pair_impulses`.
     pub wall_impulses: Vec<Impulse>,
 }
 
@@ -177,18 +176,18 @@ pub struct PairsInList {
 pub struct KeptContact {
     /// Id of the first grain.
     pub first: u32,
-    /// Id of the second one, or none for a wall.
+    /// Id of the second grain; `None` for a wall.
     pub second: Option<u32>,
     /// Number of the face, for a wall.
     pub face: Option<u32>,
-    /// The impact that it is in.
+    /// Current impact.
     pub impact: ImpactMemory,
     /// Normal impulse of the last step, N s.
     pub impulse: f64,
 }
 
 impl Simulation {
-    /// Memories of the contacts of the last step, for the next one.
+    /// Returns the contact memories of the last step, for the next step.
     #[doc(hidden)]
     pub fn kept_contacts(&self) -> Vec<KeptContact> {
         let (candidates, ids) = (&self.candidates, &self.world.ids);
@@ -206,7 +205,7 @@ impl Simulation {
         pairs.chain(walls).collect()
     }
 
-    /// The pairs that may touch, and the impulses that they bore, as they lie in memory.
+    /// Returns the candidate pairs and their impulses in memory order.
     #[doc(hidden)]
     pub fn pairs_in_list(&mut self) -> (&[PairCandidate], &[Impulse], &[WallCandidate], &[Impulse]) {
         self.clear_what_was_not_borne();
@@ -215,7 +214,7 @@ impl Simulation {
         (&candidates.pairs, &impulses.pairs.impulses, &candidates.walls, &impulses.walls.impulses)
     }
 
-    /// Gives these arrays away, as they lie in memory, and goes on with copies.
+    /// Hands over these arrays and continues with copies.
     #[doc(hidden)]
     pub fn hand_over_pairs(&mut self) -> PairsInList {
         let candidates = &mut self.candidates;
@@ -228,7 +227,7 @@ impl Simulation {
         }
     }
 
-    /// Impulses of pairs that bore none mean nothing: makes them zero.
+    /// Sets the meaningless impulses of inactive pairs to zero.
     fn clear_what_was_not_borne(&mut self) {
         let candidates = &mut self.candidates;
         let mut borne = vec![false; candidates.pairs.len()];
@@ -241,7 +240,7 @@ impl Simulation {
     }
 }
 
-/// Leaves a copy in the place of an array.
+/// Replaces an array by a copy and returns the original.
 fn replaced_by_copy<T: Clone>(array: &mut Vec<T>) -> Vec<T> {
     let copy = array.clone();
     std::mem::replace(array, copy)

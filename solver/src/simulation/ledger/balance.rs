@@ -1,4 +1,4 @@
-//! Balance of a ledger, and the energy that contacts store.
+//! Balance of a ledger, and the stored energy of contacts.
 
 use crate::Simulation;
 use crate::detect::Candidates;
@@ -13,16 +13,16 @@ use serde::{Deserialize, Serialize};
 
 /// Energy (J), momentum (kg m/s) and angular momentum about the origin (kg m2/s) since the ledger was opened.
 ///
-/// Angular momentum is that of the grains where they are, of centres and of spins. With periodic axes it is that of unwrapped coordinates.
+/// Angular momentum covers the centres and the spins of the grains. With periodic axes, centres count in unwrapped coordinates.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Balance {
-    /// Energy at the start; potential energy half a step earlier, as in `end`.
+    /// Energy at the start, with the potential energy half a step earlier, as in `end`.
     pub start: Energy,
     /// Energy at the end.
     pub end: Energy,
     /// Lost to friction.
     pub friction: f64,
-    /// Taken up by tangential springs, less what they gave back.
+    /// Net energy stored by tangential springs.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub springs: f64,
     /// Lost to resistance against rolling and twisting.
@@ -30,28 +30,28 @@ pub struct Balance {
     pub resistance: f64,
     /// Lost in impacts.
     pub restitution: f64,
-    /// Lost to the stabilisation of contacts at rest; negative where it gives.
+    /// Lost to the stabilisation of contacts at rest; negative if stabilisation adds energy.
     pub stabilisation: f64,
-    /// Gained from what contacts store when they first touch, or first come within the range of cohesion.
+    /// Gained from stored energy at first contact, or at first entry into the range of cohesion.
     pub first_touch: f64,
-    /// Gained from normals that turned, and surfaces that curve, while contacts stored energy.
+    /// Gained from rotating normals and curved surfaces while contacts stored energy.
     #[serde(default)]
     pub turning: f64,
     /// Lost from contacts that ended while they stored energy.
     #[serde(default)]
     pub let_go: f64,
-    /// Gained from what walls did within a step besides going on straight along the normals of their contacts.
+    /// Gained from wall motion within a step, other than straight motion along the normals of the contacts.
     #[serde(default)]
     pub wall_paths: f64,
     /// Work of the walls on the grains.
     pub walls: f64,
-    /// Potential energy that grains gained where they were, because gravity changed.
+    /// Potential energy gained by grains at fixed positions because gravity changed.
     #[serde(default)]
     pub changing_gravity: f64,
-    /// Gained from what the caller did: work of forces and torques, states that were written, grains that came or went.
+    /// Gained from actions of the caller: work of forces and torques, written states, inserted and removed grains.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub outside: f64,
-    /// Energy at the end that is not accounted for.
+    /// Energy at the end without an entry.
     pub closure: f64,
     /// Momentum at the start.
     pub momentum_start: [f64; 3],
@@ -61,10 +61,10 @@ pub struct Balance {
     pub gravity_impulse: [f64; 3],
     /// Impulse of the walls.
     pub wall_impulse: [f64; 3],
-    /// Momentum that came with what the caller did.
+    /// Momentum added by actions of the caller.
     #[serde(default, skip_serializing_if = "are_zero")]
     pub outside_impulse: [f64; 3],
-    /// Momentum at the end that is not accounted for.
+    /// Momentum at the end without an entry.
     pub momentum_closure: [f64; 3],
     /// Angular momentum at the start.
     #[serde(default)]
@@ -78,44 +78,44 @@ pub struct Balance {
     /// Angular impulse of the walls.
     #[serde(default)]
     pub wall_angular_impulse: [f64; 3],
-    /// Angular momentum from friction between grains, which acts on arms of full radii although centres are closer by the overlap, and from
-    /// impacts of fast grains, which act where the two are at the start of the step: the error of the method, of first order in the overlap,
-    /// and in the path of a step.
+    /// Angular momentum from two errors of the method. Friction between grains acts on arms of full radii although centres are
+    /// closer by the overlap. Impacts of fast grains act at the positions at the start of the step. Both are of first order, in
+    /// the overlap and in the path of a step.
     #[serde(default)]
     pub overlap_angular_impulse: [f64; 3],
-    /// Angular momentum from contacts across a period, whose two impulses act a period apart.
+    /// Angular momentum from contacts across a period: their two impulses act a period apart.
     #[serde(default, skip_serializing_if = "are_zero")]
     pub period_angular_impulse: [f64; 3],
-    /// Angular momentum that came with what the caller did.
+    /// Angular momentum added by actions of the caller.
     #[serde(default, skip_serializing_if = "are_zero")]
     pub outside_angular_impulse: [f64; 3],
-    /// Angular momentum at the end that is not accounted for.
+    /// Angular momentum at the end without an entry.
     #[serde(default)]
     pub angular_momentum_closure: [f64; 3],
 }
 
-/// Nobody did anything from outside: nothing is written of it.
+/// Returns true if the entry is zero, so that serialization omits an external entry without actions of the caller.
 fn is_zero(value: &f64) -> bool {
     *value == 0.0
 }
 
-/// As [`is_zero`].
+/// Same for a vector; see [`is_zero`].
 fn are_zero(vector: &[f64; 3]) -> bool {
     *vector == [0.0; 3]
 }
 
 impl Balance {
-    /// All that was lost, J, what springs hold included.
+    /// Total loss, J, including the energy stored in springs.
     pub fn lost(&self) -> f64 {
         self.friction + self.springs + self.resistance + self.restitution + self.stabilisation + self.let_go
     }
 
-    /// All that was gained, J.
+    /// Total gain, J.
     pub fn gained(&self) -> f64 {
         self.walls + self.first_touch + self.turning + self.wall_paths + self.changing_gravity + self.outside
     }
 
-    /// Exchanged energy, J: the sizes of all entries. It is what `closure` compares with.
+    /// Exchanged energy, J: the sum of the magnitudes of all entries, and the scale of `closure`.
     pub fn exchanged(&self) -> f64 {
         let lost = [self.friction, self.springs, self.resistance, self.restitution, self.stabilisation, self.let_go];
         let gained = [self.walls, self.first_touch, self.turning, self.wall_paths, self.changing_gravity, self.outside];
@@ -131,8 +131,8 @@ impl Simulation {
         [momentum(0), momentum(1), momentum(2)]
     }
 
-    /// Angular momentum of the grains about the origin, kg m2/s: of their centres, which count where they are and not as images inside the
-    /// domain, and of their spins.
+    /// Angular momentum of the grains about the origin, kg m2/s, of their centres and spins. Centres count in unwrapped
+    /// coordinates, not as images inside the domain.
     pub fn angular_momentum(&self) -> [f64; 3] {
         let grains = self.world.spheres[..self.world.grains()].iter().zip(&self.world.bodies);
         grains.fold([0.0; 3], |sum, (sphere, body)| {
@@ -151,7 +151,7 @@ impl Simulation {
     }
 }
 
-/// Energy that contacts store, J.
+/// Stored energy of contacts, J.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Stored {
     pub elastic: f64,
@@ -159,12 +159,12 @@ pub(super) struct Stored {
 }
 
 impl Stored {
-    /// Of one contact.
+    /// Energy of one contact.
     pub fn of(contact: &NormalContact<f64>, pull: &Pull, law: NormalLaw) -> Stored {
         Stored { elastic: contact.elastic_energy(law), cohesive: pull.energy(-contact.overlap) }
     }
 
-    /// Of all that a candidate list knows.
+    /// Energy of all candidates of a list.
     pub fn of_all(world: &World, candidates: &Candidates, law: NormalLaw) -> Stored {
         let ContactEnergy { elastic, cohesive, .. } = ContactEnergy::of(world, candidates, law);
         Stored { elastic, cohesive }
@@ -175,7 +175,7 @@ impl Stored {
     }
 }
 
-/// Expected stored energy of a contact at the end of a step, J; absent where nothing worked for it, because nothing acted at the start.
+/// Expected stored energy of a contact at the end of a step, J; `None` if no force acted at the start, so that no work was done.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Expected {
     pub elastic: Option<f64>,
@@ -199,7 +199,7 @@ impl Differences {
         }
     }
 
-    /// `beside` is what it would store if the wall had gone on straight along the normal; absent where the contact is no more.
+    /// `beside` is the stored energy for straight motion of the wall along the normal; `None` if the contact has ended.
     fn add_wall(&mut self, stored: f64, beside: Option<f64>, expected: Option<f64>) {
         match (expected, beside) {
             (Some(expected), Some(beside)) => {
@@ -221,12 +221,12 @@ pub(super) struct Expectations {
     pub walls: Vec<Expected>,
     /// Advance of the walls along the normals, m, by candidate.
     pub advances: Vec<[f64; 3]>,
-    /// Walls at the start of the step.
+    /// Poses of the walls at the start of the step.
     pub poses: Vec<Pose>,
 }
 
 impl Expectations {
-    /// Expects nothing yet of a step of length `h`, s.
+    /// Clears the expectations for a step of length `h`, s.
     pub fn restart(&mut self, world: &World, candidates: &Candidates, h: f64) {
         self.pairs.clear();
         self.pairs.resize(candidates.pairs.len(), Expected::default());
@@ -238,7 +238,7 @@ impl Expectations {
         self.poses.extend(world.walls.poses_over(world.time, h));
     }
 
-    /// Compares with the state that the step has led to; returns what is stored.
+    /// Compares with the state at the end of the step; returns the stored energy.
     pub fn compare(
         &self,
         world: &World,

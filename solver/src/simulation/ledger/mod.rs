@@ -1,34 +1,34 @@
-//! The ledger of energy, momentum and angular momentum: where they come from and where they go.
+//! Ledger of energy, momentum and angular momentum: sources and sinks.
 //!
 //! A step changes velocities from v to v' by gravity and by impulses P at contacts. With the mean m = (v + v')/2 of any relative
-//! velocity, the kinetic energy changes by exactly `sum P . m` over contacts plus `h f . m` over bodies, the latter of which is
-//! what the potential energy loses where grains are taken half a step earlier, at `x - h v/2`. So nothing is estimated but
-//! the split of the work along normals,
+//! velocity, the kinetic energy changes by exactly `sum P . m` over contacts plus `h f . m` over bodies. The second sum equals
+//! the loss of potential energy half a step earlier, at `x - h v/2`. So the ledger estimates only the split of the work along
+//! normals,
 //!
 //! ```text
 //! lambda_n m_n = -(gain of stored energy) - (loss)          stored energy at the overlaps d and d - h u_n'
 //! ```
 //!
-//! whose loss goes to restitution where the contact is an impact or the step resolves it, and to stabilisation elsewhere.
-//! Stored is elastic energy, and the potential energy of cohesion. What tangential springs take up, less what they give back, has an
-//! entry of its own: with it friction is what the work across normals loses for good.
+//! with the loss booked as restitution if the contact is an impact or the step resolves it, and as stabilisation otherwise.
+//! Stored energy is elastic energy plus the potential energy of cohesion. The net energy stored by tangential springs has an
+//! entry of its own; friction is the remaining, dissipated work across normals.
 //!
-//! `d - h u_n'` is the overlap to which the velocity of the step leads along the normal at its start. Grains move on straight
-//! lines, so at the end the overlap is another one. For each contact the ledger compares what it expects to be stored with
-//! what is, and enters the difference by its cause, so that it closes to rounding:
+//! `d - h u_n'` is the overlap predicted from the velocity of the step along the normal at its start. Grains move on straight
+//! lines, so the overlap at the end differs. For each contact the ledger compares expected and actual stored energy, and books
+//! the difference by its cause, so that the balance closes to rounding:
 //!
-//! - first touch: a contact that stored nothing at the start of the step stores something at its end, and no force has worked
-//!   for it, because none acts across a gap. It is what a long step adds to fast impacts; restitution takes most of it away.
-//! - turning: the two moved across their normal too, which turns with them, or along a surface that curves.
-//! - let go: the contact is no more, though it stored something: the grain has come over the rim of a disc.
-//! - wall paths: a wall did not go on straight along the normal for the whole step: it turned, started, stopped or moved across.
-//!   It is the difference between the overlap with the face as it stands in the end and the one with the face at the start,
-//!   put forward along the normal at the velocity with which it took part in the solve.
+//! - first touch: a contact without stored energy at the start of the step has some at its end. No force did this work, because
+//!   none acts across a gap. Long steps add this energy to fast impacts; restitution removes most of it.
+//! - turning: the two bodies also moved across their normal, which rotates with them, or along a curved surface.
+//! - let go: a contact with stored energy ended: the grain has passed the rim of a disc.
+//! - wall paths: a wall did not move straight along the normal for the whole step: it turned, started, stopped or moved across. The
+//!   entry is the difference between the overlap with the face at the end and the overlap with the face at the start, advanced
+//!   along the normal at its velocity in the solve.
 
 //!
-//! A step takes angular momentum about the origin from `sum x x m v + I w` to `sum x' x m v' + I w'`, and since `x' = x + h v'` centres count
-//! where they are at its start. Friction between grains turns each by its full radius, while their centres are only `a + b - d` apart: an
-//! impulse P that the second takes changes the sum by `-d n x P`, which has an entry of its own.
+//! A step changes angular momentum about the origin from `sum x x m v + I w` to `sum x' x m v' + I w'`. Since `x' = x + h v'`,
+//! centres count at their positions at the start. Friction between grains acts on arms of full radii, while the centres are only
+//! `a + b - d` apart: an impulse P on the second grain changes the sum by `-d n x P`, an entry of its own.
 
 mod balance;
 mod walls;
@@ -52,7 +52,7 @@ use balance::{Expectations, Expected, Stored};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// A ledger that is kept from step to step.
+/// Ledger state carried from step to step.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Ledger {
     start: Energy,
@@ -61,12 +61,12 @@ pub(crate) struct Ledger {
     entries: Entries,
     /// Stored energy of contacts at the end of the last step.
     stored: Stored,
-    /// True if there was no candidate list yet, so that nobody knew what contacts stored, when the ledger was opened.
+    /// True if no candidate list existed when the ledger was opened, so that the stored energy was unknown.
     unlisted: bool,
     /// Expected stored energy of contacts at the end of the step.
     #[serde(skip)]
     expectations: Expectations,
-    /// Surface speeds at the start of the step, by place.
+    /// Surface speeds at the start of the step, by body index.
     #[serde(skip)]
     scaled_spins: Vec<[f64; 3]>,
 }
@@ -74,7 +74,7 @@ pub(crate) struct Ledger {
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Entries {
     friction: f64,
-    /// Kept apart in checkpoints, since few scenes have any.
+    /// Stored separately in checkpoints, since few scenes have springs.
     #[serde(skip)]
     springs: f64,
     resistance: f64,
@@ -120,15 +120,15 @@ impl Ledger {
         self.entries.springs
     }
 
-    /// Sets that entry.
+    /// Sets the energy of tangential springs.
     pub fn with_springs(mut self, springs: f64) -> Ledger {
         self.entries.springs = springs;
         self
     }
 
-    /// Notes the state at the start of a step, after grains were put in order and before anything acts on them. A list that was `rebuilt` may
-    /// know of contacts that the one before did not: what these store is a first touch, or, if the caller has `disturbed` the state since the
-    /// last step, the caller's. Returns what is the caller's, J.
+    /// Notes the state at the start of a step, after grains were sorted and before any force acts. A `rebuilt` list may add
+    /// contacts: their stored energy counts as first touch or, if the caller has `disturbed` the state since the last step, as
+    /// external. Returns the external part, J.
     pub fn begin(
         &mut self,
         world: &World,
@@ -155,17 +155,17 @@ impl Ledger {
         0.0
     }
 
-    /// Goes on from what contacts store now, after somebody has changed the state from outside.
+    /// Restarts from the present stored energy of contacts, after an external change of the state.
     pub fn restart_stored(&mut self, world: &World, candidates: &Candidates, scheme: &NormalScheme) {
         self.stored = Stored::of_all(world, candidates, scheme.law);
     }
 
-    /// Notes that gravity is no longer what it was `before` (m/s2), after a step of length `h` (s) has moved the grains.
+    /// Books a change of gravity from the value `before` (m/s2), after a step of length `h` (s) has moved the grains.
     pub fn change_gravity(&mut self, world: &World, before: Vector3<f64>, h: f64) {
         self.entries.changing_gravity += work_of_changing_gravity(world, before, h);
     }
 
-    /// Notes what a step's impulses did, before the grains move.
+    /// Books the work of a step's impulses, before the grains move.
     pub fn note(&mut self, simulation: &Simulation, scheme: &NormalScheme) {
         let Simulation { world, candidates, layout, .. } = simulation;
         self.expectations.restart(world, candidates, scheme.step);
@@ -211,7 +211,7 @@ impl Ledger {
             self.expectations.walls[one.source] = expected;
             self.expectations.advances[one.source] = times(normal, scheme.step * dot(normal, after));
             self.entries.resistance -= dot(one.angular_impulse, minus(one.mean_spin(), self.mean_spin(world, place)));
-            // The grain bears the opposite.
+            // The grain receives the opposite impulse.
             self.entries.walls += one.work();
             let (impulse, sphere) = (times(one.impulse(), -1.0), &world.spheres[place]);
             let point = plus(sphere.centre.into(), times(normal, sphere.radius));
@@ -220,19 +220,19 @@ impl Ledger {
         });
     }
 
-    /// Enters what an impact of two grains takes that the solve did not know of, J.
+    /// Books the losses in an impact of two grains outside of the solve, J.
     pub fn lose_in_impact(&mut self, restitution: f64, friction: f64) {
         self.entries.restitution += restitution;
         self.entries.friction += friction;
     }
 
-    /// Enters the angular momentum that such an impact does not keep, and what of it comes from a period between the two, kg m2/s.
+    /// Books the angular momentum error of such an impact, and its part from a period between the two grains, kg m2/s.
     pub fn turn_in_impact(&mut self, overlap: [f64; 3], period: [f64; 3]) {
         add(&mut self.entries.overlap_angular_impulse, overlap);
         add(&mut self.entries.period_angular_impulse, period);
     }
 
-    /// Compares what contacts store once grains and walls have moved with what was expected.
+    /// Compares the stored energy after grains and walls have moved with the expected energy.
     pub fn settle(&mut self, world: &World, candidates: &Candidates, scheme: &NormalScheme) {
         let Ledger { entries, expectations, stored, .. } = self;
         let mut differences = balance::Differences::default();
@@ -243,8 +243,8 @@ impl Ledger {
         entries.wall_paths += differences.wall_paths;
     }
 
-    /// Enters the angular momentum that a pair does not keep: friction acts on arms longer than the centres are apart, and across a period
-    /// the two impulses act elsewhere.
+    /// Books the angular momentum error of a pair: friction acts on arms longer than the distance of the centres, and across a
+    /// period the two impulses act a period apart.
     fn turn_pair(&mut self, world: &World, [first, second]: [usize; 2], borne: &Borne) {
         let gap = world.pair_geometry(first, second).gap;
         add(&mut self.entries.overlap_angular_impulse, times(cross(borne.normal, borne.tangential), gap));
@@ -261,7 +261,7 @@ impl Ledger {
         times(plus(before, body.scaled_spin), 0.5 * body.inverse_radius)
     }
 
-    /// Enters the work of the torques of a task's pairs.
+    /// Books the work of the torques of a task's pairs.
     fn torques_of_pairs(&mut self, world: &World, task: &TaskGroups) {
         for ((group, sources), torques) in task.pairs.iter().zip(&task.pair_sources).zip(&task.pair_torques) {
             for (lane, _) in sources.occupied() {
@@ -272,7 +272,7 @@ impl Ledger {
         }
     }
 
-    /// Velocity of a grain at its contact; the surface moves with `s x n` on the first side and against it on the second.
+    /// Velocity of a grain at its contact; the surface moves with `s x n` on the first side and opposite to it on the second.
     fn passage(&self, world: &World, place: usize, normal: [f64; 3], side: f64) -> Passage {
         let body = &world.bodies[place];
         let [x, y, z, _] = world.before[place].0;
@@ -283,8 +283,8 @@ impl Ledger {
         }
     }
 
-    /// Enters one contact as it was at the start of the step, given its relative velocities before and after; returns what it should
-    /// store at the end.
+    /// Books one contact in its state at the start of the step, given its relative velocities before and after; returns its
+    /// expected stored energy at the end.
     fn contact(
         &mut self,
         borne: &Borne,
@@ -300,7 +300,7 @@ impl Ledger {
         entries.springs += springs;
         let later = NormalContact { overlap: contact.overlap - scheme.step * dot(normal, after), ..contact };
         let (now, then) = (Stored::of(&contact, &pull, scheme.law), Stored::of(&later, &pull, scheme.law));
-        // Across a gap nothing works for what will be stored.
+        // Across a gap no force does work for the stored energy.
         let expected = Expected {
             elastic: (contact.overlap > 0.0).then_some(then.elastic),
             cohesive: (-contact.overlap <= pull.range).then_some(then.cohesive),
@@ -317,14 +317,14 @@ impl Ledger {
     }
 }
 
-/// Impulses of one contact: its net normal impulse, with what cohesion pulled, and the tangential one, N s.
+/// Impulses of one contact: net normal impulse including cohesion, and tangential impulse, N s.
 struct Borne {
     normal: [f64; 3],
     along: f64,
     tangential: [f64; 3],
-    /// Energy that its tangential spring took up, J.
+    /// Energy stored by the tangential spring, J.
     springs: f64,
-    /// True if it is in an impact.
+    /// True if the contact is in an impact.
     in_impact: bool,
 }
 
@@ -341,8 +341,8 @@ impl Borne {
     }
 }
 
-/// Potential energy (J) that grains gain where they are because gravity is no longer what it was `before` (m/s2), after a step of
-/// length `h` (s) has moved them; half a step earlier, as all potential energy in a ledger.
+/// Potential energy (J) gained by grains at fixed positions when gravity changes from `before` (m/s2), after a step of length `h`
+/// (s) has moved them. Positions are taken half a step earlier, as for all potential energy in a ledger.
 pub(crate) fn work_of_changing_gravity(world: &World, before: Vector3<f64>, h: f64) -> f64 {
     let change = world.gravity - before;
     if change == Vector3::zeros() {
@@ -358,14 +358,14 @@ pub(crate) fn work_of_changing_gravity(world: &World, before: Vector3<f64>, h: f
 }
 
 impl Simulation {
-    /// Keeps a ledger from here on; costs about a fifth of a step of ten sweeps.
+    /// Opens a ledger; it costs about a fifth of a step of ten sweeps.
     pub fn open_ledger(&mut self) {
         self.ledger = Some(Ledger::open(self));
         self.interventions.booked = Booked::default();
         self.note_known_energy();
     }
 
-    /// The balance since the ledger was opened; absent if it was not.
+    /// Returns the balance since the ledger was opened; `None` without a ledger.
     pub fn balance(&self) -> Option<Balance> {
         let Ledger { start, momentum_start, angular_momentum_start, entries, .. } = self.ledger.as_ref()?;
         let outside = self.interventions.booked;

@@ -1,4 +1,4 @@
-//! Impulses of walls in the last step, contact by contact, and the work that they did.
+//! Impulses and work of walls in the last step, per contact.
 
 use crate::Simulation;
 use crate::detect::WallCandidate;
@@ -6,27 +6,27 @@ use crate::groups::WallGroup;
 use crate::lanes::{Eight, cross, dot, minus, plus, times};
 use nalgebra::Vector3;
 
-/// A contact with a wall as the last step laid it out and solved it.
+/// Solved contact with a wall in the last step.
 pub(crate) struct WallContact<'a> {
-    /// Place of the candidate in the list.
+    /// Index of the candidate in the list.
     pub source: usize,
     pub candidate: WallCandidate,
     pub group: &'a WallGroup,
     pub lane: usize,
     /// Impulse of cohesion, N s.
     pub pull: f64,
-    /// True if it is in an impact.
+    /// True if the contact is in an impact.
     pub in_impact: bool,
     /// Angular impulse on the wall, N m s.
     pub angular_impulse: [f64; 3],
-    /// Velocities of the wall at the contact when the step began and in the end, m/s: two only where it is driven or turns.
+    /// Velocities of the wall at the contact at the start and at the end of the step, m/s; they differ only for dynamic or turning walls.
     pub velocities: [[f64; 3]; 2],
-    /// Angular velocities of the wall, as above, rad/s.
+    /// Angular velocities of the wall at the same times, rad/s.
     pub spins: [[f64; 3]; 2],
 }
 
 impl WallContact<'_> {
-    /// Normal impulse on the wall, less what cohesion pulled, N s.
+    /// Normal impulse on the wall minus the impulse of cohesion, N s.
     pub fn along(&self) -> f64 {
         self.group.contacts.normal_impulse(self.lane) - self.pull
     }
@@ -49,36 +49,36 @@ impl WallContact<'_> {
     }
 }
 
-/// An impulse that a wall gives a grain outside of the solve.
+/// Impulse of a wall on a grain outside of the solve.
 ///
-/// Velocities are those of the wall's point less those of the grain's surface there.
+/// Velocities are those of the wall's point minus those of the grain's surface at this point.
 pub(crate) struct WallImpulse {
     /// Mass of the grain, kg.
     pub mass: f64,
     /// Unit normal from the grain to the wall.
     pub normal: [f64; 3],
-    /// Relative velocity before the impulse, after the solve, m/s.
+    /// Relative velocity before the impulse and after the solve, m/s.
     pub before: [f64; 3],
-    /// Relative velocity after it, m/s.
+    /// Relative velocity after the impulse, m/s.
     pub after: [f64; 3],
-    /// The impulse on the grain, N s.
+    /// Impulse on the grain, N s.
     pub impulse: [f64; 3],
     /// Velocity of the wall at the contact, m/s.
     pub wall_velocity: [f64; 3],
     /// Centre of the grain at the start of the step, m.
     pub centre: [f64; 3],
-    /// Lever arm of the impulse from the grain's centre, m: zero where it does not turn it.
+    /// Lever arm of the impulse from the grain's centre, m; zero if the impulse does not turn the grain.
     pub arm: [f64; 3],
-    /// By how much the grain ends the step elsewhere than where its velocity after the impulse takes it from the start of the
-    /// step, `x' - x - h v'`, m.
+    /// Deviation of the grain's position at the end of the step from straight motion at its velocity after the impulse, `x' - x -
+    /// h v'`, m.
     pub shift: [f64; 3],
 }
 
 impl Simulation {
-    /// Goes through the contacts with walls of the last step.
+    /// Calls the function for each contact with a wall of the last step.
     pub(crate) fn for_each_wall_contact(&self, mut visit: impl FnMut(&WallContact<'_>)) {
         let Simulation { world, candidates, layout, .. } = self;
-        // Contacts with driven walls are listed in the order in which they are met here.
+        // Contacts with dynamic walls are listed in the order of this loop.
         let mut driven = layout.driven.iter().filter(|_| !world.drives.is_empty()).peekable();
         for task in layout.plan.tasks() {
             let groups = &layout.groups[task.number as usize];
@@ -92,7 +92,7 @@ impl Simulation {
                     let own = driven.next_if(|one| {
                         (one.task, one.group as usize, one.lane as usize) == (task.number, number, lane)
                     });
-                    // A driven wall has another velocity before its impulses; one that turns comes along the chord of the step before.
+                    // A dynamic wall has another velocity before its impulses; a turning wall moves along the chord of the previous step.
                     let (before, spin_before) = own.map_or((minus(after, times(drift, 2.0)), spin), |one| {
                         let drive = &world.drives[one.drive as usize];
                         let turning = if torques.is_some() { drive.turning() } else { Vector3::zeros() };
@@ -124,8 +124,8 @@ impl Simulation {
         work
     }
 
-    /// Takes account of an impulse that a wall gives a grain once the ledger has noted the solve, and before the grains have moved:
-    /// its work, for ledger and watchdogs, and what of it goes to restitution and friction.
+    /// Books an impulse of a wall on a grain after the ledger has booked the solve and before the grains move: its work, for
+    /// ledger and watchdogs, and the parts lost to restitution and friction.
     pub(crate) fn book_wall_impulse(&mut self, one: &WallImpulse) {
         let WallImpulse { mass, normal, before, after, impulse, wall_velocity, centre, arm, shift } = *one;
         let (gravity, h) = (<[f64; 3]>::from(self.world.gravity), self.settings.step);
@@ -133,7 +133,7 @@ impl Simulation {
         self.work_outside_of_the_solve += work;
         let Some(ledger) = &mut self.ledger else { return };
         let entries = &mut ledger.entries;
-        // As in all contacts, what gravity gave in this step does not count before.
+        // As for all contacts, the velocity gained from gravity in this step does not count before.
         let mean = times(plus(plus(before, after), times(gravity, h)), 0.5);
         let along = dot(normal, impulse);
         entries.walls += work;

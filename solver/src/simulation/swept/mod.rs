@@ -1,12 +1,12 @@
-//! Paths of a step that lead through a wall or another grain: they are stopped there, after the solve and before anything moves.
+//! Continuous collision detection: stops paths of a step at walls and other grains, after the solve and before bodies move.
 //!
-//! A step knows the contacts at its start. With the velocities of the solve each grain moves on a straight line `x + s h v`, 0 <= s <= 1, which
-//! may lead through what it did not touch then. No path that is shorter than half a radius can: what it leads into overlaps at the next step's
-//! start and has not passed. Longer ones are swept, against walls ([`walls`]) and against the paths of other grains ([`pairs`]): what would
-//! pass takes the impulse of an impact there, and new velocities are swept again until nothing passes any more. If that has no end,
-//! because too many grains meet within a step, the run says so ([`Passage`], [`Crossing`]).
+//! A step knows the contacts at its start. With the velocities of the solve each grain moves on a straight line `x + s h v`, 0 <=
+//! s <= 1, which may cross a body without contact at the start. Paths shorter than half a radius cannot cross: the next step
+//! starts with an overlap. Longer paths are swept against walls ([`walls`]) and against the paths of other grains ([`pairs`]): a
+//! crossing grain receives the impulse of an impact, and new velocities are swept again until no path crosses. If too many grains
+//! collide within a step for this to end, the run reports the failure ([`Passage`], [`Crossing`]).
 //!
-//! Where no grain is so fast this costs a look at the speed of each.
+//! Without fast grains the cost is one check of each grain's speed.
 
 mod pairs;
 mod walls;
@@ -21,13 +21,13 @@ use pairs::Meeting;
 
 type Vector = Vector3<f64>;
 
-/// Level of a long path over the distance at the start, or over the radius.
+/// Level of a long path, as a fraction of the distance at the start or of the radius.
 const LONG_LEVEL: f64 = 0.9;
 
-/// Times that grains which were struck are swept anew, after which the run is given up: grains that meet in a chain take one each.
+/// Maximum number of sweeps over struck grains, after which the run is given up: a chain of impacts takes one sweep per grain.
 const ROUNDS: usize = 32;
 
-/// A grain that crossed a wall although everything was done to hold it: walls that close on each other leave it no place.
+/// Grain that crossed a wall in spite of all impacts: walls that close on each other leave no free space.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Crossing {
     /// Id of the grain.
@@ -36,33 +36,33 @@ pub struct Crossing {
     pub wall: u32,
 }
 
-/// Two grains that may have passed through each other: too many met within a step to tell where each goes.
+/// Pair of grains that may have passed through each other: too many impacts within a step to resolve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Passage {
-    /// Ids of the two.
+    /// Ids of the two grains.
     pub grains: [u32; 2],
 }
 
-/// Face or grain that a grain has struck.
+/// Face or grain struck by a grain.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Struck {
-    /// A face of a wall, by its number.
+    /// Face of a wall, by its number.
     Face(u32),
-    /// Another grain, by its place.
+    /// Another grain, by its body index.
     Grain(u32),
 }
 
-/// An impact that a solve did not know of.
+/// Impact outside of the solve.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Strike {
-    /// Place of the grain.
+    /// Body index of the grain.
     pub place: u32,
     pub struck: Struck,
-    /// Unit normal from the grain to what it has struck.
+    /// Unit normal from the grain to the struck body.
     pub normal: Vector,
     /// Normal impulse, N s.
     pub along: f64,
-    /// Tangential impulse on what was struck, N s.
+    /// Tangential impulse on the struck body, N s.
     pub tangential: Vector,
 }
 
@@ -71,38 +71,38 @@ pub(crate) struct Strike {
 pub(crate) struct Swept {
     /// Impacts of the last step.
     pub strikes: Vec<Strike>,
-    /// The speed of faces at which all grains of the last step were slow, m/s; none where some were swift, or it is not known.
+    /// Speed of faces at which all grains of the last step were slow, m/s; `None` if some were fast, or if unknown.
     slow_at: Option<f64>,
-    /// The first grain that could not be held.
+    /// First grain that crossed a wall.
     crossing: Option<Crossing>,
-    /// The first two grains that could not be kept apart.
+    /// First two grains that may have passed through each other.
     passage: Option<Passage>,
     /// Radius of the smallest grain, m.
     least_radius: f64,
     poses: Vec<Pose>,
-    /// Which grains of each chunk are looked at.
+    /// Grains of each chunk to check.
     look: Vec<Look>,
-    /// Speed of the fastest of each chunk, squared.
+    /// Largest speed of each chunk, squared.
     fastest: Vec<f64>,
-    /// Places of the grains of each chunk that meet a wall.
+    /// Body indices of the grains of each chunk that collide with a wall.
     met: Vec<Vec<u32>>,
-    /// Grains that meet each other, by the block of the first.
+    /// Pairs of colliding grains, by the block of the first.
     meetings: Vec<Vec<Meeting>>,
 }
 
-/// Which grains of a chunk may cross a wall.
+/// Grains of a chunk that may cross a wall.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Look {
-    /// None.
+    /// No grains.
     #[default]
     None,
-    /// Swift grains.
+    /// Fast grains.
     Swift,
-    /// Any: some are pressed deep into walls.
+    /// All grains: some are pressed deep into walls.
     All,
 }
 
-/// Step and speed of walls, which decide which grains are swept.
+/// Time step and wall speed, which decide which grains are swept.
 #[derive(Clone, Copy)]
 struct Pace {
     step: f64,
@@ -120,7 +120,7 @@ impl Pace {
         Pace { step, walls: speeds.fold(0.0, f64::max) }
     }
 
-    /// Reports whether a grain may move against a wall by more than its share of a radius.
+    /// Returns true if a grain may move relative to a wall by more than the allowed fraction of a radius.
     #[inline(always)]
     fn is_swift(&self, sphere: &Sphere, body: &Body) -> bool {
         let [x, y, z] = body.velocity;
@@ -128,7 +128,7 @@ impl Pace {
         limit <= 0.0 || x * x + y * y + z * z > limit * limit
     }
 
-    /// Which of these grains must be looked at, and the speed of the fastest, squared.
+    /// Returns which of these grains need a check, and the largest speed, squared.
     fn look(&self, spheres: &[Sphere], bodies: &[Body]) -> (Look, f64) {
         let (mut swift, mut fastest) = (false, 0.0_f64);
         for (sphere, body) in spheres.iter().zip(bodies) {
@@ -141,41 +141,41 @@ impl Pace {
 }
 
 impl Swept {
-    /// Nothing is known of the paths of a world's grains.
+    /// Starts without knowledge of the paths of a world's grains.
     pub fn new(world: &World) -> Swept {
         let radii = world.spheres[..world.grains()].iter().map(|sphere| sphere.radius);
         Swept { least_radius: radii.fold(f64::INFINITY, f64::min), ..Swept::default() }
     }
 
-    /// No longer counts on grains being slow.
+    /// Clears the assumption that grains are slow.
     pub fn forget_pace(&mut self) {
         self.slow_at = None;
     }
 
-    /// Keeps in mind what another one has seen.
+    /// Copies the failures of another record.
     pub fn remember_failures(&mut self, other: &Swept) {
         (self.crossing, self.passage) = (other.crossing, other.passage);
     }
 }
 
 impl Simulation {
-    /// The first grain that crossed a wall although everything was done to hold it, if there is one: what follows is invalid.
+    /// Returns the first grain that crossed a wall, if any: later results are invalid.
     pub fn crossing(&self) -> Option<Crossing> {
         self.swept.crossing
     }
 
-    /// The first two grains that may have passed through each other, if there are any: what follows is invalid.
+    /// Returns the first two grains that may have passed through each other, if any: later results are invalid.
     pub fn passage(&self) -> Option<Passage> {
         self.swept.passage
     }
 
-    /// Reports whether some grain may be too fast for the step that comes, so that it may meet a wall that no list knows.
+    /// Returns true if some grain may be too fast for the next step, so that it may collide with a wall outside the list.
     pub(crate) fn may_be_swift(&self) -> bool {
         let walls = || Pace::of(&self.world, self.settings.step).walls;
         self.swept.slow_at.is_none_or(|known| walls() > known)
     }
 
-    /// Stops grains at what they would pass within the step, before any has moved.
+    /// Stops grains at bodies that they would cross within the step, before bodies move.
     pub(crate) fn stop_ahead(&mut self, team: &Team) {
         let Simulation { world, swept, layout, settings, .. } = self;
         let (pace, grains) = (Pace::of(world, settings.step), world.grains());
@@ -209,17 +209,17 @@ impl Simulation {
             if !self.stop_at_grains(round == ROUNDS, team) {
                 return;
             }
-            // What was struck may be swift now.
+            // Struck grains may be fast now.
             let slow = self.swept.look.iter_mut().filter(|look| **look == Look::None);
             slow.for_each(|look| *look = Look::Swift);
             self.stop_at_walls(pace, team);
         }
     }
 
-    /// Reports whether some grain moves by more than half the smallest radius: if none does, no path from one to another is longer than that.
+    /// Returns true if some grain moves by more than half the smallest radius; otherwise no relative path of two grains is longer than that radius.
     fn may_pass_grains(&self) -> bool {
         let Simulation { world, swept, settings, .. } = self;
-        // Walls may have struck some meanwhile.
+        // Walls may have struck some grains meanwhile.
         let struck =
             swept.strikes.iter().map(|one| Vector::from(world.bodies[one.place as usize].velocity).norm_squared());
         let limit = SHORT_WAY * swept.least_radius / settings.step;
@@ -238,8 +238,8 @@ impl Simulation {
     }
 }
 
-/// Tangential impulse of an impact that slips at a velocity (m/s), given the impulse that would stop a unit of it (kg) and the most that
-/// friction bears (N s).
+/// Tangential impulse of a sliding impact at a velocity (m/s), given the impulse that stops a unit of it (kg) and the friction
+/// limit (N s).
 fn friction(slip: Vector, sticking: f64, most: f64) -> Vector {
     match slip.norm() * sticking {
         wanted if wanted > most => slip * (most / slip.norm()),
@@ -247,20 +247,20 @@ fn friction(slip: Vector, sticking: f64, most: f64) -> Vector {
     }
 }
 
-/// An impulse between two grains outside of the solve, as the ledger takes it.
+/// Impulse between two grains outside of the solve, as input of the ledger.
 struct PairImpulse {
-    /// Places of the two.
+    /// Body indices of the two.
     places: [usize; 2],
     /// Unit normal from the first to the second.
     normal: Vector,
-    /// Velocity of the second's surface less that of the first's, before and after, m/s.
+    /// Velocity of the second surface minus that of the first, before and after, m/s.
     relative: [Vector; 2],
-    /// The impulse on the first, N s.
+    /// Impulse on the first grain, N s.
     impulse: Vector,
 }
 
 impl Simulation {
-    /// Takes account of an impulse between two grains once the ledger has noted the solve, and before they have moved.
+    /// Books an impulse between two grains after the ledger has booked the solve and before they move.
     fn book_pair_impulse(&mut self, one: &PairImpulse) {
         let (normal, impulse) = (one.normal.into(), <[f64; 3]>::from(one.impulse));
         let mean = times(plus(one.relative[0].into(), one.relative[1].into()), 0.5);
@@ -268,7 +268,7 @@ impl Simulation {
         let Simulation { world, ledger, .. } = self;
         let Some(ledger) = ledger else { return };
         ledger.lose_in_impact(along * dot(normal, mean), dot(minus(impulse, times(normal, along)), mean));
-        // The two take it where they meet, and have it where they are at the start of the step.
+        // The impulse acts at the point of impact, but is booked at the positions at the start of the step.
         let ([i, j], on_second) = (one.places, times(impulse, -1.0));
         let arm: [f64; 3] = world.arm(i, j).into();
         let spun = times(cross(normal, impulse), world.spheres[i].radius + world.spheres[j].radius);

@@ -1,22 +1,22 @@
-//! Grains whose paths in a step lead through each other.
+//! Impacts of grains whose paths cross within a step.
 //!
-//! Seen from a grain j the centre of a grain i moves along `s h (v_i - v_j)`, 0 <= s <= 1. Where that path is longer than the smaller of their
-//! radii r <= q, it must not come nearer to the centre of j than
+//! Relative to a grain j, the centre of a grain i moves along `s h (v_i - v_j)`, 0 <= s <= 1. If this path is longer than the
+//! smaller of their radii r <= q, its distance from the centre of j must not fall below
 //!
 //! ```text
-//! R = r + q            where the two do not overlap at the start
-//! q + 9/10 (d - q)     where they do                                  d: distance of their centres at the start
-//! 9/10 d               where the larger one holds the other's centre
+//! R = r + q            without overlap at the start
+//! q + 9/10 (d - q)     with overlap                                   d: distance of their centres at the start
+//! 9/10 d               if the larger grain contains the other's centre
 //! ```
 //!
-//! A shorter path from outside ends before the point of closest approach, or passes at 0.86 R or more: the next step finds an overlap, or a
-//! grazing one was missed. Two grains that do come nearer take the impulse of Newton's and Coulomb's impact along the normal that they have
-//! there, in the order in which pairs meet. They have the velocities after the impact for the whole step: these are exact, and places are known
-//! to the path of a step.
+//! A shorter path from outside ends before the point of closest approach, or passes at 0.86 R or more: the next step finds an
+//! overlap, or a grazing contact is missed. Two grains that come nearer receive the impulse of Newton's and Coulomb's impact
+//! along the normal at that point, in order of impact time. They have the velocities after the impact for the whole step:
+//! velocities are exact, and positions are known to the path of a step.
 //!
-//! Paths are looked for in two levels: blocks of grains that lie together in memory, and so in space, and then grains. Two blocks are apart if
-//! no path between them is long enough, or none leads from the one to the other. Grains that fly together are far from any path to each other,
-//! however fast they fly.
+//! The search for paths has two levels: blocks of grains that are adjacent in memory, and so in space, and then single grains.
+//! Two blocks are skipped if no relative path is long enough, or if none leads from one block to the other. Grains that fly
+//! together are skipped at any speed.
 
 use super::{INVERSE_INERTIA, LONG_LEVEL, PairImpulse, Passage, Strike, Struck, Vector, friction};
 use crate::Simulation;
@@ -30,29 +30,29 @@ use std::ops::Range;
 /// Grains of a block.
 const BLOCK: usize = 32;
 
-/// Rounding of a distance, over the length that it is compared with.
+/// Rounding error of a distance, relative to the compared length.
 const SLACK: f64 = 1e-9;
 
-/// Pieces of the shortest period in which a path is followed: the nearest image at the start of a piece is the nearest all along it.
+/// Pieces of a path per shortest period: the nearest image at the start of a piece stays the nearest along the piece.
 const PIECES: f64 = 8.0;
 
-/// Two grains that meet within the step.
+/// Two grains that collide within the step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Meeting {
-    /// Share of the step after which they do.
+    /// Fraction of the step before the impact.
     share: f64,
-    /// Places of the two; the first has the smaller id.
+    /// Body indices of the two grains; the first has the smaller id.
     places: [u32; 2],
 }
 
-/// Point where the paths of two grains come too near to each other.
+/// Point of excessive approach between the paths of two grains.
 struct PairImpact {
     share: f64,
     /// Unit normal from the first to the second.
     normal: Vector,
 }
 
-/// Bounds of grains: where they are, m, how they move, m/s, and how large they are, m.
+/// Bounds of grains: positions, m, velocities, m/s, and radii, m.
 struct Bounds {
     low: Vector,
     high: Vector,
@@ -79,7 +79,7 @@ impl Bounds {
         })
     }
 
-    /// Reports whether a path between a grain of these and one of others may be long, and lead from the one to the other.
+    /// Returns true if the path between a grain of this block and one of another may be long, and lead from one block to the other.
     fn may_meet(&self, other: &Bounds, period: &Period, step: f64) -> bool {
         let path = (self.fast - other.slow).sup(&(other.fast - self.slow)).norm() * step * (1.0 + SLACK);
         if path <= self.radii[0].min(other.radii[0]) {
@@ -88,7 +88,7 @@ impl Bounds {
         let gaps: [f64; 3] = std::array::from_fn(|axis| {
             let (ahead, behind) = (other.low[axis] - self.high[axis], self.low[axis] - other.high[axis]);
             let gap = ahead.max(behind).max(0.0);
-            // Around a periodic axis the way may be shorter.
+            // Around a periodic axis the path may be shorter.
             let length = period.length(axis);
             if length > 0.0 { gap.min((ahead.min(behind) + length).max(0.0)) } else { gap }
         });
@@ -97,14 +97,14 @@ impl Bounds {
     }
 }
 
-/// When a path from a point, less `arm` from the middle of a ball, first comes within a radius of the middle, having begun farther away.
+/// Returns the fraction of the path at which a point at `-arm` from the middle of a ball enters the radius; the start must be outside.
 fn time_within(arm: &Vector, path: &Vector, radius: f64) -> Option<f64> {
     let (square, half, beyond) = (path.norm_squared(), arm.dot(path), arm.norm_squared() - radius * radius);
     let root = half * half - square * beyond;
     if root < 0.0 || beyond <= 0.0 || half <= 0.0 {
         return None;
     }
-    // The smaller root of a quadratic, without the difference of large numbers.
+    // Smaller root of a quadratic, without a difference of large numbers.
     let share = beyond / (half + root.sqrt());
     (share <= 1.0).then_some(share)
 }
@@ -147,7 +147,7 @@ impl PairImpact {
     }
 }
 
-/// Lists the grains of a block that meet each other, or those of blocks behind it.
+/// Lists the pairs of colliding grains within a block, and with later blocks.
 fn find_meetings(world: &World, blocks: &[Bounds], number: usize, step: f64, found: &mut Vec<Meeting>) {
     found.clear();
     let (own, grains) = (&blocks[number], world.grains());
@@ -172,7 +172,7 @@ fn find_meetings(world: &World, blocks: &[Bounds], number: usize, step: f64, fou
 }
 
 impl Simulation {
-    /// Stops grains that would pass through each other within the step. Whether there were any; at the `last` try they are noted and go on.
+    /// Stops grains that would pass through each other within the step. Returns true if there were any; the `last` try records them as failures.
     pub(super) fn stop_at_grains(&mut self, last: bool, team: &Team) -> bool {
         let mut meetings = self.find_meetings(team);
         let ids = |one: &Meeting| one.places.map(|place| self.world.ids[place as usize]);
@@ -185,7 +185,7 @@ impl Simulation {
         }
         for Meeting { places, .. } in meetings {
             let pair = places.map(|place| place as usize);
-            // An impact before it may have changed their paths.
+            // An earlier impact may have changed their paths.
             if let Some(impact) = PairImpact::of(&self.world, pair, self.settings.step) {
                 self.strike_grain(pair, &impact);
             }
@@ -207,7 +207,7 @@ impl Simulation {
         swept.meetings.iter().flatten().copied().collect()
     }
 
-    /// The impact of two grains.
+    /// Applies the impact of two grains.
     fn strike_grain(&mut self, pair: [usize; 2], impact: &PairImpact) {
         let (h, normal, world) = (self.settings.step, impact.normal, &self.world);
         let bodies = pair.map(|place| world.bodies[place]);
@@ -222,7 +222,7 @@ impl Simulation {
         let threshold = self.constrainer.scheme().restitution_threshold;
         let bias = Some(restitution * speed).filter(|bias| *bias > threshold).unwrap_or(0.0);
         let borne = (bias - along).max(0.0) / inverse_mass;
-        // Friction, at the velocity of the surfaces, which the normal impulse leaves as it is.
+        // Friction at the surface velocity, which the normal impulse does not change.
         let surfaces = |velocities: [Vector; 2], spins: [Vector; 2]| {
             velocities[1] - velocities[0] - (spins[0] + spins[1]).cross(&normal)
         };
@@ -238,7 +238,7 @@ impl Simulation {
             let body = &mut self.world.bodies[place];
             let (velocity, spin) = (Vector::from(body.velocity), Vector::from(body.scaled_spin));
             body.velocity = (velocity + impulse * (sign * body.inverse_mass)).into();
-            // Each turns the same way: the arms of the two are as opposite as the impulses.
+            // Both turn in the same direction: arms and impulses are both opposite.
             body.scaled_spin = (spin + turned * body.inverse_mass).into();
         }
         let bodies = pair.map(|place| self.world.bodies[place]);

@@ -1,17 +1,17 @@
-//! Grains whose path in a step leads through a wall.
+//! Grains with a path through a wall within a step.
 //!
-//! A solve knows the contacts at the start of a step, and what grains meet that fly on as they are. A grain that another one pushes, that
-//! leaves one wall for the next within the step, or that a load presses through a thin wall goes where the solve has not looked. So the path
-//! of a grain's centre as seen from each face of the walls must not come nearer to the face than a level,
+//! A solve knows the contacts at the start of a step, and the impacts of grains in free flight. It misses grains that other
+//! grains push, that leave one wall for the next within the step, or that a load presses through a thin wall. So the path of a
+//! grain's centre relative to each face of the walls must not come nearer to the face than a level,
 //!
 //! ```text
-//! level = 9/10 min(r, d)    where the path is longer than r/2         d: distance from the centre to the face at the start
-//! level = 1/10 d            elsewhere, if d < r/2
+//! level = 9/10 min(r, d)    if the path is longer than r/2            d: distance from the centre to the face at the start
+//! level = 1/10 d            otherwise, if d < r/2
 //! ```
 //!
-//! A shorter path from farther off cannot cross. A grain that does come nearer takes an impulse of Newton's and Coulomb's impact from the
-//! face that it comes to first, in the one-contact solution, and its new path is looked at again. Prescribed walls take no notice;
-//! driven ones take the opposite impulse at once. No other grain feels it, unless it is in the way.
+//! A shorter path from a larger distance cannot cross. A grain that comes nearer receives an impulse of Newton's and Coulomb's
+//! impact from the first face on its path, in the one-contact solution, and its new path is checked again. Kinematic walls do not
+//! react; dynamic walls receive the opposite impulse at once. Other grains are affected only if they are in the path.
 
 use super::{Crossing, INVERSE_INERTIA, LONG_LEVEL, Look, Pace, Strike, Struck, Swept, Vector, friction};
 use crate::Simulation;
@@ -23,20 +23,20 @@ use crate::simulation::ledger::WallImpulse;
 use crate::wall::{Impact, PlacedFace, Pose, SHORT_WAY, WallsAt};
 use crate::world::{Sphere, World, chunk};
 
-/// Level of a short path over the distance at the start.
+/// Level of a short path as a fraction of the distance at the start.
 const SHORT_LEVEL: f64 = 0.1;
 
-/// Share of the distance to a face by which a grain that is pressed against it may come nearer in a step.
+/// Largest approach of a pressed grain to a face in a step, as a fraction of the distance.
 const PRESSED: f64 = 0.5;
 
-/// Impacts of a grain in one step, after which it is held where it is.
+/// Maximum number of impacts of a grain in one step; after these the grain is stopped at its position.
 const MOST_STRIKES: usize = 16;
 
-/// Times that all grains are looked at again because driven walls have taken impulses; then these take no notice, either.
+/// Maximum number of repeated checks of all grains after impulses on dynamic walls; later impulses leave these walls unchanged.
 const ROUNDS: usize = 8;
 
 impl Pace {
-    /// Lists the places of the grains of a row that meet something, of those that are looked at.
+    /// Lists the body indices of the checked grains of a row with an impact.
     fn find_impacts(&self, look: Look, row: Row<'_>, walls: &WallsAt<'_>, met: &mut Vec<u32>) {
         met.clear();
         if look == Look::None {
@@ -60,16 +60,16 @@ struct PathImpact {
     at: Impact,
     /// Distance from the centre to the face at the start, m.
     distance: f64,
-    /// True if the path is longer than its share of the radius.
+    /// True if the path is longer than the allowed fraction of the radius.
     long: bool,
 }
 
 impl PathImpact {
-    /// Point where the path of a grain at this velocity (m/s) comes too near to a face.
+    /// Finds the point on the path of a grain at this velocity (m/s) that is too close to a face.
     fn of(sphere: &Sphere, velocity: &Vector, surface: u32, face: &PlacedFace<'_>, step: f64) -> Option<PathImpact> {
         let (centre, path) = (&sphere.centre, face.path(&sphere.centre, velocity, step));
         let (length, distance) = (path.norm(), face.distance(centre));
-        // Behind a plane a grain is pushed back, however deep.
+        // Behind a plane a grain is pushed back at any depth.
         if distance > length + sphere.radius || distance <= 0.0 {
             return None;
         }
@@ -79,13 +79,13 @@ impl PathImpact {
             false if distance < SHORT_WAY * sphere.radius => SHORT_LEVEL * distance,
             false => return None,
         };
-        // Past a rim a path may come to a face that it did not come near before.
+        // Past a rim, a path may reach a face that it did not approach before.
         let impact = face.time_of_impact(centre, &path, level).or_else(|| face.time_of_impact(centre, &path, 0.0));
         impact.map(|at| PathImpact { surface, at, distance, long })
     }
 }
 
-/// First face on the path that the velocity of a grain gives; of faces that it comes to at once the first.
+/// Returns the first face on the path of a grain at its velocity; of simultaneous impacts the first face in order.
 fn first_impact(world: &World, walls: &WallsAt<'_>, place: usize, step: f64) -> Option<PathImpact> {
     let (sphere, velocity) = (&world.spheres[place], Vector::from(world.bodies[place].velocity));
     let mut first: Option<PathImpact> = None;
@@ -101,7 +101,7 @@ fn first_impact(world: &World, walls: &WallsAt<'_>, place: usize, step: f64) -> 
     first
 }
 
-/// First face that the path of a grain at this velocity (m/s) crosses.
+/// Returns the first face that the path of a grain at this velocity (m/s) crosses.
 fn crossed(walls: &WallsAt<'_>, centre: &Vector, velocity: &Vector, step: f64) -> Option<u32> {
     let mut first: Option<u32> = None;
     let radius = |pose: &Pose| pose.longest_path(centre, velocity, step);
@@ -115,14 +115,14 @@ fn crossed(walls: &WallsAt<'_>, centre: &Vector, velocity: &Vector, step: f64) -
 }
 
 impl Simulation {
-    /// Keeps how the walls go through the step.
+    /// Stores the poses of the walls through the step.
     fn place_walls(&mut self) {
         let (world, poses) = (&self.world, &mut self.swept.poses);
         poses.clear();
         poses.extend((0..world.walls.count() as u32).map(|wall| world.pose_through(wall, self.settings.step)));
     }
 
-    /// Stops the grains that are looked at.
+    /// Stops the grains to check at walls.
     pub(super) fn stop_at_walls(&mut self, pace: Pace, team: &Team) {
         self.place_walls();
         for round in 0..=ROUNDS {
@@ -136,12 +136,12 @@ impl Simulation {
             if !pushed {
                 return;
             }
-            // A driven wall that was hit goes elsewhere.
+            // A struck dynamic wall has a new path.
             self.swept.look.fill(Look::All);
         }
     }
 
-    /// Looks for grains that meet something.
+    /// Finds grains with an impact.
     fn find_impacts(&mut self, pace: Pace, team: &Team) {
         let Simulation { world, swept, .. } = self;
         let Swept { poses, look, met, .. } = swept;
@@ -152,8 +152,8 @@ impl Simulation {
         });
     }
 
-    /// Gives a grain the impulses of what it meets until it meets nothing more; whether driven walls took any, which they do if they
-    /// `yield`.
+    /// Applies the impulses of impacts to a grain until its path is free. Returns true if dynamic walls received impulses, which
+    /// requires `yields`.
     fn stop_grain(&mut self, place: usize, yields: bool) -> bool {
         let (h, mut pushed) = (self.settings.step, false);
         for _ in 0..MOST_STRIKES {
@@ -166,7 +166,7 @@ impl Simulation {
         pushed
     }
 
-    /// The impact of a grain on what it meets; absent if it does not approach. Whether the wall is a driven one.
+    /// Applies the impact of a grain with a wall. Returns whether the wall is dynamic; `None` if the grain does not approach.
     fn strike(&mut self, place: usize, met: &PathImpact, yields: bool) -> Option<bool> {
         let (h, normal) = (self.settings.step, met.at.normal);
         let world = &mut self.world;
@@ -177,7 +177,7 @@ impl Simulation {
         let wall_velocity = face.velocity_at(&point);
         let along = normal.dot(&(wall_velocity - velocity));
         let material = world.wall_material(place, met.surface);
-        // What gravity gives within the step is no speed of impact, as in the solve.
+        // As in the solve, the velocity gained from gravity within the step does not count as impact speed.
         let falling = (normal.dot(&world.gravity) * h).max(0.0);
         let speed = (-along - falling).max(0.0);
         let restitution = at_speed(material.restitution, material.restitution_speed, speed);
@@ -198,7 +198,7 @@ impl Simulation {
         });
         let share = normal.dot(&jacobian);
         let borne = (bias - along) / (body.inverse_mass + yields * share * share);
-        // Friction, at the velocity that the normal impulse has left.
+        // Friction at the velocity after the normal impulse.
         let slip = wall_velocity - jacobian * (yields * share * borne) - velocity
             + normal * (borne * body.inverse_mass)
             - spin.cross(&normal);
@@ -225,8 +225,8 @@ impl Simulation {
         Some(drive.is_some())
     }
 
-    /// Holds a grain that impacts did not stop, as between walls that it would cross more often than was looked at in a step: it goes as
-    /// far as the first wall, or with this wall. If it crosses one all the same, that is noted.
+    /// Stops a grain after the maximum number of impacts, for instance between walls that it would cross repeatedly in a step: it
+    /// moves to the first wall, or with this wall. A remaining crossing is recorded.
     fn hold(&mut self, place: usize) {
         let walls = self.world.walls.placed(&self.swept.poses);
         let Some(met) = first_impact(&self.world, &walls, place, self.settings.step) else { return };
@@ -235,7 +235,7 @@ impl Simulation {
         let velocity = Vector::from(body.velocity);
         let wall_velocity = walls.face(met.surface).carries(&centre, h);
         let short = velocity * (LONG_LEVEL * met.at.share);
-        // With the wall, and a little away from it.
+        // Velocity of the wall, with a small component away from it.
         let along = wall_velocity - met.at.normal * (SHORT_LEVEL * met.distance / h);
         let velocities = [short, along, wall_velocity];
         let tried = velocities.map(|velocity| (velocity, crossed(&walls, &centre, &velocity, h)));
@@ -246,14 +246,14 @@ impl Simulation {
         }
         self.world.bodies[place].velocity = held.into();
         let (normal, impulse) = (met.at.normal, (velocity - held) / body.inverse_mass);
-        // It acts on the centre, so that the spin stays.
+        // The impulse acts on the centre, so the spin does not change.
         let (along, relative) = (normal.dot(&impulse), [wall_velocity - velocity, wall_velocity - held]);
         let noted = (Vector::zeros(), along, impulse - normal * along);
         self.note_strike(place, met.surface, normal, noted, wall_velocity, relative);
     }
 
-    /// Notes an impact that a grain has just had, given the arm at which it acts on the grain (m) and the impulses on the wall, the wall's
-    /// velocity at the contact, and this less that of the grain where it was hit, before the impact and after it.
+    /// Records an impact of a grain, given its lever arm (m), the impulses on the wall, the wall's velocity at the contact, and
+    /// the relative velocity, wall minus grain, before and after the impact.
     fn note_strike(
         &mut self,
         place: usize,
