@@ -1,7 +1,7 @@
-//! Frames that are looked at one after the other, as often as a measure needs, wherever they are kept.
+//! Sequence of frames for measures that need several passes, from any storage.
 //!
-//! Some measures take more than one look: the bulk lies below a free surface that all frames have shaped, and only then can a
-//! frame's contacts be told to lie in it. Frames need not be in memory for that: whoever has them shows them again.
+//! Some measures need several passes: the bulk lies below a free surface determined by all frames, and only then is it known
+//! whether a frame's contacts lie in the bulk. The frames need not be in memory: each pass reads them again.
 
 use makadam::scene::Domain;
 use makadam::snapshot::{Particle, Snapshot};
@@ -11,22 +11,22 @@ use std::ops::Range;
 
 /// Frames in the order of time.
 pub trait Frames {
-    /// Error of a frame that cannot be shown.
+    /// Error of a frame that cannot be provided.
     type Error;
 
-    /// Number of frames.
+    /// Returns the number of frames.
     fn count(&self) -> usize;
 
-    /// Number of grains in some of the frames together.
+    /// Returns the total number of grains in a range of frames.
     fn grains(&self, range: Range<usize>) -> usize;
 
-    /// Shows some of the frames, one after the other.
+    /// Passes a range of frames to a function, one after the other.
     ///
     /// # Errors
-    /// Where a frame cannot be shown; those before it have been.
+    /// Error of the first frame that cannot be provided; earlier frames have been passed.
     fn visit(&self, range: Range<usize>, look: &mut dyn FnMut(&Snapshot)) -> Result<(), Self::Error>;
 
-    /// Shows some of the frames, one after the other; their contacts may be left out.
+    /// Passes a range of frames to a function, one after the other, possibly without contacts.
     ///
     /// # Errors
     /// As [`Frames::visit`].
@@ -35,14 +35,14 @@ pub trait Frames {
     }
 }
 
-/// Frames with their grains inside the domain along periodic axes, wherever the frames that they come from have them.
+/// Frames with their grains wrapped into the domain along periodic axes.
 pub(super) struct Wrapped<'a, F: ?Sized> {
     frames: &'a F,
     domain: &'a Domain,
 }
 
 impl<'a, F: Frames + ?Sized> Wrapped<'a, F> {
-    /// Takes frames and the domain of their scene.
+    /// Wraps frames into the domain of their scene.
     pub fn new(frames: &'a F, domain: &'a Domain) -> Self {
         Self { frames, domain }
     }
@@ -68,7 +68,7 @@ impl<F: Frames + ?Sized> Frames for Wrapped<'_, F> {
     }
 }
 
-/// A frame with its grains inside the domain along periodic axes.
+/// Returns a frame with its grains wrapped into the domain along periodic axes.
 pub(super) fn wrapped<'f>(domain: &Domain, frame: &'f Snapshot) -> Cow<'f, Snapshot> {
     let is_out = |grain: &Particle| {
         let mut axes = domain.periodic.iter().map(|axis| axis.number());
