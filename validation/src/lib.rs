@@ -1,4 +1,4 @@
-//! The command `makadam`, over the libraries below it.
+//! Command `makadam`, on top of the libraries below.
 //!
 //! ```text
 //! solver -> frames -> measure -> compare -> studies -> qualification -> command

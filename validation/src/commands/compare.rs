@@ -84,7 +84,7 @@ pub(super) fn compare(arguments: &CompareArguments, console: &Console) -> Result
     }
 }
 
-/// Returns the codes of these names, all of which must be installed.
+/// Returns the codes of these names; all must be installed.
 pub(super) fn installed(names: &[CodeName]) -> Result<Vec<Box<dyn Code>>, Failure> {
     let codes = codes_of(names);
     match codes.iter().find(|code| code.version().is_none()) {
@@ -93,16 +93,16 @@ pub(super) fn installed(names: &[CodeName]) -> Result<Vec<Box<dyn Code>>, Failur
     }
 }
 
-/// Returns the codes of these names, or those in which a scene is compared by default.
+/// Returns the codes of these names, or the default codes of a scene's comparison.
 fn codes_or_usual(names: Option<&[CodeName]>, scene_file: &Path, live: bool) -> Vec<Box<dyn Code>> {
     names.map_or_else(|| codes_of(&usual_codes(scene_file, live)), codes_of)
 }
 
-/// Codes that take part, the validated one first.
+/// Codes that take part, the code under test first.
 struct Codes {
     all: Vec<Box<dyn Code>>,
     validated: &'static str,
-    /// True if a comparison without a test is no success.
+    /// True if a comparison without a test is not a success.
     needs_verdict: bool,
 }
 
@@ -172,7 +172,7 @@ fn validate(
     let interrupted = failure.as_ref().is_some_and(CodeError::is_interruption);
     // An incomplete report does not replace a complete one.
     let stays = output.filter(|folder| interrupted && folder.join("report.json").is_file());
-    // Neither is lost if the other cannot be written.
+    // If one cannot be written, the other is still output.
     let written = output.filter(|_| stays.is_none()).map(|folder| report::write(&qualification, folder)).transpose();
     printed?;
     let written = written?;
@@ -225,7 +225,7 @@ fn record(
     file: &Path,
     console: &Console,
 ) -> Result<ExitCode, Failure> {
-    // Recorded codes are recorded again, so that none is lost.
+    // Recorded codes are recorded again, so that no record is lost.
     let codes = codes_or_usual(arguments.codes.as_deref(), file, false);
     let reference_codes: Vec<Box<dyn Code>> = codes.into_iter().filter(|code| code.name() != "Makadam").collect();
     if reference_codes.is_empty() {

@@ -39,7 +39,7 @@ pub(super) struct ExportArguments {
     pub output: Option<PathBuf>,
 }
 
-/// Parses the name of a code with another input than a scene.
+/// Parses the name of a code with an input other than a scene.
 fn another_code() -> impl TypedValueParser<Value = CodeName> {
     let others = CodeName::value_variants().iter().filter(|name| **name != CodeName::Makadam);
     PossibleValuesParser::new(others.filter_map(ValueEnum::to_possible_value)).try_map(|name| CodeName::of(&name))
@@ -93,7 +93,7 @@ fn export_run(arguments: &ExportArguments, format: FrameFormat, console: &Consol
     Ok(ExitCode::SUCCESS)
 }
 
-/// Writes the frames of a run into a folder in a format; returns a line per file.
+/// Writes the frames of a run into a folder in a format; returns one line per file.
 pub(super) fn export_frames(
     run: &RunFrames,
     format: FrameFormat,

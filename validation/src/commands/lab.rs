@@ -1,5 +1,5 @@
 //! `makadam lab convergence`: convergence of each method on the problem of one step; `makadam lab scaling`: scaling of a scene's step,
-//! measured on the available cores and replayed beyond them.
+//! measured on the available cores and replayed for more cores.
 
 use super::arguments::{OutputArguments, SceneArguments, one_of, positive};
 use super::beforehand::{begin, flowing, refuse_time_budget, refuse_without_folder, settle};
@@ -80,7 +80,7 @@ fn convergence(arguments: &ConvergenceArguments, console: &Console) -> Result<Ex
     let scheduler = if threads > 1 { Scheduler::WorkStealing } else { Scheduler::Serial };
     let execution = Execution { scheduler, threads, ..Execution::serial() };
     let provenance = Provenance::of_run(&scene, &file, seed, &execution);
-    // Refused before the minutes that a flowing state may take.
+    // Refused before the preparation of a flowing state, which may take minutes.
     if arguments.methods.is_some() {
         let precision = scene.solver.precision;
         wanted
@@ -187,7 +187,7 @@ fn plan(arguments: &ScalingArguments, cores: usize) -> scaling::Plan {
     let is_measured =
         |set: &InstructionSet| arguments.isa.as_ref().map_or_else(|| set.is_available(), |list| list.contains(set));
     scaling::Plan {
-        // Narrowest first: the last is the one that stands for all of them.
+        // Narrowest first: the last one represents all of them.
         instruction_sets: InstructionSet::ALL.into_iter().filter(is_measured).collect(),
         threads,
         steps: arguments.steps,

@@ -1,4 +1,4 @@
-//! `makadam measure`: output files of any code, measured as those of Makadam.
+//! `makadam measure`: measurement of the output files of any code, by the definitions used for Makadam.
 
 use super::arguments::{load, positive};
 use super::{Console, Failure, within_tolerance};
@@ -89,7 +89,7 @@ struct MeasureDocument<'a> {
     notes: &'a [String],
 }
 
-/// Returns the folder of a run of Makadam, which is measured alone.
+/// Returns the folder of a run of Makadam, which must be the only input.
 fn run_folder(manifest: &Manifest) -> Result<Option<PathBuf>, Failure> {
     let mut paths = Vec::new();
     for pattern in &manifest.grains {
@@ -147,7 +147,7 @@ pub(super) fn measure(arguments: &MeasureArguments, console: &Console) -> Result
     Ok(within_tolerance(!not_measured.iter().any(is_compared)))
 }
 
-/// Returns the given manifest, or that of the files on the command line, with the statements of the command line.
+/// Returns the given manifest, or the manifest of the files on the command line, with the statements of the command line.
 fn manifest(arguments: &MeasureArguments) -> Result<Manifest, Failure> {
     let is_manifest = |file: &&Path| file.extension().is_some_and(|extension| extension == "toml");
     let file = arguments.grains.iter().map(|pattern| Path::new(pattern.text())).find(is_manifest);
@@ -176,7 +176,7 @@ fn manifest(arguments: &MeasureArguments) -> Result<Manifest, Failure> {
     Ok(manifest)
 }
 
-/// Returns a note if the measured frames are not those of the scene: its end, or all times from `measure.from` to it.
+/// Returns a note if the measured frames are not those of the scene: its end, or all times from `measure.from` to its end.
 fn other_window(scene: &MeasuredScene, measured: &[&Snapshot]) -> Option<String> {
     let (first, last) = (measured.first()?.time, measured.last()?.time);
     let (end, slack, interval) = (scene.duration, scene.measure.slack(), scene.measure.interval);
@@ -186,7 +186,7 @@ fn other_window(scene: &MeasuredScene, measured: &[&Snapshot]) -> Option<String>
     };
     let gaps: Vec<f64> = measured.windows(2).map(|pair| pair[1].time - pair[0].time).collect();
     let gap = gaps.iter().copied().fold(0.0, f64::max);
-    // The end may lie within an interval of the frame before it.
+    // The end may lie within an interval of the previous frame.
     let is_finer = gaps.iter().rev().skip(1).any(|gap| gap + slack < interval);
     let is_other = (last - end).abs() > slack || first > from + interval + slack || gap > interval + slack || is_finer;
     is_other.then(|| {

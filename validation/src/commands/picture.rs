@@ -13,18 +13,18 @@ use makadam_view::pictures::{
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Width and height of an image where none are given, pixels.
+/// Default width and height of an image, pixels.
 const IMAGE_SIZE: [usize; 2] = [1200, 900];
-/// Width and height of an animation where none are given, pixels.
+/// Default width and height of an animation, pixels.
 const ANIMATION_SIZE: [usize; 2] = [800, 600];
 
-/// Number of frames from which the scale and the camera of an animation follow.
+/// Number of frames sampled for the scale and the camera of an animation.
 const LOOKS: usize = 9;
 
-/// Bytes per pixel of an animation, in addition to the picture that is drawn.
+/// Bytes per pixel of an animation, in addition to the current picture.
 const BESIDE: u64 = 24;
 
-/// Relative deviation of the frames per second of an animation without a note: delays are whole numbers in files.
+/// Largest relative deviation of the frames per second of an animation without a note: delays in files are whole numbers.
 const RATE_OFF: f64 = 0.2;
 
 #[derive(Debug, Args)]
@@ -143,13 +143,13 @@ fn animation(arguments: &PictureArguments, output: &Path, console: &Console) -> 
         return Err(Failure::Usage("--time is for one frame: give --output FILE.png".into()));
     }
     let size = arguments.size.unwrap_or(ANIMATION_SIZE);
-    // The pictures that colours are chosen from are there at the same time, and what has its colours.
+    // Memory holds the sampled pictures for the choice of colours, and the table of colours, at the same time.
     let pixels = (size[0] * size[1]) as u64;
     refuse_picture_beyond_memory(size, memory(size) + BESIDE * pixels)?;
     let run = RunFrames::open(&arguments.run)?;
     let numbers: Vec<usize> = (0..run.count()).step_by(arguments.every as usize).collect();
     let style = arguments.style(size);
-    // One scale and one camera for all: what is seen must move, not they.
+    // One scale and one camera for all frames: only the scene may move.
     let step = numbers.len().div_ceil(LOOKS).max(1);
     let looks: Vec<RunFrame> =
         numbers.iter().rev().step_by(step).map(|number| run.read(*number)).collect::<Result<_, _>>()?;

@@ -111,7 +111,7 @@ fn list_scenes(as_json: bool, console: &Console) -> Result<(), Failure> {
     })
 }
 
-/// An observable and its group.
+/// Observable and its group.
 #[derive(Serialize)]
 struct Defined {
     group: &'static str,
@@ -119,7 +119,7 @@ struct Defined {
     definition: &'static Definition,
 }
 
-/// Prints the definitions of these observables or groups, or all.
+/// Prints the definitions of the named observables or groups, or all.
 fn define(names: &[String], as_json: bool, console: &Console) -> Result<(), Failure> {
     let plain = |name: &str| name.replace('-', "_").to_lowercase();
     let is_named = |name: &String, defined: &Defined| {
@@ -151,7 +151,7 @@ fn text(wanted: &[Defined]) -> String {
     text + "\nName a group under measure.observables, a number under [[compare]]; ⟨⟩ are means over contacts or grains."
 }
 
-/// Writes a manual page per command.
+/// Writes one manual page per command.
 fn write_manual(folder: &Path, console: &Console) -> Result<(), Failure> {
     create_folder(folder)?;
     clap_mangen::generate_to(Arguments::definition(), folder).map_err(|error| WriteError::new(folder, error))?;

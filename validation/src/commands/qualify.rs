@@ -65,7 +65,7 @@ pub(super) fn qualify(arguments: &QualifyArguments, console: &Console) -> Result
     arguments.jobs.apply()?;
     let folder = arguments.output.folder("qualification");
     let extent = arguments.tier.extent();
-    // Minutes of work are not begun for a report that cannot be written, or a baseline that cannot be read.
+    // The output folder and the baseline are checked before minutes of work begin.
     create_folder(&folder)?;
     let read = |file: &Path| Test::read(file, extent.name).map_err(Failure::Usage);
     let baseline = arguments.against.as_deref().map(read).transpose()?;

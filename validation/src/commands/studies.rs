@@ -181,7 +181,7 @@ pub(super) fn tradeoff(arguments: &TradeoffArguments, console: &Console) -> Resu
     let wanted = installed(&arguments.codes)?;
     let names: Vec<&str> = wanted.iter().map(|code| code.name()).collect();
     let plan = tradeoff::Plan::new(&scene, &names, &arguments.stiffness_factors);
-    // The reference is Makadam's, whichever codes take part.
+    // The reference is Makadam's for any selection of codes.
     let runners = codes_of(&[arguments.codes.as_slice(), &[CodeName::Makadam]].concat());
     let terms = Terms {
         seeds: arguments.seeds,
@@ -219,7 +219,7 @@ pub(super) fn tradeoff(arguments: &TradeoffArguments, console: &Console) -> Resu
     Ok(within_tolerance(unmeasured.is_none() && study.reaches_bounds("Makadam") != Some(false)))
 }
 
-/// Refuses scenes that measure nothing, or not what is bounded, and two bounds on one observable.
+/// Refuses scenes without measurements of all bounded observables, and two bounds on one observable.
 fn refuse_unmeasured(scene: &MeasuredScene, bounds: &[Bound]) -> Result<(), Failure> {
     if scene.measure.observables.is_empty() {
         return Err(Failure::Usage(format!(
@@ -243,7 +243,7 @@ fn refuse_unmeasured(scene: &MeasuredScene, bounds: &[Bound]) -> Result<(), Fail
     Ok(())
 }
 
-/// Returns the default bounds, replaced by given ones.
+/// Returns the default bounds, replaced by the given ones.
 fn bounds(given: &[Bound]) -> Vec<Bound> {
     let is_given = |bound: &Bound| given.iter().any(|other| other.observable == bound.observable);
     Bound::usual().into_iter().filter(|bound| !is_given(bound)).chain(given.iter().cloned()).collect()
