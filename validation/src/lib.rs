@@ -9,7 +9,7 @@ pub mod commands;
 mod forecast;
 pub mod templates;
 
-/// States the commit of this build for the provenance of results; programs call it at their start.
+/// Sets the commit of this build for the provenance of results; programs call this function at their start.
 pub fn state_commit() {
     makadam_frames::provenance::set_commit(env!("MAKADAM_COMMIT"), env!("MAKADAM_DIRTY").parse().ok());
 }

@@ -5,13 +5,13 @@ pub use makadam::Execution;
 /// Reason for a missing measurement.
 #[derive(Debug, thiserror::Error)]
 pub enum MeasureError {
-    /// The machine does not support the requested execution.
+    /// Execution unsupported by the machine.
     #[error(transparent)]
     Execution(#[from] makadam::SettingError),
-    /// The system starts no threads for the measurement.
+    /// Error of the system at the start of threads.
     #[error("cannot start threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
-    /// The user requested a stop.
+    /// Stop request of the user.
     #[error("interrupted while measuring")]
     Interrupted,
 }

@@ -105,10 +105,10 @@ impl Content {
 /// Error of a recording file.
 #[derive(Debug, thiserror::Error)]
 pub enum RecordingError {
-    /// The system refused.
+    /// Error of the system.
     #[error("{0}: {1}; check that the path is right and the disk has room")]
     Io(String, std::io::Error),
-    /// The bytes are not an intact recording.
+    /// Bytes other than an intact recording.
     #[error("{0} {1}; delete it and run the code again")]
     Format(String, String),
 }

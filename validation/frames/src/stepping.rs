@@ -11,11 +11,11 @@ use std::time::{Duration, Instant};
 /// Reason for an end before the last step.
 #[derive(Debug)]
 pub enum Halt {
-    /// The user requested a stop.
+    /// Stop request of the user.
     Interrupted,
-    /// The watchdog found an invalid state.
+    /// Invalid state found by the watchdog.
     InvalidState(Alarm),
-    /// The time limit was exceeded; the fraction of the steps done, 0 to 1.
+    /// Exceeded time limit; the fraction of the steps done, 0 to 1.
     OutOfTime(f64),
 }
 

@@ -34,7 +34,7 @@ impl SourceArguments {
 pub(super) struct SceneArguments {
     #[command(flatten)]
     pub source: SourceArguments,
-    /// Seed of the initial positions, the first one where --seeds takes several; if absent, the scene's.
+    /// Seed of the initial positions, the first seed if --seeds takes several; if absent, the scene's.
     #[arg(long)]
     pub seed: Option<u64>,
 }
@@ -59,7 +59,7 @@ pub(super) fn load(name: &str, changes: &[Change]) -> Result<(PathBuf, MeasuredS
 /// Destination of the results of a command.
 #[derive(Debug, Args)]
 pub(super) struct OutputArguments {
-    /// Folder to write to; studies take the runs that they finished there before. If absent, one under results/, named after command
+    /// Folder to write to; studies reuse their finished runs there. If absent, a folder under results/, named after command
     /// and scene.
     #[arg(short, long)]
     pub output: Option<PathBuf>,

@@ -20,7 +20,7 @@ use std::process::ExitCode;
 
 #[derive(Debug, Args)]
 pub(super) struct LabArguments {
-    /// The study.
+    /// Study to run.
     #[command(subcommand)]
     study: Lab,
 }
@@ -56,8 +56,8 @@ struct ConvergenceArguments {
     /// Methods, named as in scenes; if absent, all.
     #[arg(long, value_delimiter = ',', value_parser = SolverMethod::ALL.map(SolverMethod::name))]
     pub methods: Option<Vec<String>>,
-    /// Simulated time before the problem is taken, s. If absent: none if the scene prepares a flowing state, else the time until
-    /// it is measured (measure.from), or its whole duration.
+    /// Simulated time before the problem is extracted, s. If absent: zero if the scene prepares a flowing state, else the time until
+    /// its measurement (measure.from), or its whole duration.
     #[arg(long, value_parser = positive)]
     pub settle: Option<f64>,
     /// Number of threads. Residuals do not depend on it.

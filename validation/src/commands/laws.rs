@@ -20,7 +20,7 @@ pub(super) struct LawsArguments {
     /// List the laws and their publications; measure none.
     #[arg(long, conflicts_with = "json")]
     pub list: bool,
-    /// Seed of the initial positions, the first one where --seeds takes several.
+    /// Seed of the initial positions, the first seed if --seeds takes several.
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
     /// Number of seeds of each case, consecutive from --seed; figures are tested by their means.

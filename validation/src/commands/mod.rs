@@ -102,7 +102,7 @@ commands! {
 #[derive(Debug, Parser)]
 #[command(name = "makadam", version, after_help = EXIT_CODES, max_term_width = 100)]
 struct Arguments {
-    /// The command to run.
+    /// Command to run.
     #[command(subcommand)]
     command: Command,
     /// Print only results and errors.

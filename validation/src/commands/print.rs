@@ -16,14 +16,14 @@ use std::process::ExitCode;
 
 #[derive(Debug, Args)]
 pub(super) struct PrintArguments {
-    /// The text to print.
+    /// Text to print.
     #[command(subcommand)]
     text: Text,
 }
 
 #[derive(Debug, Subcommand)]
 enum Text {
-    /// List the scenes that can be given by name.
+    /// List the scenes available by name.
     Scenes {
         /// Print the list as JSON.
         #[arg(long)]
@@ -33,10 +33,10 @@ enum Text {
     Observables {
         /// Names of observables or groups; all, if absent.
         names: Vec<String>,
-        /// Print them as JSON.
+        /// Print the definitions as JSON.
         #[arg(long)]
         json: bool,
-        /// Print the page of all of them, in Markdown.
+        /// Print the page of all definitions, in Markdown.
         #[arg(long, conflicts_with_all = ["json", "names"])]
         markdown: bool,
     },
@@ -45,13 +45,13 @@ enum Text {
         /// Print a page in Markdown instead of the JSON Schema.
         #[arg(long)]
         markdown: bool,
-        /// Print the JSON Schema of report.json, which qualify and compare write, instead of that of scenes. There is no page of it.
+        /// Print the JSON Schema of report.json, which qualify and compare write, instead of the schema of scenes. It has no page.
         #[arg(long, conflicts_with = "markdown")]
         report: bool,
     },
     /// Print a completion script for a shell.
     Completions {
-        /// The shell.
+        /// Shell.
         #[arg(value_enum)]
         shell: Shell,
     },

@@ -16,7 +16,7 @@ use std::process::ExitCode;
 
 #[derive(Debug, Args)]
 pub(super) struct ProblemArguments {
-    /// The command to run.
+    /// Command to run.
     #[command(subcommand)]
     command: ProblemCommand,
 }
@@ -36,7 +36,7 @@ struct ExportArguments {
     /// Simulated time of the step, s; the scene's duration, if absent.
     #[arg(long, value_parser = positive)]
     time: Option<f64>,
-    /// Number of steps before it, instead of a time.
+    /// Number of steps before the problem, instead of a time.
     #[arg(long, conflicts_with = "time")]
     steps: Option<u64>,
     /// Also solve with Siconos, which must be installed (Debian's python3-siconos), and write its solution in FCLIB's group.
@@ -52,7 +52,7 @@ struct CheckArguments {
     /// Files from `makadam lab problem export`, or FCLIB files with local problems.
     #[arg(required = true)]
     files: Vec<PathBuf>,
-    /// Stop when the largest change in a sweep is below this, in units of g h (1 m/s without gravity).
+    /// Stop when the largest change in a sweep is below this value, in units of g h (1 m/s without gravity).
     #[arg(long, default_value_t = Settings::DEFAULT.tolerance, value_parser = positive)]
     tolerance: f64,
     /// Largest number of sweeps.

@@ -21,7 +21,7 @@ pub(super) struct QualifyArguments {
     /// Extent of the qualification.
     #[arg(long, value_enum, default_value = "quick")]
     pub tier: Tier,
-    /// Baseline (validation/baseline.json, or tests.json of an earlier qualification): lists tests that are missing, new or of another
+    /// Baseline (validation/baseline.json, or tests.json of an earlier qualification): lists tests that are missing, new or have another
     /// verdict. A missing test or a worse verdict is exit code 4.
     #[arg(long, value_name = "FILE")]
     pub against: Option<PathBuf>,

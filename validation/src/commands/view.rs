@@ -12,7 +12,7 @@ use std::process::ExitCode;
 
 #[derive(Debug, Args)]
 pub(super) struct ViewArguments {
-    /// The folder of a run, or the name of one below results; the run may be under way.
+    /// Folder of a run, or the name of a folder below results; the run may be in progress.
     pub run: PathBuf,
     /// Fields of the frames that can colour the grains, with commas; each takes two bytes per grain and frame. If absent, speed and
     /// pressure.
@@ -21,7 +21,7 @@ pub(super) struct ViewArguments {
     /// Show every n-th frame only; if absent, as many frames as fit into --megabytes.
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     pub every: Option<u32>,
-    /// Largest size of the file, MB: first contacts are left out, then frames.
+    /// Largest size of the file, MB: contacts are omitted first, then frames.
     #[arg(long, default_value_t = 200.0, value_parser = positive)]
     pub megabytes: f64,
     /// Leave out contacts, and with them force chains.

@@ -16,7 +16,7 @@ use makadam_frames::stepping::steps_in;
 const BED: &str = include_str!("pace.toml");
 /// Steps until the grains have settled, and timed steps.
 const STEPS: [usize; 2] = [200, 100];
-/// Active contacts per grain, in a bed and without compression: reference scenes have 1.9 to 3.0 and
+/// Contacts per grain in the sweeps, in a bed and without compression: reference scenes have 1.9 to 3.0 and
 /// 0.1.
 const CONTACTS: [f64; 2] = [2.2, 0.1];
 /// Sweeps of a solve with a residual criterion, typical of tolerances of some percent of g h.

@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 /// Written file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Written {
-    /// The file.
+    /// File.
     pub path: PathBuf,
     /// Number of frames in the file.
     pub frames: usize,
@@ -66,21 +66,21 @@ fn for_each(
 /// Error of an export.
 #[derive(Debug, thiserror::Error)]
 pub enum ExportError {
-    /// The frames cannot be read.
+    /// Unreadable frames.
     #[error(transparent)]
     Frames(#[from] RunFolderError),
-    /// The system refuses.
+    /// Error of the system.
     #[error(transparent)]
     Write(#[from] WriteError),
     /// HDF5 cannot hold the numbers.
     #[error("{file}: {problem}")]
     Format {
-        /// The file.
+        /// File.
         file: String,
         /// Error message.
         problem: String,
     },
-    /// The user requested a stop.
+    /// Stop request of the user.
     #[error("interrupted")]
     Interrupted,
 }

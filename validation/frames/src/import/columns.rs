@@ -140,7 +140,7 @@ impl FromStr for StatedColumns {
     /// Reads `id,x,y,z`, or `c_pairs:first,second,_` for the columns `c_pairs[1]` and so on.
     fn from_str(text: &str) -> Result<StatedColumns, String> {
         let list = |text: &str| text.split(',').map(|name| name.trim().to_string()).collect::<Vec<_>>();
-        // `Points:0` is a name of ParaView: a name of several columns stands before the first comma, and before the second name.
+        // `Points:0` is a name of ParaView: the name of several columns precedes the first comma, and the second name.
         let is_head = |head: &str, names: &str| {
             !head.contains(',') && names.contains(',') && !names.starts_with(char::is_numeric)
         };

@@ -238,7 +238,7 @@ impl<'a> ContactList<'a> {
     }
 
     /// Checks complete contact lists. Two grains are in contact if they approach each other and their overlap exceeds their approach in `step`
-    /// (s), the largest time by which positions are older than contacts.
+    /// (s), the largest age difference between positions and contacts.
     ///
     /// # Errors
     /// [`ImportError`] with the first pair in contact that no list has.

@@ -119,7 +119,7 @@ impl FrameTable {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{}: line {line}: {problem}", file.display())]
 pub struct ImportError {
-    /// The file.
+    /// File.
     pub file: PathBuf,
     /// Line, from 1.
     pub line: usize,

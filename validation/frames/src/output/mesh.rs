@@ -53,7 +53,7 @@ const PLANE_REACH: f64 = 0.5;
 /// Corners of a triangle, m; counter-clockwise seen from the grains' side.
 pub type Triangle = [[f64; 3]; 3];
 
-/// A wall's surface.
+/// Surface of a wall.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
     /// Triangles, their normals towards the grains.

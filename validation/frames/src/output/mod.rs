@@ -29,7 +29,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error)]
 #[error("{path}: {source}{}", remedy(source))]
 pub struct WriteError {
-    /// The file or folder.
+    /// File or folder.
     pub path: String,
     /// Error of the system.
     pub source: std::io::Error,

@@ -104,12 +104,12 @@ pub enum LockError {
     /// Another run writes there.
     #[error("{folder}: in use by {holder}; wait for its end, or write elsewhere with --output")]
     Taken {
-        /// The folder.
+        /// Folder.
         folder: String,
         /// Description of the holder, from the lock file.
         holder: String,
     },
-    /// The system refused.
+    /// Error of the system.
     #[error(transparent)]
     Write(#[from] WriteError),
 }

@@ -15,13 +15,13 @@ use std::sync::Arc;
 /// Error of frames of a run.
 #[derive(Debug, thiserror::Error)]
 pub enum RunFolderError {
-    /// A run, a time or a field that does not exist.
+    /// Unknown run, time or field.
     #[error("{0}")]
     Unknown(String),
-    /// A damaged file.
+    /// Damaged file.
     #[error("{file} {problem}; run the scene again")]
     Damaged {
-        /// The file.
+        /// File.
         file: String,
         /// Error in the file.
         problem: String,

@@ -103,7 +103,7 @@ fn speed_ratio(view: &View<'_>, drum: &Drum) -> Option<f64> {
     (!ratios.is_empty()).then(|| mean(&ratios))
 }
 
-/// Measures the flow over all frames, in which the drum turns in one sense.
+/// Measures the flow over all frames; the drum turns in one sense in all of them.
 pub fn measure_flow<F: Frames + ?Sized>(
     setting: &Setting<'_>,
     drum: &Drum,

@@ -55,8 +55,8 @@ pub fn measure(bed: &BedSurfaces, frames: usize) -> Vec<Measurement> {
     ]
 }
 
-/// Returns time (s) and circle angle (degrees) of each frame, with the field averaged over five frames about it, in all of which the drum
-/// turns in one sense.
+/// Returns time (s) and circle angle (degrees) of each frame, with the field averaged over the five frames about it. The drum must turn in
+/// one sense in all five.
 ///
 /// Empty without a drum, and for gravity of changing direction: the fields would then have no common cross-section.
 pub fn over_time(properties: &Properties<'_>, frames: &[Snapshot]) -> Vec<(f64, f64)> {

@@ -9,10 +9,10 @@ use makadam_frames::recording::Recording;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Distribution of normal forces over their mean, pooled over all seeds of a code.
+/// Distribution of normal forces over their mean, all seeds of a code pooled.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ForceDistribution {
-    /// Name of the code.
+    /// The code.
     pub code: String,
     /// Centres of the bins, in mean forces.
     pub force: Vec<f64>,

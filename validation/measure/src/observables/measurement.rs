@@ -31,10 +31,10 @@ impl Measurement {
     }
 }
 
-/// Observable over time in one run.
+/// An observable over time in one run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Series {
-    /// Name of the code.
+    /// The code.
     pub code: String,
     /// Seed of the run.
     pub seed: u64,

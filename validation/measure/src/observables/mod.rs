@@ -287,7 +287,7 @@ impl Span<'_> {
 }
 
 /// Returns quantities over time, one point per frame, over the whole run: the dynamic angle of repose (degrees) and the height of the intruder
-/// (m), if the scene requests them. Frames in which the bed has no surface yet are left out.
+/// (m), if the scene requests them. Frames without a bed surface are left out.
 pub fn series(scene: &MeasuredScene, recording: &Recording) -> Vec<Series> {
     let asks = |observable| scene.measure.observables.contains(&observable);
     let properties = Properties::new(scene);

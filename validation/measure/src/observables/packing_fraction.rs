@@ -126,7 +126,7 @@ fn fraction_in_cubes(view: &View<'_>, bulk: &Bulk) -> Option<f64> {
         left = left.checked_sub(count.min(cubes.len() as f64) as usize)?;
         let reached = match count <= cubes.len() as f64 {
             true => in_range(low, high).filter(|cube| cubes.contains(cube)).collect(),
-            // A grain larger than the cubes reaches fewer cubes than its range contains.
+            // A large grain: the set contains fewer cubes than the grain's range.
             false => among(&cubes, low, high),
         };
         solid += match reached.len() as f64 == count {

@@ -1,7 +1,7 @@
 //! Equivalence of two codes: two one-sided tests on the difference of their means.
 //!
-//! "Not significantly different" does not mean agreement: few seeds never give a significant difference. The margin is fixed beforehand, and
-//! two codes agree if and only if an interval of the difference lies inside it. The interval is Welch's: the
+//! "Not significantly different" does not mean agreement: with few seeds, hardly any difference is significant. The margin is fixed
+//! beforehand, and two codes agree if and only if an interval of the difference lies inside it. The interval is Welch's: the
 //! spreads need not be equal. At a significance alpha of each one-sided test the interval covers 1 - 2 alpha (Schuirmann,
 //! J. Pharmacokinet. Biopharm. 15, 657, 1987). With k codes alpha = 0.05/(k - 1) (Bonferroni), so that all
 //! comparisons of one code with its reference codes together err in no more than 5%.
@@ -28,11 +28,11 @@ pub enum Outcome {
     Agree,
     /// The interval of the difference lies outside the margin.
     Disagree,
-    /// The interval of the difference straddles the margin: too few seeds for a verdict.
+    /// The interval straddles the margin: too few seeds to tell.
     Undecided,
-    /// The interval of the difference lies inside the margin, but the number of runs was not registered beforehand: no agreement.
+    /// The interval of the difference lies inside the margin, of runs whose number was not registered beforehand: no agreement.
     Exploratory,
-    /// One of the codes has no value of the observable, or values for only a part of its seeds: there is no test.
+    /// One of the codes has no value of the observable, or one of fewer seeds than it was run with: there is no test.
     NotMeasured,
 }
 

@@ -44,11 +44,11 @@ pub(super) struct RunArguments {
     /// Instruction set of the kernels; if absent, the widest of this processor. The result does not depend on it.
     #[arg(long, value_parser = one_of(InstructionSet::ALL, InstructionSet::name))]
     pub isa: Option<InstructionSet>,
-    /// Number of lane groups by which a sweep prefetches bodies ahead; 0 leaves it to the processor. If absent, 0 in scenes that fit into
+    /// Distance of prefetched bodies in a sweep, in lane groups; 0 leaves prefetching to the processor. If absent, 0 in scenes that fit into
     /// the cache, and 4 in others.
     #[arg(long, value_parser = clap::value_parser!(u16).range(..=1024))]
     pub prefetch: Option<u16>,
-    /// Target accuracy, which replaces the scene's step and stopping rule: a share such as 1%, or deviations such as
+    /// Target accuracy, which replaces the scene's step and stopping rule: a fraction such as 1%, or deviations such as
     /// angle=0.5,packing_fraction=0.002,overlap=1e-3 (units: degrees, none, mean radii).
     #[arg(long, value_parser = accuracy)]
     pub accuracy: Option<Accuracy>,
@@ -61,8 +61,8 @@ pub(super) struct RunArguments {
     /// Print the energy and momentum budget with its closure error; costs about a sixth of a step's time.
     #[arg(long)]
     pub ledger: bool,
-    /// Continue an unfinished run from its checkpoint, if there is one; the result is the same to the last bit. A finished run is
-    /// left as it is.
+    /// Continue an unfinished run from its checkpoint, if present; the result is the same to the last bit. A finished run is
+    /// left unchanged.
     #[arg(long, conflicts_with = "restart")]
     pub resume: bool,
     /// Start again in the folder of an earlier run: removes its frames, tables and checkpoint, and nothing else.

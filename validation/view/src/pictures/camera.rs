@@ -163,7 +163,7 @@ fn natural(frame: &RunFrame) -> (Vector, Vector, [f64; 2]) {
     match level_axis(frame.walls.as_ref(), &up) {
         Some(axis) => ((axis - up * up.dot(&axis)).normalize(), up, [14.0, 9.0]),
         None => {
-            // Along y, unless gravity points that way.
+            // Along y, unless gravity is parallel to it.
             let level = if up.y.abs() < 0.9 { Vector::y() } else { Vector::x() };
             ((level - up * up.dot(&level)).normalize(), up, [28.0, 20.0])
         }

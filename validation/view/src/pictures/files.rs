@@ -20,13 +20,13 @@ const SAMPLES: usize = 3;
 /// Error of a picture that cannot be written.
 #[derive(Debug, thiserror::Error)]
 pub enum PictureError {
-    /// The system refuses.
+    /// Error of the system.
     #[error(transparent)]
     Write(#[from] WriteError),
     /// File name without a known format.
     #[error("{file}: its name must end in {known}")]
     Format {
-        /// The file.
+        /// File.
         file: String,
         /// Known extensions.
         known: &'static str,

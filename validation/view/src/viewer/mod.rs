@@ -28,10 +28,10 @@ const LEVEL: u32 = 4;
 /// Error during the writing of a page.
 #[derive(Debug, thiserror::Error)]
 pub enum ViewerError {
-    /// The frames cannot be read.
+    /// Unreadable frames.
     #[error(transparent)]
     Frames(#[from] RunFolderError),
-    /// The system refuses.
+    /// Error of the system.
     #[error(transparent)]
     Write(#[from] WriteError),
 }
