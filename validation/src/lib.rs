@@ -1,4 +1,4 @@
-//! The command `makadam`, over the libraries below it.
+//! Command `makadam`, on top of the libraries below.
 //!
 //! ```text
 //! solver -> frames -> measure -> compare -> studies -> qualification -> command
@@ -9,7 +9,7 @@ pub mod commands;
 mod forecast;
 pub mod templates;
 
-/// States the commit of this build for the provenance of results; programs call it at their start.
+/// Sets the commit of this build for the provenance of results; programs call this function at their start.
 pub fn state_commit() {
     makadam_frames::provenance::set_commit(env!("MAKADAM_COMMIT"), env!("MAKADAM_DIRTY").parse().ok());
 }

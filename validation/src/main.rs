@@ -1,4 +1,4 @@
-//! The `makadam` command.
+//! Program `makadam`.
 
 use std::process::ExitCode;
 

@@ -1,17 +1,17 @@
-//! Scenes to begin with: commented, small, and sound as they are. `makadam new` writes one into a file.
+//! Starting scenes: commented, small, and valid without changes. `makadam new` writes one into a file.
 
-/// A scene to begin with.
+/// Starting scene.
 #[derive(Clone, Copy, Debug)]
 pub struct Template {
-    /// Its name.
+    /// Name.
     pub name: &'static str,
-    /// Its text.
+    /// Text of the scene.
     pub text: &'static str,
 }
 
 macro_rules! templates {
     ($($name:literal),* $(,)?) => {
-        /// All of them.
+        /// All templates.
         pub const TEMPLATES: &[Template] =
             &[$(Template { name: $name, text: include_str!(concat!("../templates/", $name, ".toml")) }),*];
     };
@@ -19,7 +19,7 @@ macro_rules! templates {
 
 templates!["box", "drum", "heap", "mixer", "shaker", "silo"];
 
-/// The template of a name.
+/// Returns the template of a name.
 pub fn template(name: &str) -> Option<&'static Template> {
     TEMPLATES.iter().find(|template| template.name == name)
 }

@@ -2,29 +2,29 @@
 
 pub use makadam::Execution;
 
-/// Reason for which nothing was measured.
+/// Reason for a missing measurement.
 #[derive(Debug, thiserror::Error)]
 pub enum MeasureError {
-    /// The machine cannot step as asked.
+    /// Execution unsupported by the machine.
     #[error(transparent)]
     Execution(#[from] makadam::SettingError),
-    /// The system starts no threads to measure with.
+    /// Error of the system at the start of threads.
     #[error("cannot start threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
-    /// The user asked to stop.
+    /// Stop request of the user.
     #[error("interrupted while measuring")]
     Interrupted,
 }
 
-/// Number of cores that this process may use.
+/// Returns the number of cores available to this process.
 pub fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, std::num::NonZero::get)
 }
 
-/// Grains below which another thread costs more than it brings: its share of a step is over before the threads have met.
+/// Smallest number of grains per thread: with fewer, synchronization costs more time than the thread saves.
 const GRAINS_OF_A_THREAD: usize = 1000;
 
-/// Number of threads for so many grains: as many as there are cores, as long as each has enough to do.
+/// Returns the number of threads for a number of grains: all cores, if each has enough work.
 pub fn threads_for(grains: usize) -> usize {
     cores().min(grains / GRAINS_OF_A_THREAD).max(1)
 }

@@ -1,6 +1,6 @@
-//! Ctrl-C, termination and the end of a terminal: the step at hand is finished, or given up where it takes long, what was computed is
-//! written, and the command ends. Before a computation is under way, as while a scene is awaited on standard input, there is nothing to
-//! write, and the first request ends the process at once; so does a second one at any time.
+//! Ctrl-C, termination and the end of a terminal. The current step is finished, or abandoned if long, results so far are
+//! written, and the command ends. Before a computation starts, for example during input of a scene from standard input, there is nothing to
+//! write, and the first request ends the process at once, as a second request does at any time.
 
 use libc::{SIG_IGN, SIGHUP, SIGINT, SIGTERM, c_int};
 use makadam::Interrupt;
@@ -12,10 +12,10 @@ static INTERRUPT: LazyLock<Interrupt> = LazyLock::new(Interrupt::new);
 /// True while a computation runs that polls for a request.
 static POLLED: AtomicBool = AtomicBool::new(false);
 
-/// Starts listening. A signal that the process was started to ignore stays ignored: `nohup` relies on that, and so do jobs in
-/// the background of a script. Where the system refuses, the default stays.
+/// Starts listening. A signal ignored at the start of the process stays ignored: `nohup` and background jobs of scripts
+/// rely on that. If the system refuses, the default action stays.
 pub fn listen() {
-    // A handler may not allocate: what it uses is made before.
+    // A handler may not allocate: its data are created before.
     LazyLock::force(&INTERRUPT);
     for signal in [SIGINT, SIGTERM, SIGHUP] {
         // SAFETY: a zeroed `sigaction` is a valid one (default action, empty mask, no flags); both pointers are to such.
@@ -26,8 +26,8 @@ pub fn listen() {
         if inherited.is_none_or(|action| action == SIG_IGN) {
             continue;
         }
-        // SAFETY: as above; the handler takes one number, as a handler without SA_SIGINFO does, and does nothing but what is
-        // allowed in one: atomic operations and `_exit`.
+        // SAFETY: as above; the handler takes one number, as a handler without SA_SIGINFO does, and performs only permitted
+        // operations: atomic operations and `_exit`.
         unsafe {
             let mut action: libc::sigaction = std::mem::zeroed();
             action.sa_sigaction = request as *const () as usize;
@@ -58,7 +58,7 @@ pub fn handle() -> Interrupt {
 }
 
 fn start_polling() {
-    // Many threads look, and all but the first find it set.
+    // Many threads poll, and all but the first find the flag set.
     if !POLLED.load(Ordering::Relaxed) {
         POLLED.store(true, Ordering::SeqCst);
     }

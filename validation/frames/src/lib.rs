@@ -1,4 +1,4 @@
-//! Frames on disk: the scene with what is measured of it, runs and their provenance, the native frame store, exports, and readers of
+//! Frames on disk: scenes with their measurements, runs and their provenance, the native frame store, exports, and readers of
 //! the files of other programs.
 
 pub mod execution;

@@ -1,4 +1,4 @@
-//! Pairs of grains that are close to each other.
+//! Pairs of neighbouring grains.
 
 use makadam::scene::Domain;
 use makadam::snapshot::Particle;
@@ -7,15 +7,15 @@ use nalgebra::Vector3;
 /// Two grains and the gap between their surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pair {
-    /// Place of the first grain in the frame's table.
+    /// Index of the first grain in the frame's table.
     pub first: usize,
-    /// Place of the second grain; above the first.
+    /// Index of the second grain, larger than the first.
     pub second: usize,
-    /// Distance of the surfaces, m; negative where they overlap.
+    /// Distance of the surfaces, m; negative for an overlap.
     pub gap: f64,
 }
 
-/// All pairs of grains whose gap is below `reach` (m), found on a grid of cells.
+/// Returns all pairs of grains with a gap below `reach` (m), found on a grid of cells.
 pub fn close_pairs(grains: &[Particle], reach: f64) -> Vec<Pair> {
     let largest = grains.iter().map(|grain| grain.radius).fold(0.0, f64::max);
     if grains.len() < 2 || largest <= 0.0 {
@@ -24,7 +24,7 @@ pub fn close_pairs(grains: &[Particle], reach: f64) -> Vec<Pair> {
     let places: Vec<Vector3<f64>> = grains.iter().map(|grain| grain.position.into()).collect();
     let low = places.iter().fold(places[0], |low, place| low.inf(place));
     let extent = places.iter().fold(places[0], |high, place| high.sup(place)) - low;
-    // Grains that flew far apart must not blow up the grid: cells are never much more numerous than grains.
+    // Limits the grid for grains far apart: the number of cells stays of the order of the number of grains.
     let most = (2.0 * (grains.len() as f64).cbrt()).max(8.0);
     let size = (2.0 * largest + reach.max(0.0)).max(extent.max() / (4.0 * most)) * (1.0 + 1e-9);
     let dims = extent.map(|width| (width / size) as usize + 1);
@@ -61,7 +61,7 @@ pub fn close_pairs(grains: &[Particle], reach: f64) -> Vec<Pair> {
     pairs
 }
 
-/// All pairs of grains whose gap is below `reach` (m), across the ends of periodic axes too; grains lie inside the domain along these.
+/// Returns all pairs of grains with a gap below `reach` (m), also across the ends of periodic axes; grains lie inside the domain along these.
 pub fn close_pairs_in(domain: &Domain, grains: &[Particle], reach: f64) -> Vec<Pair> {
     let mut pairs = close_pairs(grains, reach);
     let is_periodic = [0, 1, 2].map(|axis| domain.periodic.iter().any(|known| known.number() == axis));
@@ -74,7 +74,7 @@ pub fn close_pairs_in(domain: &Domain, grains: &[Particle], reach: f64) -> Vec<P
         };
         (0..3).any(|axis| is_periodic[axis] && at_end(axis))
     };
-    // Grains near an end, then images of these beyond it: of two opposite shifts one, so that a pair is found once.
+    // Grains near an end, then their images beyond it: one of two opposite shifts, so that each pair is found once.
     let own: Vec<usize> = (0..grains.len()).filter(|&place| is_at_end(&grains[place])).collect();
     let mut sources = own.clone();
     let mut all: Vec<Particle> = own.iter().map(|&place| grains[place]).collect();
@@ -100,7 +100,7 @@ pub fn close_pairs_in(domain: &Domain, grains: &[Particle], reach: f64) -> Vec<P
     pairs
 }
 
-/// Shifts by whole periods to the images next to the domain, one of each two opposite ones.
+/// Returns the shifts by whole periods to the images next to the domain, one of each two opposite shifts.
 fn shifts(is_periodic: [bool; 3]) -> impl Iterator<Item = [f64; 3]> {
     let every = (0..27).map(|n| [n / 9, n / 3 % 3, n % 3].map(|lap| f64::from(lap) - 1.0));
     every.filter(move |shift| {

@@ -1,7 +1,7 @@
-//! A scene as the judge has it: what is simulated, and what is measured and compared of it.
+//! Scene of the validation suite: the simulated scene, and its measurements and comparisons.
 //!
-//! Both stand in one TOML document with two readers. The solver reads what is simulated and passes over the tables `prepare`, `measure`,
-//! `output` and `compare`; here these are read, and written again with the rest.
+//! One TOML document holds both parts, for two readers. The solver reads the simulated scene and skips the tables `prepare`, `measure`,
+//! `output` and `compare`. This module reads these tables, and writes the whole document.
 
 mod hashes;
 mod roster;
@@ -18,12 +18,12 @@ use std::collections::HashMap;
 use std::ops::{Deref, DerefMut};
 use std::path::Path;
 
-/// Most seeds of a comparison.
+/// Largest number of seeds of a comparison.
 pub const MOST_SEEDS: u64 = 1000;
 
 const MOST_FRAMES: f64 = 1e6;
 
-/// A scene that is measured. Whatever takes what is simulated takes it as it is.
+/// Scene with its measurements; dereferences to the simulated scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MeasuredScene {
     /// The simulated scene.
@@ -73,7 +73,7 @@ pub struct Tables {
     compare: Vec<Expectation>,
 }
 
-/// That of the simulated scene, with the tables.
+/// Schema of the simulated scene, with the tables of the validation suite.
 impl JsonSchema for MeasuredScene {
     fn schema_name() -> Cow<'static, str> {
         "Scene".into()
@@ -90,7 +90,7 @@ impl JsonSchema for MeasuredScene {
         if let Some(properties) = scene.get_mut("properties").and_then(|properties| properties.as_object_mut()) {
             properties.extend(more);
         }
-        // A scene is written without keys that have their default.
+        // Keys with their default value are omitted.
         let is_left_out = |key: &serde_json::Value| {
             ["gravity_changes", "largest_start_overlap", "unusual_values", "watch"].iter().any(|known| key == known)
         };
@@ -122,10 +122,10 @@ impl MeasuredScene {
         MeasuredScene::parse(&text).map_err(|error| error.in_file(file, Some(&text)))
     }
 
-    /// Checks all that the scene says.
+    /// Checks all keys of the scene.
     ///
     /// # Errors
-    /// [`SceneError::Invalid`] with the first fault.
+    /// [`SceneError::Invalid`] with the first error.
     pub fn check(&self) -> Result<(), SceneError> {
         self.check_tables()?;
         match self.beforehand() {
@@ -135,7 +135,7 @@ impl MeasuredScene {
         Ok(self.check_walls_at_start()?)
     }
 
-    /// Preflight warnings; `text` is that of the scene's file, for lines.
+    /// Returns preflight warnings; `text` is the text of the scene file, for line numbers.
     pub fn findings(&self, text: Option<&str>) -> Vec<Finding> {
         self.simulated.findings_after(self.beforehand(), text)
     }
@@ -145,7 +145,7 @@ impl MeasuredScene {
         MeasuredScene { simulated: self.simulated.with_stiffness_factor(factor), ..self.clone() }
     }
 
-    /// Time between frames on disk, s.
+    /// Returns the time between frames on disk, s.
     pub fn output_interval(&self) -> f64 {
         self.output.as_ref().and_then(|output| output.interval).unwrap_or(self.measure.interval)
     }
@@ -154,7 +154,7 @@ impl MeasuredScene {
         self.prepare.as_ref().map(|prepare| Beforehand { duration: prepare.duration, step: prepare.step })
     }
 
-    /// Refuses walls that would jump as the run begins: its clock starts at zero again.
+    /// Refuses walls that would jump at the start of the run, where the clock restarts at zero.
     fn check_walls_at_start(&self) -> Checked {
         let Some(Prepare { duration, step }) = self.prepare else { return Ok(()) };
         let until = (duration / step).round() * step;
@@ -232,17 +232,17 @@ pub struct Measure {
     pub rest_energy: Option<f64>,
 }
 
-/// Part of the interval by which a frame may be away from the time at which it is due: times are sums of steps, and steps of other codes
+/// Tolerance of frame times over the interval: times are sums of steps, and the steps of other codes
 /// are longer.
 const OFF_DUE: f64 = 0.01;
 
 impl Measure {
-    /// Time by which a frame may be away from that at which it is due, s.
+    /// Returns the tolerance of frame times, s.
     pub fn slack(&self) -> f64 {
         OFF_DUE * self.interval
     }
 
-    /// Reports whether runs at rest are told from others by an energy that is not measured.
+    /// Returns true if a rest energy is set and the energy is not measured.
     fn lacks_energy(&self) -> bool {
         self.rest_energy.is_some() && !self.observables.contains(&Observable::Balances)
     }
@@ -306,7 +306,7 @@ pub struct Expectation {
     pub margin: Option<f64>,
 }
 
-/// Reads a name with underscores, however it is spelt.
+/// Reads a name; hyphens become underscores.
 fn underscored<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<String, D::Error> {
     Ok(String::deserialize(deserializer)?.replace('-', "_"))
 }
@@ -343,7 +343,7 @@ pub struct Output {
 }
 
 /// Evaluates a macro with the table of formats: variant, module of [`export`](crate::export) and name in scenes and commands, program.
-/// A new format is a line here and the module.
+/// A new format takes one line here and its module.
 macro_rules! with_frame_formats {
     ($table:ident) => {
         $table! {

@@ -19,10 +19,10 @@ use std::time::{SystemTime, UNIX_EPOCH};
 /// Version of Makadam.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// Commit of the running program and whether its sources differed from it, as the program stated at its start.
+/// Commit of the running program and whether its sources differed from it, as set at the start of the program.
 static COMMIT: OnceLock<(String, Option<bool>)> = OnceLock::new();
 
-/// States the commit that the running program was built from, and whether its sources differed from it; the first statement counts.
+/// Sets the commit of the running program, and whether its sources differed from it; only the first call has an effect.
 pub fn set_commit(commit: &str, dirty: Option<bool>) {
     let _ = COMMIT.set((commit.into(), dirty));
 }
@@ -32,22 +32,22 @@ pub fn set_commit(commit: &str, dirty: Option<bool>) {
 #[expect(missing_docs, reason = "validation/docs/json.md describes the fields of documents")]
 pub struct Build {
     pub version: String,
-    /// [`makadam::BUILD`], which tells builds apart whose bits may differ; empty in records of before it was there.
+    /// [`makadam::BUILD`], the key of builds with possibly different bits; empty in records from before this field.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub build: String,
     pub commit: String,
-    /// True if tracked files differed from that commit; absent if unknown.
+    /// True if tracked files differed from the commit; absent if unknown.
     pub dirty: Option<bool>,
     pub compiler: String,
     pub target: String,
     pub profile: String,
-    /// Instruction set that the contact sweeps use.
+    /// Instruction set of the contact sweeps.
     pub instruction_set: String,
     pub processor: String,
 }
 
 impl Build {
-    /// The running program on this machine.
+    /// Returns the running program on this machine.
     pub fn here() -> Build {
         let (commit, dirty) = COMMIT.get().cloned().unwrap_or_else(|| ("unknown".into(), None));
         Build {
@@ -63,7 +63,7 @@ impl Build {
         }
     }
 
-    /// Version, commit and key of the build in a few words, such as "0.1.0 (1a2b3c4d, modified, build 0123456789abcdef)".
+    /// Returns version, commit and build key as text, such as "0.1.0 (1a2b3c4d, modified, build 0123456789abcdef)".
     pub fn summary(&self) -> String {
         let commit: String = self.commit.chars().take(8).collect();
         let modified = if self.dirty == Some(true) { ", modified" } else { "" };
@@ -86,7 +86,7 @@ pub struct Provenance {
     pub scene_hash: String,
     /// Solver settings of the run, tolerances included.
     pub solver: SolverSettings,
-    /// Preparation of a flowing start, which is no part of the run's steps and times.
+    /// Preparation of a flowing start, excluded from the run's steps and times.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub prepared: Option<Prepared>,
     /// Start of the run, ISO 8601, UTC.
@@ -94,7 +94,7 @@ pub struct Provenance {
     pub command: String,
 }
 
-/// The flowing state that a run starts from: how it is prepared.
+/// Preparation of the flowing initial state of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[expect(missing_docs, reason = "validation/docs/json.md describes the fields of documents")]
 pub struct Prepared {
@@ -115,7 +115,7 @@ impl Prepared {
 }
 
 impl Provenance {
-    /// Provenance of a run that starts now.
+    /// Returns the provenance of a run that starts now.
     pub fn of_run(scene: &MeasuredScene, scene_file: &Path, seed: u64, execution: &Execution) -> Provenance {
         Provenance {
             build: Build { instruction_set: execution.instruction_set.name().into(), ..Build::here() },
@@ -131,7 +131,7 @@ impl Provenance {
         }
     }
 
-    /// Names and values as text, for tables.
+    /// Returns names and values as text, for tables.
     pub fn pairs(&self) -> Vec<(String, String)> {
         let Ok(serde_json::Value::Object(fields)) = serde_json::to_value(self) else { return Vec::new() };
         let plain = |value: serde_json::Value| match value {
@@ -142,7 +142,7 @@ impl Provenance {
     }
 }
 
-/// A path as seen from the folder that the program runs in, if it lies below: records are moved to other machines.
+/// Returns a path relative to the working folder, if it lies below: records are moved to other machines.
 fn from_here(path: &Path) -> &Path {
     std::env::current_dir().ok().and_then(|here| path.strip_prefix(here).ok()).unwrap_or(path)
 }
@@ -175,25 +175,25 @@ pub fn account(threads: usize, scenes: &[&MeasuredScene]) -> BTreeMap<String, St
     account
 }
 
-/// Processor and version of an account, for the head of a report.
+/// Returns processor and version from a comparison's provenance, for the head of a report.
 pub fn facts(account: &BTreeMap<String, String>) -> Vec<String> {
     let of = |key: &str| account.get(key).cloned();
     let version = of("version").map(|version| format!("version {version}"));
     [of("processor"), version].into_iter().flatten().collect()
 }
 
-/// Arguments of the program, where something else than the system has started it.
+/// Arguments of the program, if set by a caller.
 static ARGUMENTS: OnceLock<Vec<OsString>> = OnceLock::new();
 
-/// Sets the arguments that [`command_line`] reports, the first of which is the program's name; the first call counts.
+/// Sets the arguments for [`command_line`], the first being the program's name; only the first call has an effect.
 pub fn set_command_line(arguments: &[OsString]) {
     let _ = ARGUMENTS.set(arguments.to_vec());
 }
 
-/// The command line of this process, with the program's name in place of its path.
+/// Returns the command line of this process, with the program's name instead of its path.
 pub fn command_line() -> String {
     let arguments = ARGUMENTS.get().cloned().unwrap_or_else(|| std::env::args_os().collect());
-    // A path may be no text.
+    // A path may be invalid text.
     let words = arguments.iter().skip(1).map(|argument| argument.to_string_lossy().into_owned());
     let arguments = words.map(|argument| match argument.contains(char::is_whitespace) {
         true => format!("'{argument}'"),
@@ -202,7 +202,7 @@ pub fn command_line() -> String {
     std::iter::once("makadam".to_string()).chain(arguments).collect::<Vec<_>>().join(" ")
 }
 
-/// A time as ISO 8601 in UTC, to the second.
+/// Returns a time as ISO 8601 in UTC, to the second.
 pub fn utc(time: SystemTime) -> String {
     let seconds = time.duration_since(UNIX_EPOCH).map_or(0, |elapsed| elapsed.as_secs());
     let (days, rest) = (seconds / 86_400, seconds % 86_400);
@@ -210,8 +210,8 @@ pub fn utc(time: SystemTime) -> String {
     format!("{year:04}-{month:02}-{day:02}T{:02}:{:02}:{:02}Z", rest / 3600, rest / 60 % 60, rest % 60)
 }
 
-/// Year, month and day of a number of days after 1970-01-01, by whole 400-year eras of the Gregorian calendar that
-/// begin on the first of March.
+/// Returns year, month and day of a number of days after 1970-01-01, by whole 400-year eras of the Gregorian calendar
+/// with years from the first of March.
 fn civil_date(days: u64) -> (u64, u64, u64) {
     let shifted = days + 719_468;
     let (era, day_of_era) = (shifted / 146_097, shifted % 146_097);
@@ -223,12 +223,12 @@ fn civil_date(days: u64) -> (u64, u64, u64) {
     (era * 400 + year_of_era + u64::from(month <= 2), month, day)
 }
 
-/// Model of the processor, from the system.
+/// Returns the model of the processor, from the system.
 pub fn processor() -> String {
     of_processor("model name").unwrap_or_else(|| std::env::consts::ARCH.into())
 }
 
-/// The machine, as far as the system tells it apart from others with a processor of the same name: a time of another one is another number.
+/// Returns the machine, distinct from others with the same processor name if the system permits: times of different machines are not comparable.
 pub fn machine() -> String {
     let told =
         ["cpu family", "model", "stepping", "cache size", "flags"].map(of_processor).map(Option::unwrap_or_default);
@@ -243,7 +243,7 @@ fn of_processor(name: &str) -> Option<String> {
     information.lines().find_map(|line| Some(line.strip_prefix(name)?.trim_start().strip_prefix(':')?.trim().into()))
 }
 
-/// Largest resident memory of this process so far, bytes; 0 where the system does not tell.
+/// Returns the largest resident memory of this process so far, bytes; 0 if the system does not report it.
 pub fn peak_bytes() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let peak = status.lines().find_map(|line| line.strip_prefix("VmHWM:")?.trim().strip_suffix("kB"));

@@ -7,7 +7,7 @@ use makadam::watch::Watchdog;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// First bytes of a file; the last one is the version of the format.
+/// Magic bytes of a recording file; the last byte is the format version.
 const MARK: [u8; 8] = *b"mkd-rec\x03";
 
 /// One run of a scene in one code.
@@ -17,33 +17,33 @@ pub struct Recording {
     pub scene: String,
     /// Name of the code: "Makadam", "YADE", "LIGGGHTS" or "LAMMPS".
     pub code: String,
-    /// Version that the code reports of itself.
+    /// Version, as reported by the code.
     pub version: String,
     /// Seed of the initial positions.
     pub seed: u64,
-    /// Time step, s; 0 where the code does not tell.
+    /// Time step, s; 0 if the code does not report it.
     pub time_step: f64,
-    /// Time step over the Rayleigh step; absent for codes that are not bound by it.
+    /// Time step over the Rayleigh step; absent for codes without this limit.
     pub rayleigh_fraction: Option<f64>,
     /// Factor on every Young's modulus of the scene.
     pub stiffness_factor: f64,
     /// Threads used.
     pub threads: usize,
-    /// Wall time of the time stepping, s, set-up and output left out as far as the code tells them apart.
+    /// Wall time of the time stepping, s, without set-up and output if the code reports them separately.
     pub wall_seconds: f64,
-    /// Processor time of the time stepping on one core, s, set-up and output left out; absent where the system or the code does not
-    /// tell. A file does not say it.
+    /// Processor time of the time stepping on one core, s, without set-up and output; absent if the system or the code does not report
+    /// it. Files do not store it.
     #[serde(skip)]
     pub core_seconds: Option<f64>,
     /// Simulated time, s.
     pub simulated_seconds: f64,
-    /// Frames, in the order of time, the last one at the end of the run.
+    /// Frames, in the order of time, the last frame at the end of the run.
     pub frames: Vec<Snapshot>,
     /// Contents that the frames lack; observables that need them are not measured.
     pub lacks: Vec<Content>,
     /// Diagnostics of a watchdog, the first of each kind.
     pub alarms: Vec<Noticed>,
-    /// Notes for the reader on frames that were read from files of any code. A file does not store them.
+    /// Notes for the reader on imported frames. Files do not store them.
     #[serde(skip)]
     pub notes: Vec<String>,
 }
@@ -51,7 +51,7 @@ pub struct Recording {
 /// Diagnostic of a watchdog that did not end the run.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Noticed {
-    /// Kind, place and time.
+    /// Kind, position and time.
     pub what: String,
     /// True if it invalidates the numbers of the run.
     pub fatal: bool,
@@ -64,7 +64,7 @@ impl Noticed {
         noticed.map(|alarm| Noticed { what: alarm.to_string(), fatal: alarm.trouble.is_fatal() }).collect()
     }
 
-    /// In a sentence.
+    /// Returns the message.
     pub fn words(&self) -> String {
         match self.fatal {
             true => format!("THESE NUMBERS ARE INVALID: {}", self.what),
@@ -85,12 +85,12 @@ pub enum Content {
     Contacts,
     /// Contacts with walls, with their forces.
     WallContacts,
-    /// Displacements of driven walls.
+    /// Displacements of dynamic walls.
     DrivenWalls,
 }
 
 impl Content {
-    /// In words.
+    /// Returns the name for messages.
     pub fn words(self) -> &'static str {
         match self {
             Content::Velocities => "velocities",
@@ -105,16 +105,16 @@ impl Content {
 /// Error of a recording file.
 #[derive(Debug, thiserror::Error)]
 pub enum RecordingError {
-    /// The system refused.
+    /// Error of the system.
     #[error("{0}: {1}; check that the path is right and the disk has room")]
     Io(String, std::io::Error),
-    /// The bytes are not a recording as it was written.
+    /// Bytes other than an intact recording.
     #[error("{0} {1}; delete it and run the code again")]
     Format(String, String),
 }
 
 impl Recording {
-    /// Frames of one run on one thread: without a time step, wall time or diagnostics, with all contents.
+    /// Makes a recording of one run on one thread: without time step, wall time or diagnostics, with all contents.
     pub fn new(
         scene: &MeasuredScene,
         code: &str,
@@ -135,12 +135,12 @@ impl Recording {
         }
     }
 
-    /// The recording with a seal, by which damage is seen.
+    /// Encodes the recording with a checksum envelope, which detects damage.
     pub fn to_bytes(&self) -> Vec<u8> {
         seal(MARK, &postcard::to_stdvec(self).expect("a recording holds only numbers, plain text and lists"))
     }
 
-    /// Writes the recording as one file, through a temporary name so that a half-written file is never read.
+    /// Writes the recording as one file, through a temporary file so that no reader finds a half-written file.
     ///
     /// # Errors
     /// [`RecordingError`] if the file cannot be written.
@@ -148,10 +148,10 @@ impl Recording {
         write_atomically(path, &self.to_bytes()).map_err(|e| RecordingError::Io(path.display().to_string(), e))
     }
 
-    /// Checks that it is of a scene, by the scene's name and the content of the frames.
+    /// Checks that the recording matches a scene, by the scene's name and the content of the frames.
     ///
     /// # Errors
-    /// What does not go with the scene, in words.
+    /// Message about the mismatch.
     pub fn belongs_to(&self, scene: &MeasuredScene) -> Result<(), String> {
         if self.scene != scene.name {
             return Err(format!("the recording is of the scene '{}', not of '{}'", self.scene, scene.name));
@@ -168,10 +168,10 @@ impl Recording {
         Recording::parse(&bytes).map_err(|problem| RecordingError::Format(path.display().to_string(), problem))
     }
 
-    /// Reads the bytes of a recording; any bytes are either one that can be measured or an error.
+    /// Decodes the bytes of a recording; all bytes are either a measurable recording or an error.
     ///
     /// # Errors
-    /// What is wrong, in words that follow the file's name.
+    /// Message, to follow the file name.
     pub fn parse(bytes: &[u8]) -> Result<Recording, String> {
         let body = open(MARK, bytes)?;
         Recording::of_body(body).map_err(|problem| format!("is not a recording that can be measured: {problem}"))
@@ -198,10 +198,10 @@ impl Recording {
     }
 }
 
-/// Checks that a frame can be of a scene: number of grains, radii, walls in contact.
+/// Checks that a frame matches a scene: number of grains, radii, walls in contact.
 ///
 /// # Errors
-/// What does not go with the scene, in words.
+/// Message about the mismatch.
 pub fn frame_belongs_to(frame: &Snapshot, scene: &MeasuredScene) -> Result<(), String> {
     let (here, there) = (frame.particles.len(), scene.grain_count());
     let of =
@@ -227,7 +227,7 @@ pub fn frame_belongs_to(frame: &Snapshot, scene: &MeasuredScene) -> Result<(), S
     wall.map_or(Ok(()), |number| of(format!("a grain touches wall {number}, and the scene has {}", scene.wall.len())))
 }
 
-/// Grains of a frame that lie outside of the domain, which none may leave, in words; `None` where all are inside.
+/// Returns a message on grains outside a domain that no grain may leave; `None` if all grains are inside.
 pub fn outside_domain(frame: &Snapshot, scene: &MeasuredScene) -> Option<String> {
     let period = scene.domain.period();
     let is_out = |axis: usize, place: f64| {
@@ -246,13 +246,13 @@ pub fn outside_domain(frame: &Snapshot, scene: &MeasuredScene) -> Option<String>
     ))
 }
 
-/// Codes write radii with few digits.
+/// Relative tolerance of radii: codes write radii with few digits.
 pub const SAME_SIZE: f64 = 1e-3;
 
-/// No place, speed, size or force comes near it, in SI units.
+/// Upper limit of positions, speeds, sizes and forces, in SI units.
 pub const LARGEST: f64 = 1e12;
 
-/// Grains are numbered without holes, contacts are between them, and every number is one.
+/// Checks that grain numbers are contiguous, contacts are between existing grains, and all numbers are finite.
 fn check_frame(frame: &Snapshot) -> Result<(), String> {
     let finite = |vector: &[f64; 3]| vector.iter().all(|component| component.abs() < LARGEST);
     if !frame.time.is_finite() {

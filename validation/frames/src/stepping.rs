@@ -1,4 +1,4 @@
-//! The loop that takes a simulation through its steps: who watches, who is told, what ends it early.
+//! Stepping loop of a simulation: watchdog, progress reports and early ends.
 //!
 //! ```text
 //! step ─> watchdog ─> frame, if one is due ─> progress ─> interrupted? out of time?
@@ -8,26 +8,26 @@ use makadam::watch::{Alarm, Watchdog};
 use makadam::{Simulation, StepReport};
 use std::time::{Duration, Instant};
 
-/// Reason for which a simulation did not reach its last step.
+/// Reason for an end before the last step.
 #[derive(Debug)]
 pub enum Halt {
-    /// The user asked to stop.
+    /// Stop request of the user.
     Interrupted,
-    /// The watchdog noticed what makes a run invalid.
+    /// Invalid state found by the watchdog.
     InvalidState(Alarm),
-    /// It took too long; the share of the steps that were taken, 0 to 1.
+    /// Exceeded time limit; the fraction of the steps done, 0 to 1.
     OutOfTime(f64),
 }
 
-/// A step that was taken.
+/// Executed step.
 pub struct Taken {
     /// Report of the step by the simulation.
     pub report: StepReport,
-    /// Its wall time, s.
+    /// Wall time of the step, s.
     pub seconds: f64,
-    /// Its number, from 1.
+    /// Number of the step, from 1.
     pub number: u64,
-    /// True if a frame is due after it; one always is after the last.
+    /// True if a frame is due after the step; a frame is always due after the last step.
     pub framed: bool,
 }
 
@@ -42,22 +42,22 @@ pub struct Stepping<'a> {
 }
 
 impl<'a> Stepping<'a> {
-    /// So many steps; `progress` is told the share that is done.
+    /// Makes a loop of `steps` steps; `progress` receives the fraction done.
     pub fn new(steps: u64, progress: &'a dyn Fn(f64)) -> Stepping<'a> {
         Stepping { steps, interval: None, watchdog: None, tolerated: |_| false, limit: None, progress }
     }
 
-    /// Sets frames at an interval, s.
+    /// Requests frames at an interval, s.
     pub fn framed(self, interval: f64) -> Stepping<'a> {
         Stepping { interval: Some(interval), ..self }
     }
 
-    /// Sets a watchdog, which checks each state that a frame is taken of.
+    /// Sets a watchdog, which checks the state at each frame.
     pub fn watched(self, watchdog: &'a mut Watchdog) -> Stepping<'a> {
         Stepping { watchdog: Some(watchdog), ..self }
     }
 
-    /// Sets whether findings of the watchdog end the run.
+    /// Sets the findings of the watchdog that do not end the run.
     pub fn tolerating(self, tolerated: fn(&Alarm) -> bool) -> Stepping<'a> {
         Stepping { tolerated, ..self }
     }
@@ -67,7 +67,7 @@ impl<'a> Stepping<'a> {
         Stepping { limit: Some(limit), ..self }
     }
 
-    /// Takes the steps; `each` is shown every one of them that the watchdog lets pass. Gives the wall time of the stepping.
+    /// Executes the steps; `each` receives every step that passes the watchdog. Returns the wall time of the stepping.
     ///
     /// # Errors
     /// [`Halt`] before the last step.
@@ -103,7 +103,7 @@ impl<'a> Stepping<'a> {
     }
 }
 
-/// Whole steps nearest to a duration.
+/// Returns the number of whole steps nearest to a duration.
 pub fn steps_in(duration: f64, step: f64) -> u64 {
     (duration / step).round() as u64
 }

@@ -1,4 +1,4 @@
-//! Observables of recordings, and the statistics that judge them.
+//! Observables of recordings, and the statistics for their validation.
 
 pub mod observables;
 pub mod statistics;

@@ -1,4 +1,4 @@
-//! Arguments that commands share, and parsers of their values.
+//! Shared arguments of commands, and parsers of their values.
 
 use super::{Failure, beforehand};
 use clap::Args;
@@ -11,7 +11,7 @@ use makadam_measure::observables::catalogue;
 use makadam_studies::tradeoff::Bound;
 use std::path::PathBuf;
 
-/// The scene of a command.
+/// Scene of a command.
 #[derive(Debug, Args)]
 pub(super) struct SourceArguments {
     /// Path to a TOML file, name of a scene (see `makadam print scenes`), or - for standard input.
@@ -29,12 +29,12 @@ impl SourceArguments {
     }
 }
 
-/// The scene of a command, and its initial positions.
+/// Scene of a command, and its initial positions.
 #[derive(Debug, Args)]
 pub(super) struct SceneArguments {
     #[command(flatten)]
     pub source: SourceArguments,
-    /// Seed of the initial positions, the first one where --seeds takes several; if absent, the scene's.
+    /// Seed of the initial positions, the first seed if --seeds takes several; if absent, the scene's.
     #[arg(long)]
     pub seed: Option<u64>,
 }
@@ -59,7 +59,7 @@ pub(super) fn load(name: &str, changes: &[Change]) -> Result<(PathBuf, MeasuredS
 /// Destination of the results of a command.
 #[derive(Debug, Args)]
 pub(super) struct OutputArguments {
-    /// Folder to write to; studies take the runs that they finished there before. If absent, one under results/, named after command
+    /// Folder to write to; studies reuse their finished runs there. If absent, a folder under results/, named after command
     /// and scene.
     #[arg(short, long)]
     pub output: Option<PathBuf>,
@@ -89,7 +89,7 @@ pub(super) struct JobArguments {
 }
 
 impl JobArguments {
-    /// Limits the thread pool to that number.
+    /// Limits the thread pool to this number.
     pub fn apply(&self) -> Result<(), Failure> {
         let Some(jobs) = self.jobs else { return Ok(()) };
         let pool = rayon::ThreadPoolBuilder::new().num_threads(usize::from(jobs)).build_global();
@@ -97,7 +97,7 @@ impl JobArguments {
     }
 }
 
-/// Runs and results of a study that stores its runs.
+/// Runs and results of a study with stored runs.
 #[derive(Debug, Args)]
 pub(super) struct StudyArguments {
     /// Start again: repeat runs whose results are stored, and replace the tables of an earlier study in the folder.
@@ -139,7 +139,7 @@ pub(super) fn rayleigh_fraction(text: &str) -> Result<f64, String> {
     number(text, |number| number > 0.0 && number <= 0.5, problem)
 }
 
-/// Largest fraction that is read from a number without a percent sign.
+/// Largest fraction accepted without a percent sign.
 const LARGEST_BARE: f64 = 0.2;
 
 /// Parses an accuracy: one fraction for all deviations, or deviations by name.

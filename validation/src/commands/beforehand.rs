@@ -12,7 +12,7 @@ use makadam_frames::stepping::{Stepping, steps_in};
 use makadam_measure::observables::impossible;
 use std::path::Path;
 
-/// Prints what a scene cannot carry with its settings on standard error; the findings go to `run.json` as well.
+/// Prints preflight warnings on standard error; returns the findings, which `run.json` lists as well.
 pub(super) fn tell_findings(scene: &MeasuredScene, file: &Path, console: &Console) -> Vec<Finding> {
     let text = scenes::text(file).ok();
     let mut findings = scene.findings(text.as_deref());
@@ -24,7 +24,7 @@ pub(super) fn tell_findings(scene: &MeasuredScene, file: &Path, console: &Consol
     findings
 }
 
-/// Refuses a scene that takes more memory than there is.
+/// Refuses a scene that needs more memory than available.
 pub(super) fn refuse_beyond_memory(scene: &MeasuredScene, file: &Path) -> Result<(), Failure> {
     match available_bytes() {
         Some(available) if scene.memory() > available => Err(Failure::Running(beyond(scene, file, available))),
@@ -32,7 +32,7 @@ pub(super) fn refuse_beyond_memory(scene: &MeasuredScene, file: &Path) -> Result
     }
 }
 
-/// Refuses a picture that takes more memory to draw than there is.
+/// Refuses a picture that needs more memory to draw than available.
 pub(super) fn refuse_picture_beyond_memory(size: [usize; 2], needed: u64) -> Result<(), Failure> {
     match available_bytes() {
         Some(available) if needed > available => Err(Failure::Running(picture_beyond(size, needed, available))),
@@ -66,12 +66,12 @@ fn beyond(scene: &MeasuredScene, file: &Path, available: u64) -> String {
     )
 }
 
-/// Returns the memory that the system has left, bytes; `None` where it does not report it.
+/// Returns the available memory of the system, bytes; `None` if the system does not report it.
 fn available_bytes() -> Option<u64> {
     std::fs::read_to_string("/proc/meminfo").ok().and_then(|text| of_meminfo(&text))
 }
 
-/// Available memory and free swap, bytes.
+/// Returns available memory and free swap, bytes.
 fn of_meminfo(text: &str) -> Option<u64> {
     let field = |name: &str| {
         let line = text.lines().find_map(|line| line.strip_prefix(name))?;
@@ -80,7 +80,7 @@ fn of_meminfo(text: &str) -> Option<u64> {
     Some(1024 * (field("MemAvailable")? + field("SwapFree").unwrap_or(0)))
 }
 
-/// Refuses solves that stop when their wall time is spent.
+/// Refuses solves with a wall-time budget.
 pub(super) fn refuse_time_budget(scene: &MeasuredScene) -> Result<(), Failure> {
     match scene.solver.stop {
         Stop::TimeBudget { .. } => Err(Failure::Usage(format!(
@@ -92,7 +92,7 @@ pub(super) fn refuse_time_budget(scene: &MeasuredScene) -> Result<(), Failure> {
     }
 }
 
-/// Refuses to record next to a scene that lies in no folder.
+/// Refuses to record next to a scene without a folder.
 pub(super) fn refuse_without_folder(file: &Path) -> Result<(), Failure> {
     let origin = match (scenes::is_built_in(file), scenes::is_given(file)) {
         (_, true) => "was given on the command line or on standard input",
@@ -105,7 +105,7 @@ pub(super) fn refuse_without_folder(file: &Path) -> Result<(), Failure> {
     )))
 }
 
-/// Returns the simulation at the start of its run, with a progress bar while a flowing state is prepared.
+/// Returns the simulation at the start of its run, with a progress bar during the preparation of a flowing state.
 pub(super) fn begin(
     scene: &MeasuredScene,
     seed: u64,
@@ -140,8 +140,8 @@ pub(super) fn settle(simulation: &mut Simulation, seconds: f64, console: &Consol
     settled.map(|_| ()).map_err(|_| Failure::interrupted("none, the flowing state was not finished"))
 }
 
-/// Returns the simulation at the start of its run, settled for a time (s) where no flowing state was prepared: grains that have just been
-/// placed have hardly a contact.
+/// Returns the simulation at the start of its run; without a prepared flowing state, settled for a time (s): newly placed grains have
+/// hardly any contacts.
 pub(super) fn flowing(
     scene: &MeasuredScene,
     seed: u64,

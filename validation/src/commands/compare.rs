@@ -21,26 +21,26 @@ use std::time::Duration;
 pub(super) struct CompareArguments {
     #[command(flatten)]
     pub source: SourceArguments,
-    /// Codes that take part, separated by commas; if absent, makadam and those that are recorded on the scene, or with --live
+    /// Codes that take part, separated by commas; if absent, makadam and the codes recorded on the scene, or with --live
     /// makadam,yade,liggghts.
     #[arg(long, value_enum, value_delimiter = ',')]
     pub codes: Option<Vec<CodeName>>,
     /// Validate your own code instead of Makadam: TOML file with its name, version, command and output files (docs/own-code.md).
     #[arg(long, value_name = "FILE", conflicts_with = "record")]
     pub own_code: Option<PathBuf>,
-    /// Folders of existing frames of your own code, one per seed, whose number ends the folder's name: 'seed*/'. The code is not run;
+    /// Folders of existing frames of your own code, one per seed, with names that end in the seed: 'seed*/'. The code is not run;
     /// without --own-code each folder is a run of Makadam, or all its files hold grains.
     #[arg(long, num_args = 1.., value_name = "FOLDERS", conflicts_with_all = ["seeds", "record"])]
     pub frames: Vec<String>,
-    /// Record results of the other codes as the scene's references, instead of those recorded before. Raw recordings of the same scene,
+    /// Record results of the other codes as the scene's references, replacing earlier ones. Raw recordings of the same scene,
     /// version and time step are measured again; other seeds are run.
     #[arg(long, conflicts_with_all = ["json", "output", "live"])]
     pub record: bool,
     /// Folder of raw recordings that --record reads and writes; if absent, in the user's cache.
     #[arg(long, requires = "record")]
     pub recordings: Option<PathBuf>,
-    /// Number of seeds, counted from 1; if absent, those that the scene registers (measure.seeds), or as many as are recorded, or 3.
-    /// Seeds that are not registered are exploratory: exit code 4.
+    /// Number of seeds, counted from 1; if absent, the scene's registered number (measure.seeds), or the recorded number, or 3.
+    /// Unregistered seeds are exploratory: exit code 4.
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1000))]
     pub seeds: Option<u64>,
     /// Run the other codes now instead of reading recorded numbers.
@@ -84,7 +84,7 @@ pub(super) fn compare(arguments: &CompareArguments, console: &Console) -> Result
     }
 }
 
-/// Returns the codes of these names, all of which must be installed.
+/// Returns the codes of these names; all must be installed.
 pub(super) fn installed(names: &[CodeName]) -> Result<Vec<Box<dyn Code>>, Failure> {
     let codes = codes_of(names);
     match codes.iter().find(|code| code.version().is_none()) {
@@ -93,16 +93,16 @@ pub(super) fn installed(names: &[CodeName]) -> Result<Vec<Box<dyn Code>>, Failur
     }
 }
 
-/// Returns the codes of these names, or those in which a scene is compared by default.
+/// Returns the codes of these names, or the default codes of a scene's comparison.
 fn codes_or_usual(names: Option<&[CodeName]>, scene_file: &Path, live: bool) -> Vec<Box<dyn Code>> {
     names.map_or_else(|| codes_of(&usual_codes(scene_file, live)), codes_of)
 }
 
-/// Codes that take part, the validated one first.
+/// Codes that take part, the code under test first.
 struct Codes {
     all: Vec<Box<dyn Code>>,
     validated: &'static str,
-    /// True if a comparison without a test is no success.
+    /// True if a comparison without a test is not a success.
     needs_verdict: bool,
 }
 
@@ -172,7 +172,7 @@ fn validate(
     let interrupted = failure.as_ref().is_some_and(CodeError::is_interruption);
     // An incomplete report does not replace a complete one.
     let stays = output.filter(|folder| interrupted && folder.join("report.json").is_file());
-    // Neither is lost if the other cannot be written.
+    // The report is written even if printing fails; a failure to print is reported afterwards.
     let written = output.filter(|_| stays.is_none()).map(|folder| report::write(&qualification, folder)).transpose();
     printed?;
     let written = written?;
@@ -225,7 +225,7 @@ fn record(
     file: &Path,
     console: &Console,
 ) -> Result<ExitCode, Failure> {
-    // Recorded codes are recorded again, so that none is lost.
+    // Recorded codes are recorded again, so that no record is lost.
     let codes = codes_or_usual(arguments.codes.as_deref(), file, false);
     let reference_codes: Vec<Box<dyn Code>> = codes.into_iter().filter(|code| code.name() != "Makadam").collect();
     if reference_codes.is_empty() {

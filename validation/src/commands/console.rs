@@ -1,4 +1,4 @@
-//! Output of commands: results on standard output, everything else on standard error.
+//! Output of commands: results on standard output, all other messages on standard error.
 
 use super::{Failure, json};
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -13,15 +13,15 @@ use std::path::Path;
 pub struct Console {
     quiet: bool,
     verbose: bool,
-    /// True if standard output wants colours.
+    /// True for colours on standard output.
     colour: bool,
-    /// True if standard error wants colours.
+    /// True for colours on standard error.
     colour_of_errors: bool,
     bars: MultiProgress,
 }
 
 impl Console {
-    /// Progress is drawn only on a terminal and unless `quiet`; colours follow `NO_COLOR`.
+    /// Makes a console. Progress is drawn only on a terminal and unless `quiet`; colours follow `NO_COLOR`.
     pub fn new(quiet: bool, verbose: bool) -> Console {
         let drawn = !quiet && std::io::stderr().is_terminal();
         let target = if drawn { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
@@ -44,7 +44,7 @@ impl Console {
         self.page(&shown(text, self.colour))
     }
 
-    /// Prints a text of the program's own, whatever characters it holds.
+    /// Prints a text of the program's own, without sanitizing it.
     pub(super) fn page(&self, text: &str) -> Result<(), Failure> {
         let mut output = std::io::stdout().lock();
         output.write_all(text.as_bytes()).and_then(|()| output.write_all(b"\n")).and_then(|()| output.flush()).map_err(
@@ -69,19 +69,19 @@ impl Console {
         }
     }
 
-    /// Prints a warning, whatever the verbosity.
+    /// Prints a warning at any verbosity.
     pub fn warn(&self, text: &str) {
         self.say("warning: ", Colour::Yellow, text);
     }
 
-    /// Prints an error, whatever the verbosity.
+    /// Prints an error at any verbosity.
     pub fn error(&self, text: &str) {
         self.say("error: ", Colour::Red, text);
     }
 
     fn say(&self, kind: &str, colour: Colour, text: &str) {
         let kind = if self.colour_of_errors { colour.paint(kind) } else { kind.to_string() };
-        // A closed standard error is no reason to stop.
+        // A closed standard error does not stop the program.
         self.bars.suspend(|| {
             let _ = writeln!(std::io::stderr(), "{kind}{}", shown(text, false));
         });
@@ -97,7 +97,7 @@ impl Console {
         Bar { bar }
     }
 
-    /// Opens progress bars by their labels.
+    /// Returns a function that opens progress bars by their labels.
     pub(super) fn bars(&self) -> impl Fn(&str) -> Share + Sync {
         |label| {
             let bar = self.bar(label);
@@ -105,7 +105,7 @@ impl Console {
         }
     }
 
-    /// Prints a document as JSON, or as the text that is made of it.
+    /// Prints a document as JSON, or as its text.
     pub(super) fn document(
         &self,
         document: &impl serde::Serialize,
@@ -115,24 +115,24 @@ impl Console {
         self.result(&if as_json { json(document) } else { text() })
     }
 
-    /// Writes a study into a folder and prints it: all of it, or its tables and the path of its page.
+    /// Writes a study into a folder and prints it in full, or its tables and the path of its page.
     pub(super) fn publish(&self, study: &impl Document, folder: &Path, as_json: bool) -> Result<(), Failure> {
         let page = study.write(folder)?;
         self.document(study, as_json, || format!("{}\npage: {}", study.report().text(), page.display()))
     }
 
-    /// True if standard output wants colours.
+    /// Returns true for colours on standard output.
     pub fn colour(&self) -> bool {
         self.colour
     }
 
-    /// Paints a text for standard output, where colours are wanted.
+    /// Colours a text for standard output, if colours are enabled.
     pub fn paint(&self, text: &str, colour: Colour) -> String {
         if self.colour { colour.paint(text) } else { text.to_string() }
     }
 }
 
-/// Reports whether a stream is coloured: a terminal, unless `NO_COLOR` is set and not empty.
+/// Returns true for a stream with colours: a terminal, unless `NO_COLOR` is set and not empty.
 fn wants_colour(is_terminal: bool, no_colour: Option<&OsStr>) -> bool {
     is_terminal && no_colour.is_none_or(OsStr::is_empty)
 }
@@ -140,13 +140,13 @@ fn wants_colour(is_terminal: bool, no_colour: Option<&OsStr>) -> bool {
 /// Colours of texts on a terminal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Colour {
-    /// That of the terminal.
+    /// Default colour of the terminal.
     Plain,
-    /// Of passes.
+    /// Colour of passes.
     Green,
-    /// Of warnings, and of verdicts that are open.
+    /// Colour of warnings and of undecided verdicts.
     Yellow,
-    /// Of errors and failures.
+    /// Colour of errors and failures.
     Red,
 }
 
@@ -161,7 +161,7 @@ impl Colour {
     }
 }
 
-/// A progress bar; it goes away when dropped.
+/// Progress bar, removed when dropped.
 pub struct Bar {
     bar: ProgressBar,
 }

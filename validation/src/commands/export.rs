@@ -16,13 +16,13 @@ use std::time::Duration;
 
 #[derive(Debug, Args)]
 pub(super) struct ExportArguments {
-    /// Folder of a run, or the name of one below results; with --for, a scene.
+    /// Folder of a run, or the name of a folder below results; with --for, a scene.
     #[arg(value_name = "RUN or SCENE")]
     pub what: String,
     /// Format of the frames of a run, as `[output] formats` of a scene.
     #[arg(long, value_parser = one_of(FrameFormat::ALL, FrameFormat::name), required_unless_present = "code")]
     pub format: Option<FrameFormat>,
-    /// Code for which a scene is written: deck or driver, grains, meshes of walls.
+    /// Code for which the scene is written: deck or driver, grains, meshes of walls.
     #[arg(long = "for", id = "code", value_parser = another_code(), value_name = "CODE", conflicts_with = "format")]
     pub code: Option<CodeName>,
     /// With --for, replace a value of the scene; can be given several times.
@@ -34,12 +34,12 @@ pub(super) struct ExportArguments {
     /// With --for, time step of the code, as a fraction of the Rayleigh step.
     #[arg(long, default_value_t = 0.1, value_parser = rayleigh_fraction, requires = "code")]
     pub rayleigh_fraction: f64,
-    /// Folder to write into; that of the run, or one named after scene and code, if absent.
+    /// Folder to write into; if absent, the run's folder, or one named after scene and code.
     #[arg(short, long)]
     pub output: Option<PathBuf>,
 }
 
-/// Parses the name of a code with another input than a scene.
+/// Parses the name of a code with an input other than a scene.
 fn another_code() -> impl TypedValueParser<Value = CodeName> {
     let others = CodeName::value_variants().iter().filter(|name| **name != CodeName::Makadam);
     PossibleValuesParser::new(others.filter_map(ValueEnum::to_possible_value)).try_map(|name| CodeName::of(&name))
@@ -93,7 +93,7 @@ fn export_run(arguments: &ExportArguments, format: FrameFormat, console: &Consol
     Ok(ExitCode::SUCCESS)
 }
 
-/// Writes the frames of a run into a folder in a format; returns a line per file.
+/// Writes the frames of a run into a folder in a format; returns one line per file.
 pub(super) fn export_frames(
     run: &RunFrames,
     format: FrameFormat,

@@ -25,19 +25,19 @@ pub const OUTSIDE_TOLERANCE: u8 = 4;
 /// Failure of a command, with its message.
 #[derive(Debug, thiserror::Error)]
 pub enum Failure {
-    /// A failure while running.
+    /// Failure during execution.
     #[error("{0}")]
     Running(String),
-    /// A wrong command line.
+    /// Invalid command line.
     #[error("{0}")]
     Usage(String),
-    /// An invalid scene, problem or frame file.
+    /// Invalid scene, problem or frame file.
     #[error("{0}")]
     Input(String),
-    /// A reference code is missing, or what was recorded of it.
+    /// Missing reference code, or missing records of one.
     #[error("{0}")]
     MissingCode(String),
-    /// A closed standard output, on which nothing is reported.
+    /// Closed standard output, without a report.
     #[error("standard output was closed")]
     ClosedOutput,
 }
@@ -53,7 +53,7 @@ impl Failure {
         }
     }
 
-    /// The failure of an interrupted command, with what is left of its results.
+    /// Returns the failure of an interrupted command, with its remaining results.
     pub(super) fn interrupted(results: &str) -> Failure {
         Failure::Running(format!("interrupted; results so far: {results}"))
     }
@@ -69,7 +69,7 @@ impl Failure {
     }
 }
 
-/// Converts errors of the library by their variants; all others are failures while running.
+/// Converts errors of the library by their variants; all others are failures during execution.
 macro_rules! failures {
     ($($error:ident { $($variant:pat => $failure:expr,)* })*) => {
         $(impl From<$error> for Failure {
@@ -91,7 +91,7 @@ failures! {
     ImportError { error => Failure::Input(error.to_string()), }
     ProblemFileError { error => Failure::Input(error.to_string()), }
     SceneError {
-        // A valid scene, which runs where there is more memory.
+        // A valid scene, which runs on a machine with more memory.
         SceneError::File(error @ SceneFileError::Memory { .. }) => Failure::Running(error.to_string()),
         SceneError::Change(error) => Failure::Usage(SceneError::Change(error).to_string()),
         error => Failure::Input(error.to_string()),

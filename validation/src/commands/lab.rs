@@ -1,5 +1,5 @@
 //! `makadam lab convergence`: convergence of each method on the problem of one step; `makadam lab scaling`: scaling of a scene's step,
-//! measured on the available cores and replayed beyond them.
+//! measured on the available cores and replayed for more cores.
 
 use super::arguments::{OutputArguments, SceneArguments, one_of, positive};
 use super::beforehand::{begin, flowing, refuse_time_budget, refuse_without_folder, settle};
@@ -20,7 +20,7 @@ use std::process::ExitCode;
 
 #[derive(Debug, Args)]
 pub(super) struct LabArguments {
-    /// The study.
+    /// Study to run.
     #[command(subcommand)]
     study: Lab,
 }
@@ -56,8 +56,8 @@ struct ConvergenceArguments {
     /// Methods, named as in scenes; if absent, all.
     #[arg(long, value_delimiter = ',', value_parser = SolverMethod::ALL.map(SolverMethod::name))]
     pub methods: Option<Vec<String>>,
-    /// Simulated time before the problem is taken, s. If absent: none if the scene prepares a flowing state, else the time until
-    /// it is measured (measure.from), or its whole duration.
+    /// Simulated time before the problem is extracted, s. If absent: zero if the scene prepares a flowing state, else the time until
+    /// its measurement (measure.from), or its whole duration.
     #[arg(long, value_parser = positive)]
     pub settle: Option<f64>,
     /// Number of threads. Residuals do not depend on it.
@@ -80,7 +80,7 @@ fn convergence(arguments: &ConvergenceArguments, console: &Console) -> Result<Ex
     let scheduler = if threads > 1 { Scheduler::WorkStealing } else { Scheduler::Serial };
     let execution = Execution { scheduler, threads, ..Execution::serial() };
     let provenance = Provenance::of_run(&scene, &file, seed, &execution);
-    // Refused before the minutes that a flowing state may take.
+    // Refused before the preparation of a flowing state, which may take minutes.
     if arguments.methods.is_some() {
         let precision = scene.solver.precision;
         wanted
@@ -187,7 +187,7 @@ fn plan(arguments: &ScalingArguments, cores: usize) -> scaling::Plan {
     let is_measured =
         |set: &InstructionSet| arguments.isa.as_ref().map_or_else(|| set.is_available(), |list| list.contains(set));
     scaling::Plan {
-        // Narrowest first: the last is the one that stands for all of them.
+        // Narrowest first: the last one represents all of them.
         instruction_sets: InstructionSet::ALL.into_iter().filter(is_measured).collect(),
         threads,
         steps: arguments.steps,

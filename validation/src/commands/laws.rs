@@ -20,17 +20,17 @@ pub(super) struct LawsArguments {
     /// List the laws and their publications; measure none.
     #[arg(long, conflicts_with = "json")]
     pub list: bool,
-    /// Seed of the initial positions, the first one where --seeds takes several.
+    /// Seed of the initial positions, the first seed if --seeds takes several.
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
-    /// Number of seeds of each case, consecutive from --seed; figures are judged by their means.
+    /// Number of seeds of each case, consecutive from --seed; figures are tested by their means.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1000))]
     pub seeds: u16,
     #[command(flatten)]
     pub study: StudyArguments,
 }
 
-/// Measures the laws one after the other, and writes each when it is done.
+/// Measures the laws one after the other, and writes each when finished.
 pub(super) fn laws(arguments: &LawsArguments, console: &Console) -> Result<ExitCode, Failure> {
     let laws = chosen(&arguments.names)?;
     if arguments.list {

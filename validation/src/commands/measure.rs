@@ -1,4 +1,4 @@
-//! `makadam measure`: output files of any code, measured as those of Makadam.
+//! `makadam measure`: measurement of the output files of any code, by the definitions used for Makadam.
 
 use super::arguments::{load, positive};
 use super::{Console, Failure, within_tolerance};
@@ -18,12 +18,12 @@ use std::process::ExitCode;
 
 #[derive(Debug, Args)]
 pub(super) struct MeasureArguments {
-    /// Files of grains: dumps of LIGGGHTS or LAMMPS, VTK or text of YADE, CSV, VTKHDF, plain or packed by gzip, where {step} or {time} in a
-    /// name stands for a number; or the folder of a run of Makadam; or a manifest (.toml) that names the files of a run and states what
-    /// they do not.
+    /// Files of grains: dumps of LIGGGHTS or LAMMPS, VTK or text of YADE, CSV, VTKHDF, plain or compressed by gzip; {step} or {time} in a name
+    /// matches a number. Alternatively, the folder of a run of Makadam, or a manifest (.toml) with the names of a run's files and statements
+    /// missing from them.
     #[arg(required = true, value_name = "FILES")]
     pub grains: Vec<FilePattern>,
-    /// Scene that was simulated: a file, a name (see `makadam print scenes`), or - for standard input.
+    /// Simulated scene: a file, a name (see `makadam print scenes`), or - for standard input.
     #[arg(long)]
     pub scene: String,
     /// Replace a value of the scene, such as measure.from=0.5; can be given several times.
@@ -32,34 +32,34 @@ pub(super) struct MeasureArguments {
     /// Files of contacts, of grains and of walls.
     #[arg(long, num_args = 1.., value_name = "FILES")]
     pub contacts: Vec<FilePattern>,
-    /// Names of the columns of grains in place of those in the files, such as id,_,x,y,z,radius; _ for what is not wanted.
+    /// Names of the columns of grains, replacing the names in the files, such as id,_,x,y,z,radius; _ for an unwanted column.
     #[arg(long, value_name = "NAMES")]
     pub columns: Vec<StatedColumns>,
-    /// Names of the columns of contacts, such as first,second,_,fx,fy,fz,px,py,pz; with a name and a colon before them those of the columns
-    /// that files number under it: c_pairs:first,second,_,fx,fy,fz for c_pairs[1] to c_pairs[6]. Can be given several times.
+    /// Names of the columns of contacts, such as first,second,_,fx,fy,fz,px,py,pz. A name and a colon before them select the columns that files
+    /// number under this name: c_pairs:first,second,_,fx,fy,fz for c_pairs[1] to c_pairs[6]. Can be given several times.
     #[arg(long, value_name = "NAMES")]
     pub contact_columns: Vec<StatedColumns>,
     /// The files of contacts list all contacts of their frames.
     #[arg(long)]
     pub contacts_complete: bool,
-    /// Time (s) between frames whose numbers differ by one: the time step, where frames are numbered by steps.
+    /// Time (s) between frames with consecutive numbers: the time step, if frames are numbered by steps.
     #[arg(long, value_parser = positive)]
     pub time_step: Option<f64>,
     /// Time (s) of the only frame.
     #[arg(long)]
     pub time: Option<f64>,
-    /// Number in the files of the scene's first grain, where they number grains as the scene does: listed ones first, then each
+    /// Number in the files of the scene's first grain, for files with the scene's numbering: listed grains first, then each
     /// population.
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
     pub first_id: Option<i64>,
-    /// Seed by which the grains were placed as the scene places them; with --first-id it states radii that the files lack.
+    /// Seed of the scene's grain positions; with --first-id, determines radii missing from the files.
     #[arg(long)]
     pub seed: Option<u64>,
-    /// Material of the scene, or population (population.0), that each value of a column type or material stands for, such as
+    /// Material of the scene, or population (population.0), for each value of a column type or material, such as
     /// 1=glass,2=steel.
     #[arg(long, value_delimiter = ',', value_name = "VALUE=NAME", value_parser = kind)]
     pub kinds: Vec<(String, String)>,
-    /// Name of the code that left the frames; "frames" if absent.
+    /// Name of the code that wrote the frames; "frames" if absent.
     #[arg(long)]
     pub name: Option<String>,
     /// Print the measurements as JSON.
@@ -89,7 +89,7 @@ struct MeasureDocument<'a> {
     notes: &'a [String],
 }
 
-/// Returns the folder of a run of Makadam, which is measured alone.
+/// Returns the folder of a run of Makadam, which must be the only input.
 fn run_folder(manifest: &Manifest) -> Result<Option<PathBuf>, Failure> {
     let mut paths = Vec::new();
     for pattern in &manifest.grains {
@@ -147,7 +147,7 @@ pub(super) fn measure(arguments: &MeasureArguments, console: &Console) -> Result
     Ok(within_tolerance(!not_measured.iter().any(is_compared)))
 }
 
-/// Returns the given manifest, or that of the files on the command line, with the statements of the command line.
+/// Returns the given manifest, or the manifest of the files on the command line, with the statements of the command line.
 fn manifest(arguments: &MeasureArguments) -> Result<Manifest, Failure> {
     let is_manifest = |file: &&Path| file.extension().is_some_and(|extension| extension == "toml");
     let file = arguments.grains.iter().map(|pattern| Path::new(pattern.text())).find(is_manifest);
@@ -176,7 +176,7 @@ fn manifest(arguments: &MeasureArguments) -> Result<Manifest, Failure> {
     Ok(manifest)
 }
 
-/// Returns a note if the measured frames are not those of the scene: its end, or all times from `measure.from` to it.
+/// Returns a note if the measured frames are not those of the scene: its end, or all times from `measure.from` to its end.
 fn other_window(scene: &MeasuredScene, measured: &[&Snapshot]) -> Option<String> {
     let (first, last) = (measured.first()?.time, measured.last()?.time);
     let (end, slack, interval) = (scene.duration, scene.measure.slack(), scene.measure.interval);
@@ -186,7 +186,7 @@ fn other_window(scene: &MeasuredScene, measured: &[&Snapshot]) -> Option<String>
     };
     let gaps: Vec<f64> = measured.windows(2).map(|pair| pair[1].time - pair[0].time).collect();
     let gap = gaps.iter().copied().fold(0.0, f64::max);
-    // The end may lie within an interval of the frame before it.
+    // The end may lie within an interval of the previous frame.
     let is_finer = gaps.iter().rev().skip(1).any(|gap| gap + slack < interval);
     let is_other = (last - end).abs() > slack || first > from + interval + slack || gap > interval + slack || is_finer;
     is_other.then(|| {

@@ -102,7 +102,7 @@ commands! {
 #[derive(Debug, Parser)]
 #[command(name = "makadam", version, after_help = EXIT_CODES, max_term_width = 100)]
 struct Arguments {
-    /// The command to run.
+    /// Command to run.
     #[command(subcommand)]
     command: Command,
     /// Print only results and errors.
@@ -136,7 +136,7 @@ impl Arguments {
     /// Reads a command line.
     ///
     /// # Errors
-    /// [`clap::Error`] if it is wrong, or requests the help or the version.
+    /// [`clap::Error`] for an invalid command line, or for a request of the help or the version.
     fn read(words: &[OsString]) -> Result<Arguments, clap::Error> {
         let matches = Arguments::definition().try_get_matches_from(words)?;
         Arguments::from_arg_matches(&matches)
@@ -148,7 +148,7 @@ pub fn main() -> ExitCode {
     run_program(std::env::args_os().collect())
 }
 
-/// Runs the program on arguments, the first of which is its name.
+/// Runs the program on arguments, the first being its name.
 pub fn run_program(arguments: Vec<OsString>) -> ExitCode {
     crate::state_commit();
     makadam_frames::provenance::set_command_line(&arguments);
@@ -172,7 +172,7 @@ fn print_clap(message: &clap::Error) -> ExitCode {
     exit_code(console.page(text.trim_end()).map(|()| ExitCode::SUCCESS), &console)
 }
 
-/// Reports a failure, unless the reader of standard output has gone.
+/// Reports a failure, unless standard output is closed.
 fn exit_code(done: Result<ExitCode, Failure>, console: &Console) -> ExitCode {
     done.unwrap_or_else(|failure| {
         if !matches!(failure, Failure::ClosedOutput) {

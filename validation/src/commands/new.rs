@@ -35,7 +35,7 @@ pub(super) fn new(arguments: &NewArguments, console: &Console) -> Result<ExitCod
             _ => Failure::Running(format!("{shown}: {error}")),
         })?;
     if let Err(error) = opened.write_all(template.text.as_bytes()) {
-        // A part of it would be in the way of the next try.
+        // A partial file would block the next attempt.
         let _ = std::fs::remove_file(&file);
         return Err(WriteError::new(&file, error).into());
     }

@@ -13,25 +13,25 @@ use makadam_view::pictures::{
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Width and height of an image where none are given, pixels.
+/// Default width and height of an image, pixels.
 const IMAGE_SIZE: [usize; 2] = [1200, 900];
-/// Width and height of an animation where none are given, pixels.
+/// Default width and height of an animation, pixels.
 const ANIMATION_SIZE: [usize; 2] = [800, 600];
 
-/// Number of frames from which the scale and the camera of an animation follow.
+/// Number of frames sampled for the scale and the camera of an animation.
 const LOOKS: usize = 9;
 
-/// Bytes per pixel of an animation, in addition to the picture that is drawn.
+/// Bytes per pixel of an animation, in addition to the current picture.
 const BESIDE: u64 = 24;
 
-/// Relative deviation of the frames per second of an animation without a note: delays are whole numbers in files.
+/// Largest relative deviation of the frames per second of an animation without a note: delays in files are whole numbers.
 const RATE_OFF: f64 = 0.2;
 
 #[derive(Debug, Args)]
 pub(super) struct PictureArguments {
-    /// The folder of a run, or the name of one below results; the run may be under way.
+    /// Folder of a run, or the name of a folder below results; the run may be in progress.
     pub run: PathBuf,
-    /// The frame nearest to this simulated time, s; the last one, if absent.
+    /// Simulated time, s: the nearest frame is drawn; if absent, the last frame.
     #[arg(long, value_name = "SECONDS")]
     pub time: Option<f64>,
     /// Every n-th frame of an animation.
@@ -40,26 +40,26 @@ pub(super) struct PictureArguments {
     /// Frames per second of an animation.
     #[arg(long, default_value_t = 20.0, value_parser = positive, conflicts_with = "time")]
     pub rate: f64,
-    /// Width and height, pixels; if absent, 1200x900, or 800x600 of an animation.
+    /// Width and height, pixels; if absent, 1200x900, or 800x600 for an animation.
     #[arg(long, value_parser = size)]
     pub size: Option<[usize; 2]>,
     /// Field of the frames that colours the grains, such as speed, pressure, force, coordination_number, diameter, material.
-    /// If absent, their speed, or the pressure in them where all are at rest.
+    /// If absent, speed, or pressure if all grains are at rest.
     #[arg(long)]
     pub field: Option<String>,
-    /// Values at the ends of the colour scale, in the field's unit, as LOW,HIGH; taken from the frames, if absent.
+    /// Values at the ends of the colour scale, in the field's unit, as LOW,HIGH; if absent, from the frames.
     #[arg(long, value_name = "LOW,HIGH", value_parser = range, allow_hyphen_values = true)]
     pub range: Option<[f64; 2]>,
-    /// From where: natural, front, side, top, or AZIMUTH,ELEVATION in degrees.
+    /// View direction: natural, front, side, top, or AZIMUTH,ELEVATION in degrees.
     #[arg(long, default_value = "natural", allow_hyphen_values = true)]
     pub view: View,
-    /// A plane in front of which nothing is shown, such as y=0.02 (m).
+    /// Clipping plane, such as y=0.02 (m), with everything in front of it hidden.
     #[arg(long, value_name = "AXIS=PLACE")]
     pub clip: Option<Cut>,
-    /// Leave walls out.
+    /// Leave out walls.
     #[arg(long)]
     pub no_walls: bool,
-    /// Show all grains, also those that are far from the walls.
+    /// Show all grains, also those far from the walls.
     #[arg(long)]
     pub all_grains: bool,
     /// File to write: one frame as .png, all frames as .gif; if absent, picture.png in the folder of the run.
@@ -143,13 +143,13 @@ fn animation(arguments: &PictureArguments, output: &Path, console: &Console) -> 
         return Err(Failure::Usage("--time is for one frame: give --output FILE.png".into()));
     }
     let size = arguments.size.unwrap_or(ANIMATION_SIZE);
-    // The pictures that colours are chosen from are there at the same time, and what has its colours.
+    // Memory holds the sampled pictures for the choice of colours, and the table of colours, at the same time.
     let pixels = (size[0] * size[1]) as u64;
     refuse_picture_beyond_memory(size, memory(size) + BESIDE * pixels)?;
     let run = RunFrames::open(&arguments.run)?;
     let numbers: Vec<usize> = (0..run.count()).step_by(arguments.every as usize).collect();
     let style = arguments.style(size);
-    // One scale and one camera for all: what is seen must move, not they.
+    // One scale and one camera for all frames: only the scene may move.
     let step = numbers.len().div_ceil(LOOKS).max(1);
     let looks: Vec<RunFrame> =
         numbers.iter().rev().step_by(step).map(|number| run.read(*number)).collect::<Result<_, _>>()?;

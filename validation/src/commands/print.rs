@@ -16,14 +16,14 @@ use std::process::ExitCode;
 
 #[derive(Debug, Args)]
 pub(super) struct PrintArguments {
-    /// The text to print.
+    /// Text to print.
     #[command(subcommand)]
     text: Text,
 }
 
 #[derive(Debug, Subcommand)]
 enum Text {
-    /// List the scenes that can be given by name.
+    /// List the scenes available by name.
     Scenes {
         /// Print the list as JSON.
         #[arg(long)]
@@ -33,10 +33,10 @@ enum Text {
     Observables {
         /// Names of observables or groups; all, if absent.
         names: Vec<String>,
-        /// Print them as JSON.
+        /// Print the definitions as JSON.
         #[arg(long)]
         json: bool,
-        /// Print the page of all of them, in Markdown.
+        /// Print the page of all definitions, in Markdown.
         #[arg(long, conflicts_with_all = ["json", "names"])]
         markdown: bool,
     },
@@ -45,13 +45,13 @@ enum Text {
         /// Print a page in Markdown instead of the JSON Schema.
         #[arg(long)]
         markdown: bool,
-        /// Print the JSON Schema of report.json, which qualify and compare write, instead of that of scenes. There is no page of it.
+        /// Print the JSON Schema of report.json, which qualify and compare write, instead of the schema of scenes. It has no page.
         #[arg(long, conflicts_with = "markdown")]
         report: bool,
     },
     /// Print a completion script for a shell.
     Completions {
-        /// The shell.
+        /// Shell.
         #[arg(value_enum)]
         shell: Shell,
     },
@@ -111,7 +111,7 @@ fn list_scenes(as_json: bool, console: &Console) -> Result<(), Failure> {
     })
 }
 
-/// An observable and its group.
+/// Observable and its group.
 #[derive(Serialize)]
 struct Defined {
     group: &'static str,
@@ -119,7 +119,7 @@ struct Defined {
     definition: &'static Definition,
 }
 
-/// Prints the definitions of these observables or groups, or all.
+/// Prints the definitions of the named observables or groups, or all.
 fn define(names: &[String], as_json: bool, console: &Console) -> Result<(), Failure> {
     let plain = |name: &str| name.replace('-', "_").to_lowercase();
     let is_named = |name: &String, defined: &Defined| {
@@ -151,7 +151,7 @@ fn text(wanted: &[Defined]) -> String {
     text + "\nName a group under measure.observables, a number under [[compare]]; ⟨⟩ are means over contacts or grains."
 }
 
-/// Writes a manual page per command.
+/// Writes one manual page per command.
 fn write_manual(folder: &Path, console: &Console) -> Result<(), Failure> {
     create_folder(folder)?;
     clap_mangen::generate_to(Arguments::definition(), folder).map_err(|error| WriteError::new(folder, error))?;

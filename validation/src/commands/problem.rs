@@ -16,7 +16,7 @@ use std::process::ExitCode;
 
 #[derive(Debug, Args)]
 pub(super) struct ProblemArguments {
-    /// The command to run.
+    /// Command to run.
     #[command(subcommand)]
     command: ProblemCommand,
 }
@@ -36,7 +36,7 @@ struct ExportArguments {
     /// Simulated time of the step, s; the scene's duration, if absent.
     #[arg(long, value_parser = positive)]
     time: Option<f64>,
-    /// Number of steps before it, instead of a time.
+    /// Number of steps before the problem, instead of a time.
     #[arg(long, conflicts_with = "time")]
     steps: Option<u64>,
     /// Also solve with Siconos, which must be installed (Debian's python3-siconos), and write its solution in FCLIB's group.
@@ -52,7 +52,7 @@ struct CheckArguments {
     /// Files from `makadam lab problem export`, or FCLIB files with local problems.
     #[arg(required = true)]
     files: Vec<PathBuf>,
-    /// Stop when the largest change in a sweep is below this, in units of g h (1 m/s without gravity).
+    /// Stop when the largest change in a sweep is below this value, in units of g h (1 m/s without gravity).
     #[arg(long, default_value_t = Settings::DEFAULT.tolerance, value_parser = positive)]
     tolerance: f64,
     /// Largest number of sweeps.
@@ -76,7 +76,7 @@ pub(super) fn problem(arguments: &ProblemArguments, console: &Console) -> Result
     }
 }
 
-/// Writes the problem of a step of a scene.
+/// Writes the contact problem of a step of a scene.
 fn export(arguments: &ExportArguments, console: &Console) -> Result<ExitCode, Failure> {
     refuse_to_replace(&arguments.output)?;
     if arguments.siconos {
@@ -114,7 +114,7 @@ fn export(arguments: &ExportArguments, console: &Console) -> Result<ExitCode, Fa
 fn refuse_to_replace(output: &Path) -> Result<(), Failure> {
     let Ok(there) = output.metadata() else { return Ok(()) };
     let mut head = Vec::new();
-    // A pipe is not looked into: it might never answer.
+    // A pipe is not read: reading might block forever.
     let read = there.is_file().then(|| File::open(output)?.take(HDF5.len() as u64).read_to_end(&mut head));
     match read {
         Some(Ok(0)) => Ok(()),
@@ -126,7 +126,7 @@ fn refuse_to_replace(output: &Path) -> Result<(), Failure> {
     }
 }
 
-/// Solves the problems of files by every solver and compares the answers.
+/// Solves the problems of files with every solver and compares the answers.
 fn check(arguments: &CheckArguments, console: &Console) -> Result<ExitCode, Failure> {
     let settings = Settings { tolerance: arguments.tolerance, most_sweeps: arguments.sweeps };
     let siconos = if arguments.siconos { FromSiconos::Run } else { FromSiconos::Nothing };
@@ -141,7 +141,7 @@ fn check(arguments: &CheckArguments, console: &Console) -> Result<ExitCode, Fail
     }
     let document = json!({ "version": JSON_VERSION, "command": "problem check", "problems": checks });
     console.document(&document, arguments.json, || checks.iter().map(problem::table).collect::<Vec<_>>().join("\n"))?;
-    // Siconos was requested by name; the others take part where they apply.
+    // Siconos was requested by name; the other solvers take part if applicable.
     let without = |check: &Check| {
         let why = check.why_left_out(Method::Siconos)?;
         Some(format!("{}: {why}; without --siconos the other solvers are compared", check.title))

@@ -21,7 +21,7 @@ pub(super) struct QualifyArguments {
     /// Extent of the qualification.
     #[arg(long, value_enum, default_value = "quick")]
     pub tier: Tier,
-    /// Baseline (validation/baseline.json, or tests.json of an earlier qualification): lists tests that are missing, new or of another
+    /// Baseline (validation/baseline.json, or tests.json of an earlier qualification): lists tests that are missing, new or have another
     /// verdict. A missing test or a worse verdict is exit code 4.
     #[arg(long, value_name = "FILE")]
     pub against: Option<PathBuf>,
@@ -65,7 +65,7 @@ pub(super) fn qualify(arguments: &QualifyArguments, console: &Console) -> Result
     arguments.jobs.apply()?;
     let folder = arguments.output.folder("qualification");
     let extent = arguments.tier.extent();
-    // Minutes of work are not begun for a report that cannot be written, or a baseline that cannot be read.
+    // The output folder and the baseline are checked before minutes of work begin.
     create_folder(&folder)?;
     let read = |file: &Path| Test::read(file, extent.name).map_err(Failure::Usage);
     let baseline = arguments.against.as_deref().map(read).transpose()?;

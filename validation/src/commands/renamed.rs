@@ -1,4 +1,4 @@
-//! Former names of commands and options: the error states the present one.
+//! Former names of commands and options: the error message states the present name.
 
 use super::Arguments;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
@@ -23,7 +23,7 @@ const COMMANDS: [(&str, &str); 11] = [
 const OPTIONS: [(&str, &str); 4] =
     [("again", "restart"), ("against", "codes"), ("code", "own-code"), ("threads", "jobs")];
 
-/// Adds the present name to the error about a former one.
+/// Adds the present name to the error about a former name.
 pub fn with_new_name(mut error: clap::Error, words: &[OsString]) -> clap::Error {
     let tip = match (error.kind(), error.get(ContextKind::InvalidSubcommand), error.get(ContextKind::InvalidArg)) {
         (ErrorKind::InvalidSubcommand, Some(ContextValue::String(name)), _) => {

@@ -61,7 +61,7 @@ pub(super) fn stability(arguments: &StabilityArguments, console: &Console) -> Re
     Ok(within_tolerance(study.as_stated))
 }
 
-/// Returns the cases whose name or group contains one of the filters, or all.
+/// Returns the cases with one of the filters in their name or group, or all.
 fn chosen(arguments: &StabilityArguments) -> Result<Vec<Case>, Failure> {
     const ALL: &str = "makadam stability --list shows all";
     let is_short = |case: &Case| !(arguments.quick && case.long);

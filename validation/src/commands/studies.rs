@@ -87,13 +87,13 @@ pub(super) fn effects(arguments: &EffectsArguments, console: &Console) -> Result
 pub(super) struct SweepArguments {
     #[command(flatten)]
     pub source: SourceArguments,
-    /// A key and its values, such as material.grain.friction=0.1,0.3,0.5; if given several times, every combination is run.
+    /// Key and its values, such as material.grain.friction=0.1,0.3,0.5; if given several times, every combination is run.
     #[arg(long, value_name = "KEY=VALUES", required = true)]
     pub over: Vec<parameter_study::Range>,
     /// Number of seeds of each combination, consecutive from the scene's own (--set seed=N).
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u64).range(1..=1000))]
     pub seeds: u64,
-    /// Observables to print; if absent, those that the scene compares, or all that it measures. The files contain all.
+    /// Observables to print; if absent, the compared ones of the scene, or all measured ones. The files contain all.
     #[arg(long, value_name = "NAME", value_delimiter = ',', value_parser = observable)]
     pub observables: Vec<String>,
     #[command(flatten)]
@@ -167,7 +167,7 @@ pub(super) struct TradeoffArguments {
     /// angle of repose and 0.002 for packing_fraction.
     #[arg(long, value_name = "OBSERVABLE=VALUE", value_parser = bound)]
     pub bound: Vec<Bound>,
-    /// Wall time after which a run of another code than Makadam is stopped, s: its setting is listed, with neither a time nor an error.
+    /// Wall time after which a run of another code than Makadam is stopped, s: its setting is listed without a time or an error.
     #[arg(long, default_value_t = 900.0, value_parser = time_limit)]
     pub time_limit: f64,
     #[command(flatten)]
@@ -181,7 +181,7 @@ pub(super) fn tradeoff(arguments: &TradeoffArguments, console: &Console) -> Resu
     let wanted = installed(&arguments.codes)?;
     let names: Vec<&str> = wanted.iter().map(|code| code.name()).collect();
     let plan = tradeoff::Plan::new(&scene, &names, &arguments.stiffness_factors);
-    // The reference is Makadam's, whichever codes take part.
+    // The reference is Makadam's for any selection of codes.
     let runners = codes_of(&[arguments.codes.as_slice(), &[CodeName::Makadam]].concat());
     let terms = Terms {
         seeds: arguments.seeds,
@@ -219,7 +219,7 @@ pub(super) fn tradeoff(arguments: &TradeoffArguments, console: &Console) -> Resu
     Ok(within_tolerance(unmeasured.is_none() && study.reaches_bounds("Makadam") != Some(false)))
 }
 
-/// Refuses scenes that measure nothing, or not what is bounded, and two bounds on one observable.
+/// Refuses scenes without measurements, bounds on unmeasured observables, and two bounds on one observable.
 fn refuse_unmeasured(scene: &MeasuredScene, bounds: &[Bound]) -> Result<(), Failure> {
     if scene.measure.observables.is_empty() {
         return Err(Failure::Usage(format!(
@@ -243,7 +243,7 @@ fn refuse_unmeasured(scene: &MeasuredScene, bounds: &[Bound]) -> Result<(), Fail
     Ok(())
 }
 
-/// Returns the default bounds, replaced by given ones.
+/// Returns the default bounds, replaced by the given ones.
 fn bounds(given: &[Bound]) -> Vec<Bound> {
     let is_given = |bound: &Bound| given.iter().any(|other| other.observable == bound.observable);
     Bound::usual().into_iter().filter(|bound| !is_given(bound)).chain(given.iter().cloned()).collect()

@@ -12,22 +12,22 @@ use std::process::ExitCode;
 
 #[derive(Debug, Args)]
 pub(super) struct ViewArguments {
-    /// The folder of a run, or the name of one below results; the run may be under way.
+    /// Folder of a run, or the name of a folder below results; the run may be in progress.
     pub run: PathBuf,
     /// Fields of the frames that can colour the grains, with commas; each takes two bytes per grain and frame. If absent, speed and
     /// pressure.
     #[arg(long, value_delimiter = ',')]
     pub field: Option<Vec<String>>,
-    /// Show each so many frames only; as many as fit into --megabytes, if absent.
+    /// Show every n-th frame only; if absent, as many frames as fit into --megabytes.
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     pub every: Option<u32>,
-    /// Largest size of the file, MB: first contacts are left out, then frames.
+    /// Largest size of the file, MB: contacts are omitted first, then frames.
     #[arg(long, default_value_t = 200.0, value_parser = positive)]
     pub megabytes: f64,
-    /// Leave contacts, and with them force chains, out.
+    /// Leave out contacts, and with them force chains.
     #[arg(long)]
     pub no_contacts: bool,
-    /// Begin with a view of all grains, also of those that are far from the walls.
+    /// Begin with a view of all grains, also those far from the walls.
     #[arg(long)]
     pub all_grains: bool,
     /// HTML file to write; view.html in the folder of the run, if absent.
@@ -48,7 +48,7 @@ pub(super) fn view(arguments: &ViewArguments, console: &Console) -> Result<ExitC
     let output = arguments.output.clone().unwrap_or_else(|| run.folder().join("view.html"));
     let ending = output.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
     if !matches!(ending.as_deref(), Some("html" | "htm")) {
-        // A browser shows the text of a page by another name.
+        // A browser would show a page of another extension as text.
         return Err(Failure::Usage(format!("{}: its name must end in .html or .htm", output.display())));
     }
     create_folder_of(&output)?;

@@ -1,7 +1,7 @@
 //! Preflight summary of a run: grains, scales, step and stopping rule, memory and time.
 //!
 //! ```text
-//! scene ─> grains placed ─> scales (bed, walls, contacts) ─> forecast ─> words, JSON
+//! scene ─> grains placed ─> scales (bed, walls, contacts) ─> forecast ─> text, JSON
 //! ```
 
 mod pace;
@@ -31,7 +31,7 @@ pub struct Forecast {
     pub radii: Option<[f64; 3]>,
     /// Mass of all grains, kg.
     pub mass: f64,
-    /// Names of the walls that move, with how.
+    /// Names of the moving walls, with their motion.
     pub moving_walls: Vec<String>,
     pub walls: usize,
     /// Names of the active physical effects.
@@ -42,35 +42,35 @@ pub struct Forecast {
     pub frames: u64,
     /// Step and stopping rule.
     pub solver: String,
-    /// Numbers that characterise the flow and the contacts; those that do not exist are left out.
+    /// Characteristic numbers of the flow and the contacts; undefined ones are left out.
     pub scales: Vec<Scale>,
     /// Memory, bytes.
     pub bytes: u64,
-    /// Wall time, s, at the pace of a small bed that was simulated on this machine just now; good to a factor of two.
+    /// Wall time, s, at the pace of a small bed simulated on this machine just before; accurate to a factor of two.
     pub wall_seconds: f64,
-    /// Threads that a run takes by itself.
+    /// Default number of threads of a run.
     pub threads: usize,
-    /// Causes of a cost beyond the expected one, with the setting to change.
+    /// Causes of increased cost, with the setting to change.
     pub notes: Vec<String>,
     /// Preflight warnings.
     pub findings: Vec<Finding>,
 }
 
-/// A number that characterises the flow or the contacts.
+/// Characteristic number of the flow or the contacts.
 #[derive(Clone, Debug, Serialize)]
 pub struct Scale {
     pub name: &'static str,
     pub value: f64,
-    /// Its unit; empty where it has none.
+    /// Unit; empty for plain numbers.
     pub unit: &'static str,
     pub formula: String,
 }
 
 impl Forecast {
-    /// Summarises a scene whose file holds `text`.
+    /// Summarises a scene; `text` is the text of its file.
     ///
     /// # Errors
-    /// [`makadam::scene::SceneError`] if its grains cannot be placed.
+    /// [`makadam::scene::SceneError`] if the grains cannot be placed.
     pub fn of(scene: &MeasuredScene, text: &str) -> Result<Forecast, makadam::scene::SceneError> {
         let grains = populate(scene, scene.seed)?;
         let bed = Bed::of(scene, &grains);
@@ -104,13 +104,13 @@ impl Forecast {
     }
 }
 
-/// Frames on disk: one at the start, those that are due, one at the end. No two come nearer than a step.
+/// Returns the number of frames on disk: at the start, at each due time, and at the end, at least one step apart.
 fn frames(scene: &MeasuredScene) -> u64 {
     let interval = scene.output_interval().max(scene.solver.step);
     1 + (scene.duration / interval - 1e-6).ceil().max(1.0) as u64
 }
 
-/// Lists causes of a cost beyond the expected one, with the setting to change.
+/// Lists causes of increased cost, with the setting to change.
 fn notes(scene: &MeasuredScene) -> Vec<String> {
     let ignores_escapes = scene.watch.on_escape == Reaction::Ignore || scene.watch.every == 0;
     let fall = "grains that leave the domain are simulated on, and the faster they fly, the more often contacts are searched: a wall \
@@ -118,7 +118,7 @@ fn notes(scene: &MeasuredScene) -> Vec<String> {
     ignores_escapes.then(|| format!("watch.on_escape is ignored: {fall}")).into_iter().collect()
 }
 
-/// Step and stopping rule, in words.
+/// Formats step and stopping rule.
 pub fn chosen(scene: &MeasuredScene) -> String {
     let step: f64 = format!("{:.2e}", scene.solver.step).parse().unwrap_or(scene.solver.step);
     format!("a step of {step:e} s and solves that end at {}", stop_of(scene))
@@ -138,7 +138,7 @@ fn stop_of(scene: &MeasuredScene) -> String {
 }
 
 impl Forecast {
-    /// All of it, as a text of several lines.
+    /// Formats the summary as a text of several lines.
     pub fn text(&self) -> String {
         let colon = if self.description.is_empty() { "" } else { ": " };
         let mut text = format!("{}{colon}{}\n\n", self.scene, self.description);

@@ -1,4 +1,4 @@
-//! Pace of this machine now: the time of a unit of work, from a small bed that is simulated for it, and the work of a scene.
+//! Present pace of this machine: the time per unit of work, from the simulation of a small bed, and the work of a scene.
 //!
 //! ```text
 //! wall time = [ steps x grains x (step + contacts per grain x sweeps x sweep) + frames x grains x frame ] / speed-up
@@ -12,29 +12,29 @@ use makadam_frames::execution::threads_for;
 use makadam_frames::plan::MeasuredScene;
 use makadam_frames::stepping::steps_in;
 
-/// Bed that is simulated: 400 grains in a box, which touch each other from the start or soon.
+/// Simulated bed: 400 grains in a box, in contact from the start or soon after.
 const BED: &str = include_str!("pace.toml");
-/// Steps until the grains lie on each other, and steps that are timed.
+/// Steps until the grains have settled, and timed steps.
 const STEPS: [usize; 2] = [200, 100];
-/// Contacts of a grain that are swept over, in a bed and where nothing presses grains together: reference scenes have 1.9 to 3.0 and
+/// Contacts per grain in the sweeps, in a bed and without compression: reference scenes have 1.9 to 3.0 and
 /// 0.1.
 const CONTACTS: [f64; 2] = [2.2, 0.1];
-/// Sweeps of a solve that a residual stops, typical of tolerances of some percent of g h.
+/// Sweeps of a solve with a residual criterion, typical of tolerances of some percent of g h.
 const TYPICAL_SWEEPS: f64 = 20.0;
-/// Grains from which on a bed does not fit into the cache, and the factors on the times of a step and of a sweep there.
+/// Smallest number of grains of a bed too large for the cache, and the factors on the times of a step and of a sweep there.
 const LARGE: usize = 10_000;
 const BEYOND_CACHE: [f64; 2] = [1.3, 1.8];
-/// Time to measure and write a grain of a frame, in units of that of a step without its sweeps.
+/// Time to measure and write a grain of a frame, in units of its time per step without sweeps.
 const OF_A_FRAME: f64 = 20.0;
-/// Loss of speed-up with each further thread: 1.9 on 2 and 7 on 16 threads.
+/// Loss of speed-up per additional thread: 1.9 on 2 and 7 on 16 threads.
 const LOSS: f64 = 0.08;
 
-/// Time of a unit of work, s.
+/// Times per unit of work, s.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pace {
-    /// Of a grain in a step, without sweeps.
+    /// Time per grain and step, without sweeps.
     step: f64,
-    /// Of a contact in a sweep.
+    /// Time per contact and sweep.
     sweep: f64,
 }
 
@@ -48,12 +48,12 @@ pub(super) struct Work {
     /// Grains times frames.
     frames: f64,
     grains: usize,
-    /// Wall time that the scene itself gives to its solves, s.
+    /// Wall time budget of the solves in the scene, s.
     given: f64,
 }
 
 impl Pace {
-    /// That of this machine as it is loaded now, on one thread: a tenth of a second.
+    /// Measures the pace of this machine under its present load, on one thread: a tenth of a second.
     pub(super) fn here() -> Pace {
         let scene = MeasuredScene::parse(BED).expect("the bed is a scene");
         let mut simulation = Simulation::new(&scene, scene.seed).expect("the bed has its grains");
@@ -74,7 +74,7 @@ impl Pace {
         }
     }
 
-    /// Wall time of work, s, on the threads that a run takes by itself.
+    /// Returns the wall time of work, s, on a run's default number of threads.
     pub(super) fn seconds(self, work: &Work) -> f64 {
         let [step, sweep] = if work.grains < LARGE { [1.0; 2] } else { BEYOND_CACHE };
         let alone = self.step * step * work.steps + self.sweep * sweep * work.contact_sweeps;
@@ -84,7 +84,7 @@ impl Pace {
 }
 
 impl Work {
-    /// That of a run of a scene, with the flow that is prepared before it if none is stored.
+    /// Returns the work of a run of a scene, including the preparation of a flow if none is stored.
     pub(super) fn of(scene: &MeasuredScene, seed: u64) -> Work {
         let grains = scene.grain_count();
         let prepare = scene.prepare.as_ref().filter(|_| !is_ready(scene, seed));

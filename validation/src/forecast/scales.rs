@@ -1,4 +1,4 @@
-//! Numbers that characterise a scene: of its bed, of its moving walls, of its contacts.
+//! Characteristic numbers of a scene: of its bed, of its moving walls, of its contacts.
 
 use super::Scale;
 use makadam::scene::{Grain, Motion, NormalLaw, Shape};
@@ -9,17 +9,17 @@ use std::f64::consts::PI;
 /// Solid fraction of a bed, for its depth and pressure.
 const FRACTION: f64 = 0.6;
 
-/// All grains as a level bed on the ground of the domain or, where it is narrower, of the container.
+/// All grains as a level bed on the base of the domain or of a narrower container.
 pub(super) struct Bed {
-    /// kg.
+    /// Mass, kg.
     pub mass: f64,
-    /// Mean, m.
+    /// Mean radius, m.
     radius: f64,
-    /// Mean, kg/m3.
+    /// Mean density, kg/m3.
     density: f64,
-    /// m.
+    /// Depth, m.
     depth: f64,
-    /// Magnitude at the start, m/s2.
+    /// Magnitude of gravity at the start, m/s2.
     gravity: f64,
 }
 
@@ -35,7 +35,7 @@ impl Bed {
         Bed { mass, radius, density: if volume > 0.0 { mass / volume } else { 0.0 }, depth, gravity: gravity.norm() }
     }
 
-    /// The numbers that exist for the scene.
+    /// Returns the defined numbers of the scene.
     pub fn scales(&self, scene: &MeasuredScene, grains: &[Grain]) -> Vec<Scale> {
         if grains.is_empty() {
             return Vec::new();
@@ -89,7 +89,7 @@ impl Bed {
         scales
     }
 
-    /// Overlap over the mean radius of two grains under half the bed.
+    /// Returns the overlap of two grains under half the bed, over the mean radius.
     fn overlap(&self, scene: &MeasuredScene) -> f64 {
         let layers = (0.5 * self.depth / (2.0 * self.radius)).max(1.0);
         let load = layers * self.density * 4.0 / 3.0 * PI * self.radius.powi(3) * self.gravity;
@@ -106,7 +106,7 @@ impl Bed {
     }
 }
 
-/// Area that the grains stand on, m2: that of the narrowest container across gravity, or of the domain.
+/// Returns the base area of the grains, m2: the narrowest container across gravity, or the domain.
 fn ground(scene: &MeasuredScene, gravity: &Vector3<f64>) -> f64 {
     let size: [f64; 3] = std::array::from_fn(|axis| scene.domain.max[axis] - scene.domain.min[axis]);
     let down = gravity.iamax();
@@ -125,7 +125,7 @@ fn ground(scene: &MeasuredScene, gravity: &Vector3<f64>) -> f64 {
     of_wall.fold(domain, f64::min)
 }
 
-/// Speed of the fastest wall (m/s), and its radius where it turns (m; else 0).
+/// Returns the speed of the fastest wall (m/s), and its radius if it rotates (m; else 0).
 fn fastest(scene: &MeasuredScene) -> Option<(f64, f64)> {
     let speeds = scene.wall.iter().filter_map(|wall| match (&wall.motion, &wall.shape) {
         (Motion::Rotating { rate, .. }, Shape::Cylinder { radius, .. }) => Some((rate.abs() * radius, *radius)),
@@ -135,7 +135,7 @@ fn fastest(scene: &MeasuredScene) -> Option<(f64, f64)> {
     speeds.filter(|(speed, _)| *speed > 0.0).max_by(|a, b| a.0.total_cmp(&b.0))
 }
 
-/// Describes the motion of a wall; `None` if it rests.
+/// Describes the motion of a wall; `None` for a wall at rest.
 pub(super) fn motion(motion: &Motion) -> Option<String> {
     Some(match motion {
         Motion::Fixed => return None,

@@ -4,9 +4,9 @@
 //! header (256 bytes), chunks of numbers, index (32 bytes per chunk, by frame and name), names (64 bytes, separated by zeros)
 //! ```
 //!
-//! The format is told at <https://gsd.readthedocs.io/en/stable/file-layer.html>, the schema at
-//! <https://gsd.readthedocs.io/en/stable/schema-hoomd.html>. The crate that knows it (`hoomd-gsd`) brings forty others with it, a column
-//! store among them; what is written here is little.
+//! Format: <https://gsd.readthedocs.io/en/stable/file-layer.html>; schema:
+//! <https://gsd.readthedocs.io/en/stable/schema-hoomd.html>. The existing crate (`hoomd-gsd`) has forty dependencies, among them a column
+//! store; this writer is small.
 
 use super::{ExportError, Written, for_each};
 use crate::output::{Draft, WriteError};
@@ -23,11 +23,11 @@ const MAGIC: u64 = 0x65df_65df_65df_65df;
 const LAYERS: u32 = 2 << 16;
 const SCHEMA: u32 = 1 << 16 | 4;
 
-/// Bytes of the header, and of what the table of names is counted in.
+/// Bytes of the header, and unit of the size of the name table.
 const HEADER: u64 = 256;
 const NAME: usize = 64;
 
-/// Kinds of numbers, by their codes less one.
+/// Number types, by their codes less one.
 const KINDS: [Number; 10] = [
     Number::UInt8,
     Number::UInt16,
@@ -41,7 +41,7 @@ const KINDS: [Number; 10] = [
     Number::Float64,
 ];
 
-/// Columns of grains, and their names in the file: places of HOOMD-blue's own, and those that it passes on.
+/// Columns of grains, and their names in the file: HOOMD-blue's own names, and names for user data.
 const COLUMNS: [(&str, &str); 6] = [
     ("velocity", "particles/velocity"),
     ("mass", "particles/mass"),
@@ -51,7 +51,7 @@ const COLUMNS: [(&str, &str); 6] = [
     ("angular_velocity", "log/particles/angular_velocity"),
 ];
 
-/// A file that is being written.
+/// GSD file during writing.
 struct Gsd {
     file: BufWriter<File>,
     place: u64,
@@ -121,9 +121,9 @@ impl Gsd {
     }
 }
 
-/// Writes the grains of all frames into `grains.gsd`. The origin of a GSD file is the middle of its box, which is as long as the period
-/// along periodic axes, and holds all grains of all frames along the others; `log/middle` states its place (m), and `log/driven_wall...`
-/// the poses of driven walls, a row per wall.
+/// Writes the grains of all frames into `grains.gsd`. The origin of a GSD file is the middle of its box. Along periodic axes the box has
+/// the length of the period; along the others it holds all grains of all frames. `log/middle` states its position (m), and `log/driven_wall...`
+/// the poses of dynamic walls, one row per wall.
 pub(super) fn write(run: &RunFrames, folder: &Path, progress: &dyn Fn(f64)) -> Result<Vec<Written>, ExportError> {
     let path = folder.join("grains.gsd");
     let draft = Draft::of(&path);
@@ -150,8 +150,8 @@ pub(super) fn write(run: &RunFrames, folder: &Path, progress: &dyn Fn(f64)) -> R
     Ok(vec![Written { path, frames: run.count() }])
 }
 
-/// Middle and sides of the box, m. Readers take every box to repeat itself: along axes along which the scene does not, it has room for no
-/// grain to meet one of another image.
+/// Returns middle and sides of the box, m. Readers treat all boxes as periodic: along non-periodic axes of the scene, a margin prevents
+/// contacts between grains and images.
 fn cell(frame: &RunFrame, [low, high]: [[f64; 3]; 2]) -> ([f64; 3], [f64; 3]) {
     let room = 4.0 * frame.grains.radii.iter().copied().fold(0.0, f64::max);
     let (mut middle, mut sides) = ([0.0; 3], [0.0; 3]);

@@ -13,16 +13,16 @@ use crate::run_frames::{RunFolderError, RunFrames};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// A file that was written.
+/// Written file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Written {
-    /// The file.
+    /// File.
     pub path: PathBuf,
-    /// Number of frames in it.
+    /// Number of frames in the file.
     pub frames: usize,
 }
 
-/// Writes all frames of a run into a folder; reports the fraction that is done.
+/// Writes all frames of a run into a folder; reports the fraction done.
 ///
 /// # Errors
 /// [`ExportError`] if a frame cannot be read, or the system refuses.
@@ -43,7 +43,7 @@ pub fn write(
     with_frame_formats!(write_as)
 }
 
-/// Passes over frames by their numbers; reports the fraction that is done.
+/// Iterates over frames by their numbers; reports the fraction done.
 ///
 /// # Errors
 /// An error of `work`, or [`ExportError::Interrupted`].
@@ -66,21 +66,21 @@ fn for_each(
 /// Error of an export.
 #[derive(Debug, thiserror::Error)]
 pub enum ExportError {
-    /// The frames cannot be read.
+    /// Unreadable frames.
     #[error(transparent)]
     Frames(#[from] RunFolderError),
-    /// The system refuses.
+    /// Error of the system.
     #[error(transparent)]
     Write(#[from] WriteError),
     /// HDF5 cannot hold the numbers.
     #[error("{file}: {problem}")]
     Format {
-        /// The file.
+        /// File.
         file: String,
-        /// Fault.
+        /// Error message.
         problem: String,
     },
-    /// The user asked to stop.
+    /// Stop request of the user.
     #[error("interrupted")]
     Interrupted,
 }

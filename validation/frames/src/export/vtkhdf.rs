@@ -1,9 +1,9 @@
 //! One VTKHDF file for all frames of one kind: temporal polygonal data, read by ParaView and `vtkHDFReader`.
 //!
-//! Arrays of all frames stand one behind the other, and `Steps` states where each frame begins in them:
-//! <https://docs.vtk.org/en/latest/vtk_file_formats/vtkhdf_file_format/vtkhdf_specifications.html>. The library that writes HDF5 appends to
-//! arrays of one dimension only, so an array is gathered over all frames before it is added: each pass over the frames gathers as many
-//! arrays as fit into [`PASS`] bytes, and one at least.
+//! Arrays of all frames are concatenated, and `Steps` states the start of each frame:
+//! <https://docs.vtk.org/en/latest/vtk_file_formats/vtkhdf_file_format/vtkhdf_specifications.html>. The HDF5 library appends to
+//! one-dimensional arrays only, so an array is gathered over all frames before it is added. Each pass over the frames gathers as many
+//! arrays as fit into [`PASS`] bytes, and at least one.
 
 use super::{ExportError, Written, for_each};
 use crate::output::{Draft, FIELD_DATA};
@@ -16,19 +16,19 @@ use std::path::Path;
 /// Rows of a chunk.
 const CHUNK: u64 = 16_384;
 
-/// Attribute by which a file states the number of the scene's first grain.
+/// Attribute for the number of the scene's first grain in a file.
 pub(crate) const FIRST_ID: &str = "MakadamFirstId";
 
-/// Level of zlib behind a shuffle of bytes.
+/// Level of zlib after a byte shuffle.
 const LEVEL: u32 = 3;
 
-/// Groups of cells, in the order of the format, which is that of [`Kind::ALL`].
+/// Groups of cells, in the order of the format, which is the order of [`Kind::ALL`].
 const TOPOLOGIES: [&str; 4] = ["Vertices", "Lines", "Polygons", "Strips"];
 
-/// Most bytes that one pass over the frames gathers, unless a single array takes more.
+/// Byte limit of one pass over the frames, unless a single array is larger.
 const PASS: usize = 1 << 28;
 
-/// Rows from which on an array is compressed.
+/// Smallest number of rows of a compressed array.
 const PACKED: u64 = 1024;
 
 /// Groups of arrays.
@@ -38,7 +38,7 @@ const CELL_DATA: &str = "CellData/";
 /// Counts and offsets.
 const COUNT: Shape = (Number::Int64, 1);
 
-/// Writes `grains.vtkhdf`, and `contacts.vtkhdf` and `walls.vtkhdf` where the run has them.
+/// Writes `grains.vtkhdf`, and `contacts.vtkhdf` and `walls.vtkhdf` if the run has contacts and walls.
 pub(super) fn write(run: &RunFrames, folder: &Path, progress: &dyn Fn(f64)) -> Result<Vec<Written>, ExportError> {
     let kinds: Vec<Kind> = Kind::ALL.into_iter().filter(|kind| !run.numbers(*kind).is_empty()).collect();
     let mut written = Vec::new();
@@ -50,7 +50,7 @@ pub(super) fn write(run: &RunFrames, folder: &Path, progress: &dyn Fn(f64)) -> R
     Ok(written)
 }
 
-/// An array of a file, over all frames.
+/// Array of a file, over all frames.
 struct Array {
     /// Path below the group of the format.
     path: String,
@@ -98,13 +98,13 @@ struct Survey {
     times: Vec<f64>,
     points: Vec<usize>,
     cells: Vec<usize>,
-    /// Numbers of the points of all cells, and the first one of each cell among those of its frame, with their end.
+    /// Numbers of the points of all cells, and the first point of each cell among the points of its frame, with their end.
     corners: Vec<f64>,
     offsets: Vec<f64>,
     corners_per_cell: usize,
     /// Arrays over points and cells, still empty.
     arrays: Vec<Array>,
-    /// Poses of driven walls, and the number of tuples in each frame.
+    /// Poses of dynamic walls, and the number of tuples in each frame.
     poses: Vec<(Column, Vec<usize>)>,
 }
 
@@ -133,7 +133,7 @@ impl Survey {
         }
     }
 
-    /// Writes counts, offsets and cells: all but the arrays.
+    /// Writes counts, offsets and cells, without the arrays.
     fn write(&mut self, file: &File, kind: Kind) -> Result<(), hdf5_pure::Error> {
         let frames = self.times.len();
         let numbers = |counts: &[usize]| counts.iter().map(|count| *count as f64).collect::<Vec<_>>();
@@ -192,7 +192,7 @@ impl Survey {
     }
 }
 
-/// Sums of the counts before each one.
+/// Returns the cumulative sums of counts, from zero.
 fn starts(counts: &[usize]) -> Vec<f64> {
     let sums = counts.iter().scan(0, |sum, count| {
         *sum += count;

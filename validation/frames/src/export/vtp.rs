@@ -1,7 +1,7 @@
 //! VTP files for ParaView: one file per frame of grains, contacts and walls, and a collection over time of each.
 //!
-//! A file is a document in XML with arrays behind it (`appended`, `raw`) in blocks that zlib has compressed. In front of the blocks of an
-//! array stand, as integers of 64 bits, the number of blocks, the size of a whole block, the size of the last one if it is not whole
+//! A file is an XML document followed by arrays (`appended`, `raw`) in zlib-compressed blocks. The header of an array consists of
+//! 64-bit integers: the number of blocks, the size of a whole block, the size of an incomplete last block
 //! (otherwise zero), and the compressed size of each: <https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html>.
 
 use super::{ExportError, Written, for_each};
@@ -23,7 +23,7 @@ const SCRIPT: &str = include_str!("open-in-paraview.py");
 /// Bytes of a whole block before compression.
 const BLOCK: usize = 1 << 16;
 
-/// Groups of cells, by the points of a cell.
+/// Groups of cells, by the number of points of a cell.
 const CELLS: [&str; 3] = ["Verts", "Lines", "Polys"];
 
 /// Writes `frames/KIND-NUMBER.vtp`, `KIND.pvd` and `open-in-paraview.py` into a folder. Walls at rest are in the first frame alone.
@@ -54,7 +54,7 @@ pub(super) fn write(run: &RunFrames, folder: &Path, progress: &dyn Fn(f64)) -> R
     Ok(written)
 }
 
-/// Removes the frames of an earlier export, which may be more.
+/// Removes the frames of an earlier export, possibly more numerous.
 fn remove_earlier(folder: &Path) -> Result<(), ExportError> {
     let refused = |error| ExportError::Write(WriteError::new(folder, error));
     for entry in std::fs::read_dir(folder).map_err(refused)? {
@@ -103,10 +103,10 @@ pub(crate) fn encode(part: &Part) -> Vec<u8> {
     [file.text.as_bytes(), &file.appended, b"\n</AppendedData>\n</VTKFile>\n"].concat()
 }
 
-/// A file that is being written.
+/// VTP file during writing.
 struct File {
     text: String,
-    /// Bytes behind the document.
+    /// Bytes after the document.
     appended: Vec<u8>,
 }
 
@@ -122,7 +122,7 @@ impl File {
         self.blocks(&number.encode(values));
     }
 
-    /// Texts, as the numbers of their bytes, each with a zero behind it.
+    /// Adds texts, as the numbers of their bytes, each followed by a zero.
     fn texts(&mut self, name: &str, texts: &[String]) {
         let count = texts.len();
         let _ =

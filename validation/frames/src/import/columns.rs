@@ -1,4 +1,4 @@
-//! Meaning of the columns of a table of grains or contacts: by the names that codes give them, or that the caller states.
+//! Meaning of the columns of a table of grains or contacts: by the usual names of codes, or by names from the caller.
 
 use super::table::{FrameTable, ImportError};
 use serde::Deserialize;
@@ -6,40 +6,40 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::str::FromStr;
 
-/// A number of a grain or of a contact.
+/// Meaning of a number of a grain or of a contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Column {
-    /// Number of the grain, in whatever count the code has.
+    /// Number of the grain, in the code's own numbering.
     Id,
-    /// A coordinate of the centre, m.
+    /// Coordinate of the centre, m.
     Position(usize),
     /// Radius, m.
     Radius,
     /// Diameter, m.
     Diameter,
-    /// A component of the velocity, m/s.
+    /// Component of the velocity, m/s.
     Velocity(usize),
-    /// A component of the angular velocity, rad/s.
+    /// Component of the angular velocity, rad/s.
     Spin(usize),
     /// Number of the first grain of a contact.
     First,
-    /// Number of its second grain; negative where it is one with a wall.
+    /// Number of the second grain of a contact; negative for a contact with a wall.
     Second,
-    /// Number of the wall, from 0 in the order of the scene; negative where it is one between grains.
+    /// Number of the wall, from 0 in the order of the scene; negative for a contact between grains.
     Wall,
-    /// A component of the force on the first grain, N.
+    /// Component of the force on the first grain, N.
     Force(usize),
-    /// A coordinate of the contact point, m.
+    /// Coordinate of the contact point, m.
     Point(usize),
-    /// A component of the unit normal from the first grain to its partner.
+    /// Component of the unit normal from the first grain to its partner.
     Normal(usize),
-    /// Normal force, N: positive pushes the two apart.
+    /// Normal force, N: positive for repulsion.
     NormalForce,
-    /// A component of the tangential force on the partner, N.
+    /// Component of the tangential force on the partner, N.
     Tangential(usize),
-    /// A component of the normal force on the first grain, N.
+    /// Component of the normal force on the first grain, N.
     NormalOnFirst(usize),
-    /// A component of the tangential force on the first grain, N.
+    /// Component of the tangential force on the first grain, N.
     TangentialOnFirst(usize),
     /// Simulated time, s.
     Time,
@@ -49,7 +49,7 @@ pub enum Column {
     Kind,
 }
 
-/// Names of single numbers, in small letters.
+/// Names of scalars, in small letters.
 const PLAIN: [(&[&str], Column); 13] = [
     (&["id"], Column::Id),
     (&["radius", "r", "radii"], Column::Radius),
@@ -61,13 +61,13 @@ const PLAIN: [(&[&str], Column); 13] = [
     (&["second", "second_grain", "id2", "grain2"], Column::Second),
     (&["wall", "second_wall"], Column::Wall),
     (&["normal_force", "fn"], Column::NormalForce),
-    // Coordinates of LAMMPS that are not wrapped into the box.
+    // Unwrapped coordinates of LAMMPS.
     (&["xu"], Column::Position(0)),
     (&["yu"], Column::Position(1)),
     (&["zu"], Column::Position(2)),
 ];
 
-/// Makes a column of a component.
+/// Constructor of a column from the number of a component.
 pub(super) type OfComponent = fn(usize) -> Column;
 
 /// Names of vectors, in small letters: the axis follows, as `x`, `_x`, `_0` or `[0]`.
@@ -83,7 +83,7 @@ const VECTORS: [(&[&str], OfComponent); 9] = [
     (&["ft"], Column::TangentialOnFirst),
 ];
 
-/// Returns the meaning of a column; none where the name has none.
+/// Returns the meaning of a column; `None` for unknown names.
 pub fn column_of(name: &str) -> Option<Column> {
     let name = name.trim().to_lowercase();
     if let Some((_, column)) = PLAIN.iter().find(|(known, _)| known.contains(&&*name)) {
@@ -105,14 +105,14 @@ fn split_axis(name: &str) -> Option<(&str, usize)> {
     let vector = &bare[..bare.len() - 1];
     let counted = bare.ends_with(['0', '1', '2']);
     let trimmed = vector.trim_end_matches(['_', ':', '[', '.']);
-    // The digit of "id1" is no axis.
+    // The digit of "id1" is not an axis.
     match counted && trimmed.len() == vector.len() {
         true => None,
         false => Some((trimmed, axis)),
     }
 }
 
-/// Names of columns: of each file under an empty name, or of the columns that a file numbers under one name, such as `c_pairs[1]`.
+/// Names of columns: of each file under an empty name, or of columns that a file numbers under one name, such as `c_pairs[1]`.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(from = "Written")]
 pub struct StatedColumns(BTreeMap<String, Vec<String>>);
@@ -140,7 +140,7 @@ impl FromStr for StatedColumns {
     /// Reads `id,x,y,z`, or `c_pairs:first,second,_` for the columns `c_pairs[1]` and so on.
     fn from_str(text: &str) -> Result<StatedColumns, String> {
         let list = |text: &str| text.split(',').map(|name| name.trim().to_string()).collect::<Vec<_>>();
-        // `Points:0` is a name of ParaView: a name of several columns stands before the first comma, and before the second name.
+        // `Points:0` is a name of ParaView: the name of several columns precedes the first comma, and the second name.
         let is_head = |head: &str, names: &str| {
             !head.contains(',') && names.contains(',') && !names.starts_with(char::is_numeric)
         };
@@ -155,20 +155,20 @@ impl FromStr for StatedColumns {
 }
 
 impl StatedColumns {
-    /// Joins lists that are stated one after the other; a later one replaces an earlier one of its kind.
+    /// Joins lists stated one after the other; a later list replaces an earlier one of its kind.
     pub fn joined(all: impl IntoIterator<Item = StatedColumns>) -> StatedColumns {
         StatedColumns(all.into_iter().flat_map(|one| one.0).collect())
     }
 
-    /// Reports whether nothing is stated.
+    /// Returns true if no names are stated.
     pub fn is_empty(&self) -> bool {
         self.0.values().all(Vec::is_empty)
     }
 
-    /// Makes the empty table of a file, given the names of its columns and their line.
+    /// Makes the empty table of a file from the names of its columns and their line.
     ///
     /// # Errors
-    /// [`ImportError`] where a list has more or fewer names than the file has columns, or two columns have one meaning.
+    /// [`ImportError`] for a list with more or fewer names than the file has columns, or for two columns with one meaning.
     pub(super) fn table(&self, file: &Path, line: usize, own: Vec<String>) -> Result<FrameTable, ImportError> {
         let fault = |problem: String| ImportError::new(file, line.max(1), problem);
         let remedy = "name each, those that are not wanted with _";

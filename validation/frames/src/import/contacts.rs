@@ -1,4 +1,4 @@
-//! Contacts of a frame: from the rows of files to the list that is measured.
+//! Contacts of a frame: from the rows of files to the measured contact list.
 
 use super::columns::{Column, numbered};
 use super::identity::Numbers;
@@ -12,14 +12,14 @@ use makadam::snapshot::{Contact, Particle, Partner, Snapshot};
 use nalgebra::Vector3;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Contacts of one grain with one wall are one contact if their normals are closer than this (cosine of 15 degrees):
-/// more than the few degrees by which the edge of a neighbouring triangle leans, less than any corner of a container.
+/// Cosine of 15 degrees: contacts of one grain with one wall at a smaller angle of their normals are one contact. Neighbouring triangles of
+/// a curved wall differ by a few degrees; the corners of containers are sharper.
 const SAME_FACE: f64 = 0.966;
 
 /// Relative error of coordinates: files have at least six digits.
 const ROUNDING: f64 = 1e-5;
 
-/// Columns of a table of contacts.
+/// Columns of a contact table.
 pub(super) struct Columns {
     first: usize,
     second: Option<usize>,
@@ -30,7 +30,7 @@ pub(super) struct Columns {
 }
 
 impl Columns {
-    /// Finds the columns of a table; none where statements are missing, which are added.
+    /// Finds the columns of a table; `None` if statements are missing, which are added to `missing`.
     pub fn of(table: &FrameTable, missing: &mut Missing) -> Option<Columns> {
         let (second, wall) = (table.find(Column::Second), table.find(Column::Wall));
         let first = table.find(Column::First).or(table.find(Column::Id));
@@ -44,7 +44,7 @@ impl Columns {
     }
 }
 
-/// Adds the line that would name the columns of a table of contacts: in their order, or those that LIGGGHTS numbers, such as `c_pairs[1]`.
+/// Adds the manifest line with the columns of a contact table, in their order or as numbered by LIGGGHTS (`c_pairs[1]`).
 fn add_missing(table: &FrameTable, missing: &mut Missing) {
     let needed = "needed are first; second or wall; fx, fy, fz (force on the first grain), or its parts fnx, fny, fnz and ftx, fty, ftz, or \
                   normal_force and tangential_force_x, _y, _z; px, py, pz with walls";
@@ -76,14 +76,14 @@ fn add_missing(table: &FrameTable, missing: &mut Missing) {
     }
 }
 
-/// Forces in a table of contacts.
+/// Forces in a contact table.
 #[derive(Clone, Copy)]
 enum Forces {
-    /// The whole force on the first grain.
+    /// Total force on the first grain.
     OnFirst([usize; 3]),
     /// Normal and tangential force on the first grain.
     Parts([[usize; 3]; 2]),
-    /// The normal force, and the tangential force on the partner.
+    /// Normal force, and tangential force on the partner.
     Split(usize, [usize; 3]),
 }
 
@@ -98,7 +98,7 @@ impl Forces {
         whole().or_else(split).or_else(parts)
     }
 
-    /// Makes the contact of a row; none if its force is zero.
+    /// Makes the contact of a row; `None` if its force is zero.
     fn contact(
         self,
         row: &[f64],
@@ -124,15 +124,15 @@ pub(super) fn vector(row: &[f64], [x, y, z]: [usize; 3]) -> Vector3<f64> {
     Vector3::new(row[x], row[y], row[z])
 }
 
-/// Contacts of a frame as its files list them.
+/// Contacts of a frame, from its files.
 pub(super) struct ContactList<'a> {
     scene: &'a MeasuredScene,
     manifest: &'a Manifest,
     numbers: &'a Numbers,
     particles: &'a [Particle],
-    /// Contacts that bear a force.
+    /// Force-carrying contacts.
     pub contacts: Vec<Contact>,
-    /// Pairs of grains that are listed, whatever their forces: the smaller number first.
+    /// Listed pairs of grains, with or without a force: the smaller number first.
     pairs: BTreeSet<(u32, u32)>,
     /// Indices of the contacts of a grain with a wall.
     walls: BTreeMap<(u32, u32), Vec<usize>>,
@@ -149,7 +149,7 @@ impl<'a> ContactList<'a> {
         ContactList { scene, manifest, numbers, particles, contacts, pairs, walls }
     }
 
-    /// Grain of a number in the files, if the frame has it.
+    /// Returns the grain with a number of the files, if the frame has it.
     fn grain(&self, own: f64) -> Option<&'a Particle> {
         let id = self.numbers.get(&(own as i64)).filter(|_| own.fract() == 0.0)?;
         let index = self.particles.binary_search_by_key(id, |particle| particle.id).ok()?;
@@ -159,7 +159,7 @@ impl<'a> ContactList<'a> {
     /// Adds the rows of a table.
     ///
     /// # Errors
-    /// [`ImportError`] for a contact of grains or walls that are not there, that are apart, or that are listed twice.
+    /// [`ImportError`] for a contact of missing grains or walls, of separate grains or walls, or listed twice.
     pub fn add(&mut self, table: &FrameTable, columns: &Columns) -> Result<(), ImportError> {
         let period = self.scene.domain.period();
         for (index, row) in table.rows().enumerate() {
@@ -193,7 +193,7 @@ impl<'a> ContactList<'a> {
             let point = columns.point.map(|point| vector(row, point));
             let (point, towards) = geometry(first, second, point, period)
                 .ok_or_else(|| fault("a contact with a wall needs its point: px, py, pz".into()))?;
-            // No contact law reaches farther than a radius.
+            // No contact law has a cutoff beyond one radius.
             let (touch, reach) = second.map_or((first.radius, first.radius), |second| {
                 (first.radius + second.radius, first.radius.min(second.radius))
             });
@@ -215,7 +215,7 @@ impl<'a> ContactList<'a> {
                 return Err(fault(format!("the centres of {} coincide; give normals nx, ny, nz", both())));
             }
             if let Partner::Wall(wall) = partner {
-                // Triangles of one wall are touched at points of their own.
+                // Contacts with several triangles of one wall have a point each.
                 let known = self.walls.entry((first.id, wall)).or_default();
                 if table.first_id.is_none() && known.iter().any(|index| self.contacts[*index] == contact) {
                     return Err(fault(format!("{} are listed twice, at one point; list each contact once", both())));
@@ -227,7 +227,7 @@ impl<'a> ContactList<'a> {
         Ok(())
     }
 
-    /// Wall of the scene that a number of the files stands for.
+    /// Returns the wall of the scene for a wall number of the files.
     fn wall(&self, number: f64) -> Result<u32, String> {
         let stated = &self.manifest.walls;
         let count = if stated.is_empty() { self.scene.wall.len() } else { stated.len() };
@@ -237,11 +237,11 @@ impl<'a> ContactList<'a> {
         Ok(stated.get(number as usize).copied().unwrap_or(number as u32))
     }
 
-    /// Checks lists that are stated to be complete. Two grains that approach each other, and overlap by more than they approach in `step`
-    /// (s), the longest time by which positions are younger than contacts, press on each other.
+    /// Checks complete contact lists. Two grains are in contact if they approach each other and their overlap exceeds their approach in `step`
+    /// (s), the largest age difference between positions and contacts.
     ///
     /// # Errors
-    /// [`ImportError`] that names such a pair of which no list has the contact.
+    /// [`ImportError`] with the first pair in contact that no list has.
     pub fn check_complete(&self, tables: &[&FrameTable], step: f64) -> Result<(), ImportError> {
         let is_stated = |table: &&&FrameTable| table.first_id.is_none() && table.find(Column::Second).is_some();
         let Some(table) = tables.iter().find(is_stated) else { return Ok(()) };
@@ -265,7 +265,7 @@ impl<'a> ContactList<'a> {
     }
 }
 
-/// Contact point, and the vector from the first grain to the second, or to a wall; none where a wall's point is not known.
+/// Returns the contact point, and the vector from the first grain to the second, or to a wall; `None` if a wall's point is unknown.
 fn geometry(
     first: &Particle,
     second: Option<&Particle>,
@@ -281,7 +281,7 @@ fn geometry(
     Some((point.unwrap_or(between), towards))
 }
 
-/// Merges the contacts that a grain has with several triangles of one face of a wall; forces are summed.
+/// Merges the contacts of a grain with several triangles of one face of a wall; forces are summed.
 pub fn merge_wall_contacts(contacts: Vec<Contact>) -> Vec<Contact> {
     let mut merged: Vec<Contact> = Vec::with_capacity(contacts.len());
     let mut last_of = std::collections::HashMap::<(u32, u32), Vec<usize>>::new();
@@ -325,10 +325,10 @@ fn sum(a: &Contact, b: &Contact) -> Contact {
     }
 }
 
-/// Returns the frame, if its contacts are numbers that forces can be: huge ones pass as numbers in a file, and overflow in products.
+/// Returns the frame if the magnitudes of its contact forces are admissible: huge numbers in a file overflow in products.
 ///
 /// # Errors
-/// The grain whose force is too large.
+/// The grain with a force above the limit.
 pub fn measurable(frame: Snapshot) -> Result<Snapshot, String> {
     let finite = |contact: &Contact| {
         let vectors = [contact.normal, contact.tangential_force, contact.point];
@@ -340,7 +340,7 @@ pub fn measurable(frame: Snapshot) -> Result<Snapshot, String> {
     }
 }
 
-/// Makes a contact of the force on its first grain; none if that is zero.
+/// Makes a contact from the force on its first grain; `None` if the force is zero.
 pub fn contact_from_force(
     first: u32,
     second: Partner,

@@ -5,10 +5,10 @@ use super::table::{FrameTable, ImportError, Periods};
 use std::path::Path;
 use std::str::Lines;
 
-/// Reads every frame of a dump, with as many cells per row as its head has names.
+/// Reads all frames of a dump, with one cell per row for each name in its head.
 ///
 /// # Errors
-/// [`ImportError`] for anything that is not a whole dump, and for a cell that has a meaning and is not a finite number.
+/// [`ImportError`] for an incomplete dump, and for a cell with a meaning and without a finite number.
 pub(super) fn dump(file: &Path, text: &str, stated: &StatedColumns) -> Result<Vec<FrameTable>, ImportError> {
     let mut reader = Reader { file, lines: text.lines(), number: 0, text: "" };
     let mut frames = Vec::new();
@@ -22,8 +22,8 @@ pub(super) fn dump(file: &Path, text: &str, stated: &StatedColumns) -> Result<Ve
     Ok(frames)
 }
 
-/// Names of the columns of a dump, by the rules of its codes. After `c_`, `f_` and `v_` stands the name that a deck gives a compute, a fix
-/// or a variable: `v_x` is no velocity. A name that is listed again (`id type type x` in tutorials of LIGGGHTS) is the same property.
+/// Returns the names of the columns of a dump, by the rules of its codes. After `c_`, `f_` and `v_` follows the name of a compute, a fix
+/// or a variable in a deck: `v_x` is not a velocity. A name listed twice (`id type type x` in tutorials of LIGGGHTS) is the same property.
 fn of_code(names: &[&str]) -> Vec<String> {
     let is_given = |name: &str| ["c_", "f_", "v_"].iter().any(|prefix| name.starts_with(prefix));
     let name = |place: usize| match names[place] {
@@ -36,7 +36,7 @@ fn of_code(names: &[&str]) -> Vec<String> {
 
 struct Reader<'a> {
     file: &'a Path,
-    /// Lines behind the present one.
+    /// Lines after the present one.
     lines: Lines<'a>,
     /// Number of the present line, from 1.
     number: usize,
@@ -44,14 +44,14 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    /// Reads the head of the next frame: its table without rows, and their number; none at the end of the file.
+    /// Reads the head of the next frame: its table without rows, and their number; `None` at the end of the file.
     fn head(&mut self, stated: &StatedColumns) -> Result<Option<(FrameTable, u64)>, ImportError> {
         if !self.advance() {
             return Ok(None);
         }
         let mut time = None;
         while !self.text.starts_with("ITEM: TIMESTEP") {
-            // LAMMPS can state units and time before.
+            // LAMMPS can state units and time first.
             match self.text.trim_end() {
                 "ITEM: UNITS" => self.units()?,
                 "ITEM: TIME" => {
@@ -77,7 +77,7 @@ impl Reader<'_> {
         Ok(Some((FrameTable { line: self.number + 1, time, step: Some(step), periods, ..table }, count)))
     }
 
-    /// Reads the bounds of the box: lengths along the periodic axes, where the head names boundaries (`pp ff ff`).
+    /// Reads the bounds of the box: lengths along the periodic axes, if the head names boundaries (`pp ff ff`).
     fn periods(&mut self) -> Result<Option<Periods>, ImportError> {
         let words: Vec<&str> = self.text["ITEM: BOX BOUNDS".len()..].split_ascii_whitespace().collect();
         let is_boundary = |word: &&&str| word.len() == 2 && word.bytes().all(|letter| b"pfsm".contains(&letter));
@@ -112,7 +112,7 @@ impl Reader<'_> {
         Ok((flags.len() == 3).then_some(periods))
     }
 
-    /// Reads the next line; false at the end of the file.
+    /// Reads the next line; returns false at the end of the file.
     fn advance(&mut self) -> bool {
         self.number += 1;
         let line = self.lines.next();
@@ -134,7 +134,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Reads the units of the dump: numbers in others than SI would be taken for metres, seconds and newtons.
+    /// Reads the units of the dump: numbers in other units than SI would count as metres, seconds and newtons.
     fn units(&mut self) -> Result<(), ImportError> {
         self.next()?;
         match self.text.trim() {

@@ -1,4 +1,4 @@
-//! From the bytes of a file to its frames: the format by the first bytes; formats that are not read are refused by name.
+//! Frames from the bytes of a file: the first bytes determine the format; unsupported formats are refused by name.
 
 use super::columns::StatedColumns;
 use super::table::{FrameTable, ImportError};
@@ -9,10 +9,10 @@ use std::borrow::Cow;
 use std::io::Read;
 use std::path::Path;
 
-/// Reads the frames of a file, with the names of its columns where these are stated.
+/// Reads the frames of a file, with the stated names of its columns, if any.
 type Reader = fn(&Path, Vec<u8>, &StatedColumns) -> Result<Vec<FrameTable>, ImportError>;
 
-/// First bytes of formats that are read.
+/// First bytes of supported formats.
 const READ: [(&[u8], Reader); 6] = [
     (b"ITEM:", |file, bytes, columns| dump::dump(file, &whole_text(file, &bytes)?, columns)),
     (&HDF5, vtkhdf::hdf),
@@ -27,7 +27,7 @@ const READ: [(&[u8], Reader); 6] = [
     (b"#format ", |file, bytes, columns| text::yade(file, &whole_text(file, &bytes)?, columns)),
 ];
 
-/// First bytes of files that are not read, their format, and the remedy.
+/// First bytes of unsupported files, their format, and the remedy.
 const REFUSED: [(&[u8], &str); 10] = [
     (b"\x28\xb5\x2f\xfd", "it is compressed by zstd; unpack it, or compress it by gzip"),
     (b"BZh", "it is compressed by bzip2; unpack it, or compress it by gzip"),
@@ -44,10 +44,10 @@ const REFUSED: [(&[u8], &str); 10] = [
     (b"solid ", "it is a mesh in STL; give frames of grains"),
 ];
 
-/// Bytes that gzip makes of one byte at best.
+/// Largest compression ratio of gzip.
 const BEST_COMPRESSION: u64 = 1032;
 
-/// Reads the frames in the bytes of a file; any bytes are either frames or an error. `columns` names the columns, where these are stated.
+/// Reads the frames in the bytes of a file; all bytes are either frames or an error. `columns` states the names of the columns, if any.
 ///
 /// # Errors
 /// [`ImportError`] with file and line.
@@ -56,7 +56,7 @@ pub fn parse(file: &Path, bytes: Vec<u8>, columns: &StatedColumns) -> Result<Vec
     reader_of(file, &bytes)?(file, bytes, columns)
 }
 
-/// Refuses rows that may be cut off in the middle of a number. Bytes that are no text are refused where they are read.
+/// Refuses rows that may be cut off inside a number. Readers refuse bytes that are not text.
 fn whole_text<'b>(file: &Path, bytes: &'b [u8]) -> Result<Cow<'b, str>, ImportError> {
     if bytes.ends_with(b"\n") || bytes.ends_with(b"\r") || bytes.contains(&0) {
         return Ok(String::from_utf8_lossy(bytes));
@@ -67,10 +67,10 @@ fn whole_text<'b>(file: &Path, bytes: &'b [u8]) -> Result<Cow<'b, str>, ImportEr
     Err(ImportError::new(file, line, problem))
 }
 
-/// Unpacks gzip; other bytes stay as they are.
+/// Decompresses gzip; other bytes are unchanged.
 ///
 /// # Errors
-/// [`ImportError`] for a damaged or cut file.
+/// [`ImportError`] for a damaged or truncated file.
 pub(super) fn unpacked(file: &Path, bytes: Vec<u8>) -> Result<Vec<u8>, ImportError> {
     if !bytes.starts_with(&[0x1f, 0x8b]) {
         return Ok(bytes);
@@ -86,7 +86,7 @@ pub(super) fn unpacked(file: &Path, bytes: Vec<u8>) -> Result<Vec<u8>, ImportErr
 /// Finds the reader of a file by its first bytes.
 ///
 /// # Errors
-/// [`ImportError`] that names a format that is not read.
+/// [`ImportError`] with the name of an unsupported format.
 fn reader_of(file: &Path, bytes: &[u8]) -> Result<Reader, ImportError> {
     let refused = |problem: &str| Err(ImportError::new(file, 1, problem));
     if bytes.is_empty() {

@@ -8,7 +8,7 @@ use crate::plan::MeasuredScene;
 use crate::recording::Content;
 use std::path::Path;
 
-/// Relative difference within which two times are one: files have six digits.
+/// Relative tolerance of equal times: files have six digits.
 const SAME_TIME: f64 = 1e-6;
 
 /// Frame of grains with its time.
@@ -21,7 +21,7 @@ pub(super) struct Frame<'t> {
     pub is_measured: bool,
 }
 
-/// Files of a run, put together step by step; statements that are missing are reported at once.
+/// Files of a run during assembly; missing statements are reported together.
 pub(super) struct Assembly<'a> {
     pub scene: &'a MeasuredScene,
     pub manifest: &'a Manifest,
@@ -32,11 +32,11 @@ pub(super) struct Assembly<'a> {
 }
 
 impl<'a> Assembly<'a> {
-    /// Puts the frames of all files in the order of time.
+    /// Sorts the frames of all files by time.
     ///
     /// # Errors
-    /// [`ImportError`] for two frames of one time, for more grains than the scene has, and for measured frames without contacts where others
-    /// have some.
+    /// [`ImportError`] for two frames of one time, for more grains than the scene has, and for measured frames without contacts if other frames
+    /// have contacts.
     pub fn frames(&mut self) -> Result<Vec<Frame<'a>>, ImportError> {
         let tables = &self.tables.grains;
         let (mut frames, mut has_times) = (Vec::with_capacity(tables.len()), true);
@@ -64,7 +64,7 @@ impl<'a> Assembly<'a> {
         Ok(frames)
     }
 
-    /// Time of a frame, s, as its file or the manifest states it; adds the lines of a manifest that would state it, where it is missing.
+    /// Returns the time of a frame, s, from its file or the manifest; adds the manifest lines for a missing time.
     fn time_of(&mut self, table: &FrameTable, key: &str) -> Option<f64> {
         let by_step = || Some(table.step? as f64 * self.manifest.time_step?);
         let time = table.time.or_else(by_step).or(self.manifest.time);
@@ -86,14 +86,14 @@ impl<'a> Assembly<'a> {
         None
     }
 
-    /// Puts frames in the order of time, each time once, and finds those that are measured.
+    /// Sorts frames by time, each time once, and finds the measured frames.
     ///
     /// # Errors
     /// [`ImportError`] for two frames of one time.
     fn sort(&mut self, frames: &mut Vec<Frame<'a>>) -> Result<(), ImportError> {
         let all = frames.len();
         frames.sort_by(|a, b| a.time.total_cmp(&b.time));
-        // A code that is started twice writes the frame in between twice.
+        // A restarted code writes the frame at the restart twice.
         frames.dedup_by(|later, earlier| {
             let same = |frame: &Frame<'a>| (&frame.grains.columns, &frame.grains.values);
             is_same_time(earlier.time, later.time) && same(later) == same(earlier)
@@ -120,10 +120,10 @@ impl<'a> Assembly<'a> {
         Ok(())
     }
 
-    /// Notes frames with fewer grains than the scene.
+    /// Adds a note on frames with fewer grains than the scene.
     ///
     /// # Errors
-    /// [`ImportError`] where a frame has more grains than the scene.
+    /// [`ImportError`] for a frame with more grains than the scene.
     fn count(&mut self, frames: &[Frame<'_>]) -> Result<(), ImportError> {
         let wanted = self.scene.grain_count();
         if let Some(frame) = frames.iter().find(|frame| frame.grains.rows().len() > wanted) {
@@ -143,7 +143,7 @@ impl<'a> Assembly<'a> {
         Ok(())
     }
 
-    /// Adds tables of contacts to the frames of their times.
+    /// Adds contact tables to the frames of their times.
     fn add_contacts(&mut self, frames: &mut [Frame<'a>]) -> Result<(), ImportError> {
         let tables = &self.tables.contacts;
         let mut strangers = 0;
@@ -174,7 +174,7 @@ impl<'a> Assembly<'a> {
                 "{strangers} frames of contacts have no frame of grains at their time: they are not measured"
             ));
         }
-        // A frame of which no file lists contacts would count as one without contacts.
+        // A frame missing from all contact files would count as a frame without contacts.
         for (column, content) in [(Column::Second, Content::Contacts), (Column::Wall, Content::WallContacts)] {
             let has = |table: &&FrameTable| table.find(column).is_some();
             let lists = |frame: &Frame<'_>| frame.contacts.iter().any(&has);
@@ -193,12 +193,12 @@ impl<'a> Assembly<'a> {
     }
 }
 
-/// Reports whether two times are one but for the digits of files.
+/// Returns true if two times are equal within the digits of files.
 fn is_same_time(one: f64, other: f64) -> bool {
     (one - other).abs() <= SAME_TIME * one.abs().max(other.abs())
 }
 
-/// Name of a file with `{step}` in place of its last number, which may be its extension (`grains.100`).
+/// Returns the name of a file with `{step}` instead of its last number, which may be its extension (`grains.100`).
 fn numbered_pattern(file: &Path) -> String {
     let name = file.file_name().unwrap_or_default().to_string_lossy();
     let is_digit = |letter: char| letter.is_ascii_digit();

@@ -1,8 +1,8 @@
-//! Grain of the scene that a row is: by numbers that are stated to be the scene's, or else by the material and the radius that the file
-//! states.
+//! Identity of grains: maps the rows of files to the scene's grains, by declared scene numbers, or else by the material and the radius in the
+//! file.
 //!
-//! Grains of one kind (a population, or listed grains that are alike) are interchangeable but for their numbers; those stand in the order of
-//! the file's. A grain that fits several kinds is refused.
+//! Grains of one kind (a population, or identical listed grains) are interchangeable except for their numbers, which follow the order of the
+//! file's numbers. Grains that match several kinds are refused.
 
 use super::columns::Column;
 use super::frames::{Assembly, Frame};
@@ -13,7 +13,7 @@ use crate::recording::SAME_SIZE;
 use makadam::scene::populate;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Numbers that a code gives its grains, and those of the scene.
+/// Grain numbers of a code, and the numbers of the scene.
 pub(super) type Numbers = BTreeMap<i64, u32>;
 
 /// Statement of the files about one grain, over all frames.
@@ -24,12 +24,12 @@ struct Row<'t> {
     row: usize,
 }
 
-/// Grains of frames, matched with those of a scene.
+/// Grains of frames, matched with the grains of a scene.
 pub(super) struct Identity<'a> {
     scene: &'a MeasuredScene,
     manifest: &'a Manifest,
     groups: Vec<Alike>,
-    /// Number in the files of the scene's first grain, where they number grains as the scene does.
+    /// File number of the scene's first grain, for files with the scene's numbering.
     first_id: Option<i64>,
 }
 
@@ -40,15 +40,15 @@ impl<'a> Identity<'a> {
         Identity { scene, manifest, groups: Roster::new(scene).groups, first_id: manifest.first_id.or(own) }
     }
 
-    /// Number of the grain in a row of a file; rows without numbers count from the first.
+    /// Returns the grain number of a row of a file; rows without numbers count from the first.
     pub fn own_number(&self, id: Option<usize>, row: usize, cells: &[f64]) -> f64 {
         id.map_or_else(|| (self.first_id.unwrap_or(0) + row as i64) as f64, |column| cells[column])
     }
 
-    /// Numbers of the scene of the grains of all frames.
+    /// Returns the scene numbers of the grains of all frames.
     ///
     /// # Errors
-    /// [`ImportError`] where a number changes its grain, or is none of the scene's.
+    /// [`ImportError`] for a number that changes its grain, or that the scene lacks.
     pub fn numbers(&self, frames: &[Frame<'_>], missing: &mut Missing) -> Result<Numbers, ImportError> {
         self.check_unnumbered(frames, missing)?;
         let rows = self.rows_by_number(frames)?;
@@ -96,8 +96,8 @@ impl<'a> Identity<'a> {
         Ok(numbers)
     }
 
-    /// Radii of the scene's grains by number, m, for files without radii: where each kind has one, or where grains are stated to be numbered
-    /// and placed as the scene does.
+    /// Returns the scene's radii by grain number, m, for files without radii: for kinds with a single radius, or for declared numbering and
+    /// placement of the scene.
     pub fn radii(&self, table: &FrameTable, assembly: &mut Assembly<'_>) -> Result<Vec<f64>, ImportError> {
         let Assembly { missing, notes, .. } = assembly;
         if self.groups.iter().all(|group| group.radii.0 == group.radii.1) {
@@ -143,7 +143,7 @@ impl<'a> Identity<'a> {
         Ok(())
     }
 
-    /// Number of the scene where the files number grains as the scene does, from `first` on.
+    /// Returns the scene number for files with the scene's numbering from `first`.
     fn as_the_scene(&self, first: i64, own: i64, row: &Row<'_>) -> Result<u32, ImportError> {
         let last = first + self.scene.grain_count() as i64 - 1;
         let fault = |problem: String| Err(row.table.fault(row.row, problem));
@@ -169,23 +169,23 @@ impl<'a> Identity<'a> {
         }
     }
 
-    /// Name of the material of a group.
+    /// Returns the name of the material of a group.
     fn material(&self, group: &Alike) -> &str {
         self.scene.material.keys().nth(usize::from(group.kind.material)).map_or("", String::as_str)
     }
 
-    /// Reports whether the value of a table of kinds names a group: by material, or as `population.1`.
+    /// Returns true if the value of a table of kinds names a group: by material, or as `population.1`.
     fn is_named(&self, group: &Alike, name: &str) -> bool {
         self.material(group) == name || group.kind.population.is_some_and(|index| name == format!("population.{index}"))
     }
 
-    /// Material or population that a value stands for, as far as it is stated.
+    /// Returns the declared material or population of a value.
     fn name_of<'n>(&'n self, kind: &'n str) -> Option<&'n str> {
         let stated = self.manifest.kinds.get(kind).map(String::as_str);
         stated.or_else(|| self.scene.material.get_key_value(kind).map(|(name, _)| &**name))
     }
 
-    /// Adds the line that would state the kind of a grain.
+    /// Adds the manifest line for the kind of a grain.
     fn add_missing(&self, row: &Row<'_>, kinds: &BTreeSet<&str>, missing: &mut Missing) {
         if row.kind.is_none() {
             let meaning = "number of the scene's first grain, where grains are numbered as in the scene, listed ones first and then those of \
@@ -197,14 +197,14 @@ impl<'a> Identity<'a> {
         missing.add(row.table, row.row, format!("kinds = {{ {} }}", pairs.join(", ")), meaning);
     }
 
-    /// Radii of the scene, for messages.
+    /// Returns the radii of the scene, for messages.
     fn radii_text(&self) -> String {
         let (low, high) =
             (self.groups.iter().map(|group| group.radii.0), self.groups.iter().map(|group| group.radii.1));
         range((low.fold(f64::INFINITY, f64::min), high.fold(0.0, f64::max)))
     }
 
-    /// Radius and kind of each number, as far as the files state them.
+    /// Returns the radius and kind of each number, as far as the files state them.
     fn rows_by_number<'t>(&self, frames: &[Frame<'t>]) -> Result<BTreeMap<i64, Row<'t>>, ImportError> {
         let mut all: BTreeMap<i64, Row<'t>> = BTreeMap::new();
         for Frame { grains: table, .. } in frames {
@@ -245,7 +245,7 @@ fn has_radius(group: &Alike, radius: f64) -> bool {
     (group.radii.0 * (1.0 - SAME_SIZE)..=group.radii.1 * (1.0 + SAME_SIZE)).contains(&radius)
 }
 
-/// A range of radii, for messages.
+/// Formats a range of radii, for messages.
 fn range((low, high): (f64, f64)) -> String {
     if low == high { format!("{low} m") } else { format!("{low} to {high} m") }
 }

@@ -6,10 +6,10 @@ use super::table::{FrameTable, ImportError, Named, is_wanted, table_of};
 use crate::run_frames::columns::Number;
 use std::path::Path;
 
-/// Cells of polygonal data, in the order of the format, and those of an unstructured grid.
+/// Cell groups of polygonal data, in the order of the format, and the cells of an unstructured grid.
 const CELLS: [&str; 5] = ["VERTICES", "LINES", "POLYGONS", "TRIANGLE_STRIPS", "CELLS"];
 
-/// Kind of the numbers of an array; none for bits.
+/// Number type of an array; `None` for bits.
 type Type = Option<Number>;
 
 fn type_of(name: &str) -> Option<Type> {
@@ -30,7 +30,7 @@ fn type_of(name: &str) -> Option<Type> {
     }))
 }
 
-/// Position in a file, and what was read before.
+/// Reader position, and the data read so far.
 struct Reader<'a> {
     stated: &'a StatedColumns,
     bytes: &'a [u8],
@@ -42,13 +42,13 @@ struct Reader<'a> {
     lines: usize,
     /// Arrays over points, and over cells.
     arrays: [Vec<Named>; 2],
-    /// Arrays that the next ones belong to; none for those of the whole file.
+    /// Section of the following arrays; absent for arrays of the whole file.
     section: Option<usize>,
     /// Tuples of each array of the section.
     tuples: usize,
 }
 
-/// Line and problem.
+/// Line and message.
 type Fault = (usize, String);
 
 impl<'a> Reader<'a> {
@@ -56,7 +56,7 @@ impl<'a> Reader<'a> {
         Err((self.line, problem.into()))
     }
 
-    /// The rest of a line, without its end.
+    /// Returns the rest of a line, without the line end.
     fn rest_of_line(&mut self) -> &'a [u8] {
         let rest = &self.bytes[self.at..];
         let end = rest.iter().position(|byte| *byte == b'\n');
@@ -65,7 +65,7 @@ impl<'a> Reader<'a> {
         &rest[..end.unwrap_or(rest.len())]
     }
 
-    /// The next word; none at the end of the file.
+    /// Returns the next word; `None` at the end of the file.
     fn word(&mut self) -> Option<&'a [u8]> {
         while let Some(byte) = self.bytes.get(self.at).filter(|byte| byte.is_ascii_whitespace()) {
             self.line += usize::from(*byte == b'\n');
@@ -96,13 +96,13 @@ impl<'a> Reader<'a> {
         type_of(word).map_or_else(|| self.fault(format!("'{word}' is no type of numbers")), Ok)
     }
 
-    /// Passes over the description of an array, which ends with an empty line.
+    /// Skips the description of an array, which ends with an empty line.
     fn pass_metadata(&mut self) {
         self.rest_of_line();
         while self.at < self.bytes.len() && !self.rest_of_line().trim_ascii().is_empty() {}
     }
 
-    /// The numbers of an array; none where they are not wanted.
+    /// Reads the numbers of an array; `None` if not wanted.
     fn numbers(&mut self, name: &str, kind: Type, count: usize, wanted: bool) -> Result<Option<Vec<f64>>, Fault> {
         if self.is_binary {
             self.rest_of_line();
@@ -131,14 +131,14 @@ impl<'a> Reader<'a> {
         Ok(wanted.then_some(numbers))
     }
 
-    /// Passes over texts.
+    /// Skips texts.
     fn pass_texts(&mut self, name: &str, count: usize) -> Result<(), Fault> {
         if !self.is_binary {
             return (0..count).try_for_each(|_| self.text(name).map(|_| ()));
         }
         self.rest_of_line();
         for _ in 0..count {
-            // The first two bits state how many bytes the length has.
+            // The first two bits give the number of bytes of the length.
             let size = self.bytes.get(self.at).map_or(1, |first| 8 >> (first >> 6));
             let own = self.bytes.get(self.at..self.at + size).unwrap_or_default();
             let length = own.iter().fold(0_usize, |sum, byte| sum << 8 | usize::from(*byte)) & !(3 << (8 * size - 2));
@@ -178,7 +178,7 @@ pub(super) fn legacy_vtk(file: &Path, bytes: &[u8], stated: &StatedColumns) -> R
 
 impl Reader<'_> {
     fn read(&mut self) -> Result<(), Fault> {
-        // Before the third line there are a version, and words of the writer.
+        // The first two lines hold a version and a title.
         self.rest_of_line();
         self.rest_of_line();
         let encoding = self.text("ASCII or BINARY")?;
@@ -249,7 +249,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Components behind `SCALARS name type`, and the line of the table of colours.
+    /// Reads the number of components after `SCALARS name type`, and the line of the table of colours.
     fn scalars(&mut self) -> Result<usize, Fault> {
         let mut word = self.text("LOOKUP_TABLE")?;
         let mut components = 1;
@@ -267,11 +267,11 @@ impl Reader<'_> {
         Ok(components)
     }
 
-    /// Passes over the points of cells, in either of the two ways in which versions write them.
+    /// Skips the points of cells, in either layout of the format versions.
     fn pass_cells(&mut self, cells: &str) -> Result<(), Fault> {
         let [first, second] = [self.count("number of cells")?, self.count("number of numbers")?];
         let (at, line) = (self.at, self.line);
-        // Since version 5 there are offsets, one more than cells, and points.
+        // From version 5: offsets, one more than cells, and points.
         let has_offsets = matches!(self.word(), Some(b"OFFSETS"));
         if has_offsets {
             let kind = self.number_type()?;
@@ -292,7 +292,7 @@ impl Reader<'_> {
 
     fn field_array(&mut self) -> Result<(), Fault> {
         let mut name = self.text("a name")?.to_string();
-        // A description of the array before stands between.
+        // The description of the previous array precedes the next array.
         if name == "METADATA" {
             self.pass_metadata();
             name = self.text("a name")?.to_string();
@@ -316,7 +316,7 @@ impl Reader<'_> {
         self.section.is_some() && is_wanted(name, components, self.stated)
     }
 
-    /// Reads an array, or passes over it.
+    /// Reads an array, or skips it.
     fn array(&mut self, name: &str, components: usize, kind: Type, rows: usize) -> Result<(), Fault> {
         let numbers = self.numbers(name, kind, components.saturating_mul(rows), self.is_wanted(name, components))?;
         if let Some(section) = self.section {
@@ -326,7 +326,7 @@ impl Reader<'_> {
     }
 }
 
-/// Reports whether a file says that its arrays are binary.
+/// Returns true if a file declares its arrays as binary.
 pub(super) fn is_binary(bytes: &[u8]) -> bool {
     bytes.splitn(4, |byte| *byte == b'\n').nth(2).is_some_and(|line| line.trim_ascii() == b"BINARY")
 }

@@ -1,4 +1,4 @@
-//! Manifest of frames: a TOML file that names the files of a run and states what they do not. `docs/own-code.md` lists the keys.
+//! Manifest of frames: a TOML file with the names of a run's files and statements missing from them. `docs/own-code.md` lists the keys.
 //!
 //! ```toml
 //! grains = ["grains_{step}.csv"]
@@ -16,11 +16,11 @@ use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Files of a run, and statements about them that the files do not make.
+/// Files of a run, and further statements about them.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
 pub struct Manifest {
-    /// Folder from which files are named.
+    /// Base folder of file names.
     #[serde(skip)]
     pub folder: PathBuf,
     /// Name of the code, in tables and pictures.
@@ -33,23 +33,23 @@ pub struct Manifest {
     pub grains: Vec<FilePattern>,
     /// Files of contacts.
     pub contacts: Vec<FilePattern>,
-    /// Names of the columns of grains, in place of those in the files.
+    /// Names of the columns of grains, replacing the names in the files.
     pub columns: StatedColumns,
     /// Names of the columns of contacts.
     pub contact_columns: StatedColumns,
-    /// Time between frames whose numbers differ by one, s: the time step, where frames are numbered by steps.
+    /// Time between frames with consecutive numbers, s: the time step, if frames are numbered by steps.
     pub time_step: Option<f64>,
     /// Time of the only frame, s.
     pub time: Option<f64>,
     /// True if the files of contacts list all contacts of their frames.
     pub contacts_complete: bool,
-    /// Number in the files of the scene's first grain, where they number grains as the scene does.
+    /// File number of the scene's first grain, for files with the scene's numbering.
     pub first_id: Option<i64>,
-    /// Seed by which the grains were placed as the scene places them; with `first_id` it states their radii.
+    /// Seed of the scene's grain positions; with `first_id`, determines their radii.
     pub seed: Option<u64>,
-    /// Material, or population, that a value of the column `type` or `material` stands for.
+    /// Material or population for each value of the column `type` or `material`.
     pub kinds: BTreeMap<String, String>,
-    /// Walls of the scene that the numbers of the column `wall` stand for; empty where these are the scene's own.
+    /// Walls of the scene for the numbers of the column `wall`; empty if these are the scene's own.
     pub walls: Vec<u32>,
 }
 
@@ -86,10 +86,10 @@ impl Manifest {
         Ok(Manifest { folder: file.parent().unwrap_or(Path::new("")).to_path_buf(), ..manifest })
     }
 
-    /// Checks that `kinds` and `walls` name what the scene has.
+    /// Checks that `kinds` and `walls` name items of the scene.
     ///
     /// # Errors
-    /// The key, its value and what the scene has.
+    /// The key, its value and the names in the scene.
     pub fn check(&self, scene: &MeasuredScene) -> Result<(), String> {
         let known = known_kinds(scene);
         if let Some((value, name)) = self.kinds.iter().find(|(_, name)| !known.contains(name)) {
@@ -101,13 +101,13 @@ impl Manifest {
         }
     }
 
-    /// Files of a pattern below the folder, in the order of their names.
+    /// Returns the files of a pattern below the folder, in the order of their names.
     ///
     /// # Errors
-    /// [`ImportError`] where there is none.
+    /// [`ImportError`] if there is no file.
     pub fn files(&self, pattern: &FilePattern) -> Result<Vec<PathBuf>, ImportError> {
         let whole = self.folder.join(&pattern.0);
-        // A name without wildcards is taken as it is: a missing file is reported where it is read.
+        // A name without wildcards is used unchanged: a missing file is reported when it is read.
         if whole.exists() || !pattern.glob().contains(['*', '?', '[']) {
             return Ok(vec![whole]);
         }
@@ -124,14 +124,14 @@ impl Manifest {
     }
 }
 
-/// Names that `kinds` may use: materials, and populations by their numbers.
+/// Returns the names for `kinds`: materials, and populations by their numbers.
 pub(super) fn known_kinds(scene: &MeasuredScene) -> Vec<String> {
     let populations = (0..scene.population.len()).map(|number| format!("population.{number}"));
     scene.material.keys().cloned().chain(populations).collect()
 }
 
-/// Name of files: `*` stands for any letters; in the last part, without other wildcards there, `{step}` stands for the number of a step and
-/// `{time}` for a time in seconds.
+/// Pattern of file names: `*` matches any letters. In the last part, without other wildcards there, `{step}` matches a step number and
+/// `{time}` a time in seconds.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(transparent)]
 pub struct FilePattern(String);
@@ -142,7 +142,7 @@ impl From<&str> for FilePattern {
     }
 }
 
-/// Statement of a file's name about the time of its frame.
+/// Time or step of a frame, from the name of its file.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Stamp {
     pub step: Option<u64>,
@@ -150,17 +150,17 @@ pub(super) struct Stamp {
 }
 
 impl FilePattern {
-    /// The pattern as it is written.
+    /// Returns the text of the pattern.
     pub fn text(&self) -> &str {
         &self.0
     }
 
-    /// The pattern with `*` in place of a number.
+    /// Returns the pattern with `*` instead of a number.
     pub fn glob(&self) -> String {
         self.0.replace("{step}", "*").replace("{time}", "*")
     }
 
-    /// Reads step or time from the name of a file; none where no number stands there.
+    /// Reads step or time from the name of a file; `None` without a number there.
     pub(super) fn stamp(&self, file: &Path) -> Option<Stamp> {
         let pattern = self.0.rsplit('/').next()?;
         let number = |(head, tail): (&str, &str)| file.file_name()?.to_str()?.strip_prefix(head)?.strip_suffix(tail);
@@ -172,16 +172,16 @@ impl FilePattern {
     }
 }
 
-/// Statements that neither the files nor the manifest make: lines of a manifest, with their meaning.
+/// Statements missing from the files and the manifest: lines of a manifest, with their meaning.
 #[derive(Default)]
 pub(super) struct Missing {
     lines: Vec<[String; 2]>,
-    /// File and line at which the first of them is missing.
+    /// File and line of the first missing statement.
     fault: Option<ImportError>,
 }
 
 impl Missing {
-    /// Adds a line, unless it is there.
+    /// Adds a line, unless present.
     pub fn add(&mut self, table: &FrameTable, row: usize, line: impl Into<String>, meaning: impl Into<String>) {
         let line = [line.into(), meaning.into()];
         if !self.lines.contains(&line) {

@@ -1,11 +1,11 @@
-//! Frames of any code, read by what their files and a manifest state.
+//! Frames of any code, read from files and a manifest.
 //!
 //! ```text
 //! file ─> dump, text, VTK ─> FrameTable: columns with a meaning ─> assemble, with scene and manifest ─> Recording, as of a run
 //! ```
 //!
-//! A column is taken by its name, as the file or the manifest gives it, never by its index. Nothing is guessed: what neither states is
-//! refused with the line of the manifest to add, or the [`Recording`] says that its frames lack it, and what would need it is not measured.
+//! Columns are identified by their names in the file or the manifest, never by their index. Nothing is guessed. Missing statements are
+//! refused with the manifest line to add, or the [`Recording`] lists missing contents, and observables that need them are not measured.
 
 mod columns;
 mod contacts;
@@ -39,7 +39,7 @@ use nalgebra::Vector3;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// Grains and contacts as tables, as files hold them.
+/// Grains and contacts as tables, in the layout of the files.
 #[derive(Clone, Debug, Default)]
 pub struct Tables {
     /// Frames of grains.
@@ -67,10 +67,10 @@ impl Tables {
         Ok(tables)
     }
 
-    /// Adds the frames of a file of grains or of contacts; a single one without time and step has those that its name states.
+    /// Adds the frames of a file of grains or of contacts. The file name gives the time or step of a single frame that states neither.
     ///
     /// # Errors
-    /// [`ImportError`] with file and line, also for a file that has been read, by this name or another one: its frames would count twice.
+    /// [`ImportError`] with file and line, also for a file read before, under this name or another one: its frames would count twice.
     pub fn add(
         &mut self,
         is_contacts: bool,
@@ -100,10 +100,10 @@ impl Tables {
     }
 }
 
-/// Puts the frames of files together; notes for the reader are among those of the recording.
+/// Assembles the frames of files; notes for the reader are among the notes of the recording.
 ///
 /// # Errors
-/// [`ImportError`] with file and line: statements that are missing, or contradict the scene or one another.
+/// [`ImportError`] with file and line: missing statements, or statements inconsistent with the scene or with each other.
 pub fn assemble(scene: &MeasuredScene, manifest: &Manifest, tables: &Tables) -> Result<Recording, ImportError> {
     if tables.grains.is_empty() {
         return Err(ImportError::new(Path::new("-"), 1, "no file has a frame; give files of grains"));
@@ -146,12 +146,12 @@ pub fn assemble(scene: &MeasuredScene, manifest: &Manifest, tables: &Tables) -> 
     }
     let code = manifest.name.as_deref().unwrap_or("frames");
     let version = manifest.version.as_deref().unwrap_or("unknown");
-    // Frames state no step of the code; the one by which they are numbered need not be it.
+    // Frames do not state the code's time step, which can differ from the step in their numbers.
     let recording = Recording::new(scene, code, version, manifest.seed.unwrap_or(scene.seed), snapshots);
     Ok(Recording { lacks: lacks(scene, tables), notes: assembly.notes, ..recording })
 }
 
-/// Contents that some frames lack.
+/// Returns the contents that some frames lack.
 fn lacks(scene: &MeasuredScene, tables: &Tables) -> Vec<Content> {
     let driven: Vec<u32> =
         (0..).zip(&scene.wall).filter(|(_, wall)| wall.motion.is_driven()).map(|(wall, _)| wall).collect();
@@ -169,7 +169,7 @@ fn lacks(scene: &MeasuredScene, tables: &Tables) -> Vec<Content> {
     has.into_iter().filter(|(_, has)| !has).map(|(content, _)| content).collect()
 }
 
-/// Longest time step that the code can have had, s: none where velocities or times do not state it.
+/// Returns the longest possible time step of the code, s; `None` if velocities or times do not determine it.
 fn longest_step(manifest: &Manifest, frames: &[Frame<'_>]) -> Option<f64> {
     let has_velocities = frames.iter().all(|frame| frame.grains.vector(Column::Velocity).is_some());
     let between = frames.array_windows().map(|[one, other]| other.time - one.time);
@@ -177,7 +177,7 @@ fn longest_step(manifest: &Manifest, frames: &[Frame<'_>]) -> Option<f64> {
     (has_velocities && step.is_finite()).then_some(step)
 }
 
-/// Refuses a file whose periodic box is another one than the scene's: contacts and overlaps across it would be others.
+/// Refuses a file with another periodic box than the scene: contacts and overlaps across its ends would differ.
 fn same_box(table: &FrameTable, domain: &Domain) -> Result<(), ImportError> {
     let Some(Periods { lengths, rounding }) = table.periods else { return Ok(()) };
     let period = domain.period();
@@ -198,7 +198,7 @@ fn same_box(table: &FrameTable, domain: &Domain) -> Result<(), ImportError> {
     Ok(())
 }
 
-/// Columns of the coordinates.
+/// Returns the columns of the coordinates.
 fn position(table: &FrameTable) -> Result<[usize; 3], ImportError> {
     let is_scaled = table.unread.iter().any(|name| ["xs", "xsu"].contains(&name.as_str()));
     table.vector(Column::Position).ok_or_else(|| {
@@ -212,7 +212,7 @@ fn position(table: &FrameTable) -> Result<[usize; 3], ImportError> {
     })
 }
 
-/// Grains of a frame in the order of their numbers, at their images in the domain along periodic axes.
+/// Returns the grains of a frame in the order of their numbers, at their images in the domain along periodic axes.
 fn particles(
     table: &FrameTable,
     identity: &Identity<'_>,
@@ -241,14 +241,14 @@ fn particles(
     }
 }
 
-/// Image of a point that lies in the domain, as far as it is periodic; a point inside keeps its bits.
+/// Returns the image of a point in the domain along periodic axes; a point inside is unchanged to the bit.
 fn image(domain: &Domain, point: Vector3<f64>) -> Vector3<f64> {
     let wrapped = domain.period().wrapped(&point, &domain.min.into());
     let is_inside = |axis: usize| (domain.min[axis]..domain.max[axis]).contains(&point[axis]);
     Vector3::from_fn(|axis, _| if is_inside(axis) { point[axis] } else { wrapped[axis] })
 }
 
-/// Notes on measured frames: grains outside the domain, and forces none of which pushes.
+/// Returns notes on measured frames: grains outside the domain, and forces without any repulsive one.
 pub fn unlike<'f>(scene: &MeasuredScene, frames: impl Iterator<Item = &'f Snapshot> + Clone) -> Vec<String> {
     let may_leave = scene.watch.on_escape == Reaction::Ignore;
     let outside = frames.clone().find_map(|frame| outside_domain(frame, scene)).filter(|_| !may_leave);

@@ -12,7 +12,7 @@ pub struct FrameTable {
     pub file: PathBuf,
     /// Line of the frame, from 1; 1 where the file has no lines.
     pub line: usize,
-    /// Lines of the rows, from 1, where the file has lines.
+    /// Lines of the rows, from 1, if the file has lines.
     pub lines: Vec<usize>,
     /// Simulated time, s, if the file or its name states it.
     pub time: Option<f64>,
@@ -20,21 +20,21 @@ pub struct FrameTable {
     pub step: Option<u64>,
     /// Names of the columns that have a meaning.
     pub columns: Vec<String>,
-    /// Their meanings.
+    /// Meanings of these columns.
     pub meanings: Vec<Column>,
-    /// Their places among the columns of the file.
+    /// Indices of these columns among the columns of the file.
     pub places: Vec<usize>,
-    /// Names of the columns that have no meaning: these are not read.
+    /// Names of the columns without a meaning, which are not read.
     pub unread: Vec<String>,
-    /// Numbers, row after row; NaN for a cell that holds no finite number.
+    /// Numbers, row after row; NaN for a cell without a finite number.
     pub values: Vec<f64>,
-    /// Cells that hold no finite number, by their index in `values`.
+    /// Cells without a finite number, by their index in `values`.
     pub words: BTreeMap<usize, String>,
     /// Periodic box, if the file states it.
     pub periods: Option<Periods>,
-    /// Number of the scene's first grain, in files of Makadam: these number grains as the scene does, and list all contacts.
+    /// Number of the scene's first grain, in files of Makadam, which use the scene's grain numbers and list all contacts.
     pub first_id: Option<i64>,
-    /// Poses of the driven walls, if the file states them.
+    /// Poses of the dynamic walls, if the file states them.
     pub driven_walls: Vec<DrivenWall>,
 }
 
@@ -43,52 +43,52 @@ pub struct FrameTable {
 pub struct Periods {
     /// Lengths along the periodic axes (m), zero along the others.
     pub lengths: [f64; 3],
-    /// Error of the lengths by the digits of the file, m.
+    /// Rounding error of the lengths from the digits of the file, m.
     pub rounding: f64,
 }
 
 impl FrameTable {
-    /// Rows of numbers.
+    /// Returns the rows of numbers.
     pub fn rows(&self) -> impl ExactSizeIterator<Item = &[f64]> {
         self.values.chunks_exact(self.columns.len().max(1))
     }
 
-    /// Text of a cell that holds no finite number.
+    /// Returns the text of a cell without a finite number.
     pub fn word(&self, row: usize, column: usize) -> Option<&str> {
         self.words.get(&(row * self.columns.len() + column)).map(String::as_str)
     }
 
-    /// Index of a column, if the table has it.
+    /// Returns the index of a column, if the table has it.
     pub fn find(&self, column: Column) -> Option<usize> {
         self.meanings.iter().position(|known| *known == column)
     }
 
-    /// Indices of three components, if the table has them all.
+    /// Returns the indices of three components, if the table has all of them.
     pub(super) fn vector(&self, of: OfComponent) -> Option<[usize; 3]> {
         let [x, y, z] = [0, 1, 2].map(|axis| self.find(of(axis)));
         Some([x?, y?, z?])
     }
 
-    /// Index of the radius or the diameter, and the factor that makes it a radius.
+    /// Returns the index of the radius or the diameter, and the factor from it to the radius.
     pub(super) fn radius(&self) -> Option<(usize, f64)> {
         let of_diameter = || Some((self.find(Column::Diameter)?, 0.5));
         self.find(Column::Radius).map(|place| (place, 1.0)).or_else(of_diameter)
     }
 
-    /// Names of all columns, for an error.
+    /// Returns the names of all columns, for an error.
     pub(super) fn names(&self) -> String {
         self.columns.iter().chain(&self.unread).map(String::as_str).collect::<Vec<_>>().join(", ")
     }
 
-    /// Number of columns of the file.
+    /// Returns the number of columns of the file.
     pub(super) fn width(&self) -> usize {
         self.columns.len() + self.unread.len()
     }
 
-    /// Adds the cells of a line that have a meaning.
+    /// Adds the cells of a line in columns with a meaning.
     ///
     /// # Errors
-    /// [`ImportError`] where cells are missing, or one has a meaning and is not a finite number.
+    /// [`ImportError`] for missing cells, or for a cell with a meaning and without a finite number.
     pub(super) fn add_row(&mut self, line: usize, cells: &[&str]) -> Result<(), ImportError> {
         let fault = |problem: String| ImportError::new(&self.file, line, problem);
         if cells.len() != self.width() {
@@ -109,7 +109,7 @@ impl FrameTable {
         Ok(())
     }
 
-    /// Reports a fault of a row.
+    /// Makes an error for a row.
     pub(super) fn fault(&self, row: usize, problem: impl Into<String>) -> ImportError {
         ImportError::new(&self.file, *self.lines.get(row).unwrap_or(&self.line), problem)
     }
@@ -119,7 +119,7 @@ impl FrameTable {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{}: line {line}: {problem}", file.display())]
 pub struct ImportError {
-    /// The file.
+    /// File.
     pub file: PathBuf,
     /// Line, from 1.
     pub line: usize,
@@ -138,7 +138,7 @@ impl ImportError {
 pub(super) struct Named {
     name: String,
     components: usize,
-    /// Numbers, tuple after tuple; none where the array was passed over, since its name has no meaning.
+    /// Numbers, tuple after tuple; absent for a skipped array, with a name without meaning.
     numbers: Option<Vec<f64>>,
 }
 
@@ -148,7 +148,7 @@ impl Named {
     }
 }
 
-/// Names of the columns that an array becomes.
+/// Returns the names of the columns of an array.
 fn component_names(name: &str, components: usize) -> Vec<String> {
     match components {
         1 => vec![name.to_string()],
@@ -156,15 +156,15 @@ fn component_names(name: &str, components: usize) -> Vec<String> {
     }
 }
 
-/// Reports whether an array is to be read: its columns have a meaning, or the caller names all columns.
+/// Returns true if an array is read: its columns have a meaning, or the caller names all columns.
 pub(super) fn is_wanted(name: &str, components: usize, stated: &StatedColumns) -> bool {
     !stated.is_empty() || component_names(name, components).iter().any(|name| column_of(name).is_some())
 }
 
-/// Puts arrays of `count` tuples into one table.
+/// Joins arrays of `count` tuples into one table.
 ///
 /// # Errors
-/// [`ImportError`] where an array is shorter, or holds no finite number under a name that has a meaning.
+/// [`ImportError`] for a shorter array, or for numbers that are not finite under a name with a meaning.
 pub(super) fn table_of(
     file: &Path,
     count: usize,

@@ -1,14 +1,14 @@
-//! Tables in text: CSV of any code, and what YADE's `export.text` and `export.textExt` write.
+//! Tables in text: CSV of any code, and YADE's `export.text` and `export.textExt`.
 
 use super::columns::{Column, StatedColumns, number};
 use super::table::{FrameTable, ImportError};
 use std::collections::HashMap;
 use std::path::Path;
 
-/// Characters that may separate columns.
+/// Column separators.
 const SEPARATORS: [u8; 3] = [b',', b';', b'\t'];
 
-/// Frames of a table with names in its first row. Rows whose times differ are frames of their own, or else those whose steps differ.
+/// Reads the frames of a table with names in its first row. Rows with different times, or else with different steps, are different frames.
 pub(super) fn csv(file: &Path, bytes: &[u8], stated: &StatedColumns) -> Result<Vec<FrameTable>, ImportError> {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let separator = separator(bytes).map_err(|(line, problem)| ImportError::new(file, line, problem))?;
@@ -19,14 +19,14 @@ pub(super) fn csv(file: &Path, bytes: &[u8], stated: &StatedColumns) -> Result<V
         return Err(ImportError::new(file, 1, "the first row must name the columns, such as id,x,y,z,radius,vx,vy,vz"));
     }
     let table = FrameTable { line: 2, ..stated.table(file, 1, heads.iter().map(String::from).collect())? };
-    // The second byte of a line's end (\r\n) is taken with the next line, and not counted before.
+    // The second byte of a line end (\r\n) belongs to the next line, and is not counted before.
     let ends = |position: &csv::Position| bytes.get(position.byte() as usize) == Some(&b'\n');
     let line_of = |position: Option<&csv::Position>| {
         position.map_or(1, |position| position.line() as usize + usize::from(ends(position)))
     };
     let (of_times, of_steps) = (table.find(Column::Time), table.find(Column::Step));
     let told = of_times.or(of_steps).map(|column| table.places[column]);
-    // Frames by their times or steps, in the order in which these first come.
+    // Frames by their times or steps, in the order of first appearance.
     let mut frames: Vec<FrameTable> = Vec::new();
     let mut known: HashMap<u64, usize> = HashMap::new();
     if told.is_none() {
@@ -59,10 +59,10 @@ pub(super) fn csv(file: &Path, bytes: &[u8], stated: &StatedColumns) -> Result<V
     Ok(frames)
 }
 
-/// The character that separates the names in the first row.
+/// Returns the separator of the names in the first row.
 ///
 /// # Errors
-/// The line, and what is wrong with it.
+/// The line and the message.
 fn separator(bytes: &[u8]) -> Result<u8, (usize, String)> {
     let rows = bytes.split(|byte| *byte == b'\n').enumerate();
     let mut rows = rows.filter(|(_, row)| !row.trim_ascii().is_empty() && !row.starts_with(b"#"));
@@ -93,7 +93,7 @@ pub(super) fn yade(file: &Path, text: &str, stated: &StatedColumns) -> Result<Ve
                 }
                 columns = format.trim().split('_').map(String::from).collect();
             } else if columns.last().is_some_and(|last| last == "attrs") {
-                // The last line of the comment names what the format calls attributes.
+                // The last line of the comment lists the names of attributes.
                 let names: Vec<String> = comment.split_whitespace().map(String::from).collect();
                 if names.starts_with(&["x", "y", "z", "r"].map(String::from)) {
                     columns = names;

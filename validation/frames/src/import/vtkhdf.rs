@@ -1,7 +1,7 @@
 //! Frames in VTKHDF files of polygonal data or of an unstructured grid: points and arrays over them, or lines and arrays over them.
 //!
-//! In [VTKHDF](https://docs.vtk.org/en/latest/vtk_file_formats/vtkhdf_file_format/vtkhdf_specifications.html) arrays of all frames stand one
-//! behind the other. `Steps` states for each frame its parts, where its geometry begins, and for each array where its numbers begin; an
+//! In [VTKHDF](https://docs.vtk.org/en/latest/vtk_file_formats/vtkhdf_file_format/vtkhdf_specifications.html) arrays of all frames are
+//! concatenated. `Steps` states the parts of each frame, the start of its geometry, and the start of its numbers in each array; an
 //! array without offsets begins with the geometry.
 
 use super::columns::StatedColumns;
@@ -11,13 +11,13 @@ use crate::run_frames::columns::{DRIVEN_WALLS, driven_walls};
 use hdf5_pure::{AttrValue, File};
 use std::path::Path;
 
-/// Most numbers of a dataset over the bytes of its file: no compression makes more of frames.
+/// Largest ratio of a dataset's numbers to the bytes of its file: no frames compress further.
 const MOST_NUMBERS_PER_BYTE: u64 = 1000;
 
 /// Groups of cells of polygonal data, in the order of the format.
 const CELLS: [&str; 4] = ["Vertices", "Lines", "Polygons", "Strips"];
 
-/// The frames of a file: one per step, or a single one without a time.
+/// Reads the frames of a file: one per step, or a single frame without a time.
 pub(super) fn hdf(file: &Path, bytes: Vec<u8>, stated: &StatedColumns) -> Result<Vec<FrameTable>, ImportError> {
     let length = bytes.len() as u64;
     let fault = |problem: String| ImportError::new(file, 1, problem);
@@ -57,17 +57,17 @@ struct Span {
     count: usize,
 }
 
-/// An array over all frames; its numbers are absent where its name has no meaning.
+/// Array over all frames; its numbers are absent if its name has no meaning.
 struct Held {
     name: String,
     columns: usize,
     numbers: Option<Vec<f64>>,
-    /// First tuple of each step, where it does not follow the geometry.
+    /// First tuple of each step, for arrays with own offsets.
     firsts: Option<Vec<f64>>,
 }
 
 impl Held {
-    /// The numbers of a frame.
+    /// Returns the numbers of a frame.
     fn part(&self, step: usize, span: &Span) -> Result<Named, String> {
         let Held { name, columns, numbers, firsts } = self;
         let first = match firsts.as_ref().map(|firsts| firsts.get(step)) {
@@ -85,7 +85,7 @@ impl Held {
 }
 
 impl Reader {
-    /// Frames and arrays.
+    /// Returns frames and arrays.
     fn layout(&self, stated: &StatedColumns) -> Result<(Vec<Span>, Vec<Held>), String> {
         let kind = match self.attribute("Type")? {
             Some(AttrValue::AsciiString(text) | AttrValue::String(text)) => text.trim_end_matches('\0').to_string(),
@@ -124,18 +124,18 @@ impl Reader {
         Ok((spans, arrays))
     }
 
-    /// An attribute of the group of the format.
+    /// Returns an attribute of the format's group.
     fn attribute(&self, name: &str) -> Result<Option<AttrValue>, String> {
         let root = self.file.group("VTKHDF").map_err(|_| "it has no group VTKHDF".to_string())?;
         Ok(root.attrs().ok().and_then(|mut attributes| attributes.remove(name)))
     }
 
-    /// Names of the datasets of a group; none where there is no such group.
+    /// Returns the names of the datasets of a group; empty if the group is missing.
     fn names(&self, group: &str) -> Vec<String> {
         self.file.group(group).and_then(|group| group.datasets()).unwrap_or_default()
     }
 
-    /// Numbers of a dataset, if the file has it.
+    /// Returns the numbers of a dataset, if the file has it.
     fn optional(&self, path: &str) -> Result<Option<Vec<f64>>, String> {
         let (group, name) = path.rsplit_once('/').unwrap_or(("", path));
         match self.names(group).iter().any(|known| known == name) {
@@ -144,7 +144,7 @@ impl Reader {
         }
     }
 
-    /// Columns of a dataset that the file can hold.
+    /// Returns the number of columns of a dataset; refuses sizes beyond the file's.
     fn columns(&self, path: &str) -> Result<usize, String> {
         let wrong = |problem: String| format!("{path}: {problem}");
         let dataset = self.file.dataset(path).map_err(|error| wrong(error.to_string()))?;
@@ -156,7 +156,7 @@ impl Reader {
         }
     }
 
-    /// Columns and numbers of a dataset.
+    /// Returns columns and numbers of a dataset.
     fn numbers(&self, path: &str) -> Result<(usize, Vec<f64>), String> {
         let columns = self.columns(path)?;
         let numbers = self.file.dataset(path).and_then(|dataset| dataset.read_f64());
@@ -165,7 +165,7 @@ impl Reader {
         })
     }
 
-    /// The numbers of an array over the whole data in each frame, if the file has it.
+    /// Returns the numbers of an array over the whole data in each frame, if the file has it.
     fn field(&self, name: &str) -> Result<Option<Vec<Vec<f64>>>, String> {
         let part = |path: &str| self.optional(&format!("VTKHDF/{path}/{name}"));
         let Some(numbers) = part("FieldData")? else { return Ok(None) };
@@ -180,7 +180,7 @@ impl Reader {
         firsts.iter().zip(sizes.as_chunks::<2>().0).map(frame).collect::<Result<_, _>>().map(Some)
     }
 
-    /// Frames; `counts` are the points or lines of each part.
+    /// Returns the frames; `counts` are the points or lines of each part.
     fn spans(&self, counts: &[f64], lines: bool) -> Result<Vec<Span>, String> {
         let sum = |counts: &[f64]| counts.iter().map(|&count| whole(count)).sum::<Result<usize, _>>();
         let Some(times) = self.optional("VTKHDF/Steps/Values")? else {
@@ -193,7 +193,7 @@ impl Reader {
         let (first_parts, parts) = match (optional("PartOffsets")?, optional("NumberOfParts")?) {
             (Some(first_parts), Some(parts)) => (first_parts, parts),
             (first_parts, None) => {
-                // As many parts in each step, unless geometry is used again.
+                // Each step has the same number of parts, unless geometry is used again.
                 let each = counts.len() / times.len().max(1);
                 if each * times.len() != counts.len() {
                     return Err("Steps has no NumberOfParts, and the parts are not as many in each step".into());
@@ -206,7 +206,7 @@ impl Reader {
         let firsts: Vec<f64> = match lines {
             false => optional("PointOffsets")?.ok_or("Steps has no PointOffsets")?,
             true => {
-                // Arrays over cells run over vertices, lines, polygons and strips.
+                // Arrays over cells cover vertices, lines, polygons and strips.
                 let (columns, offsets) = self.numbers("VTKHDF/Steps/CellOffsets")?;
                 offsets.chunks(columns).map(|row| row.iter().sum()).collect()
             }
@@ -224,7 +224,7 @@ impl Reader {
     }
 }
 
-/// A count or an offset.
+/// Converts a number to a count or an offset.
 fn whole(number: f64) -> Result<usize, String> {
     (0.0..1e15).contains(&number).then_some(number as usize).ok_or_else(|| format!("{number} is no count"))
 }

@@ -1,6 +1,6 @@
 //! Frames in VTK's XML files (`.vtp`, `.vtu`) of polygonal data or of an unstructured grid: points and arrays over them, or lines and arrays
-//! over them. Arrays are appended as they are or in base64, or stand in place as base64 or as words, compressed by zlib, LZ4 or not, in either
-//! order of bytes.
+//! over them. Arrays are appended (raw or base64) or inline (base64 or text), compressed by zlib, by LZ4 or not at all, in either
+//! byte order.
 
 use super::columns::StatedColumns;
 use super::table::{FrameTable, ImportError, Named, is_wanted, table_of};
@@ -13,7 +13,7 @@ use makadam::snapshot::DrivenWall;
 use roxmltree::{Document, Node};
 use std::path::Path;
 
-/// Files that list others: the type of the root, and the name of the list.
+/// Files that list other files: type of the root, and name of the list.
 const LISTS: [(&str, &str); 5] = [
     ("Collection", "files (.pvd)"),
     ("vtkMultiBlockDataSet", "blocks (.vtm)"),
@@ -25,7 +25,7 @@ const LISTS: [(&str, &str); 5] = [
 /// VTK's name of an unstructured grid.
 const GRID: &str = "UnstructuredGrid";
 
-/// Start of appended arrays.
+/// Start of the appended arrays.
 const APPENDED: &[u8] = b"<AppendedData";
 
 /// Compression of the blocks of arrays.
@@ -36,7 +36,7 @@ enum Compression {
     Lz4,
 }
 
-/// Largest ratio of sizes of zlib and LZ4, rounded up: a file that states a larger one is damaged.
+/// Largest compression ratio of zlib and LZ4, rounded up: a file with a larger ratio is damaged.
 const BEST_COMPRESSION: usize = 1100;
 
 /// Encoding of the arrays of a document.
@@ -45,13 +45,13 @@ struct Source<'a> {
     /// True if appended arrays are text.
     in_base64: bool,
     compression: Compression,
-    /// Bytes of the integers in front of an array.
+    /// Bytes of the header integers of an array.
     header: usize,
-    /// True if numbers are in big endian.
+    /// True for big-endian numbers.
     is_big: bool,
 }
 
-/// Reads the frame of a file: its points, or its lines, if it has some.
+/// Reads the frame of a file: its lines, if it has lines, otherwise its points.
 pub(super) fn xml(file: &Path, bytes: &[u8], stated: &StatedColumns) -> Result<Vec<FrameTable>, ImportError> {
     let fault = |problem: String| ImportError::new(file, 1, problem);
     let head = String::from_utf8_lossy(&bytes[..bytes.len().min(1000)]);
@@ -74,9 +74,9 @@ pub(super) fn xml(file: &Path, bytes: &[u8], stated: &StatedColumns) -> Result<V
 /// Content of a file.
 #[derive(Debug)]
 struct Content {
-    /// Simulated time, s; none where the file does not state it.
+    /// Simulated time, s; absent if the file does not state it.
     time: Option<f64>,
-    /// True if the file names the scene of a run of Makadam, which numbers grains as its scene does.
+    /// True for a file of a Makadam run, with the scene's grain numbers.
     of_run: bool,
     driven_walls: Vec<DrivenWall>,
     /// Number of points, or of lines.
@@ -84,10 +84,10 @@ struct Content {
     arrays: Vec<Named>,
 }
 
-/// Reads the arrays that are wanted by name and number of components.
+/// Reads the wanted arrays, selected by name and number of components.
 ///
 /// # Errors
-/// Fault of the bytes.
+/// Error in the bytes.
 fn read(bytes: &[u8], is_wanted: impl Fn(&str, usize) -> bool) -> Result<Content, String> {
     let (text, appended) = split(bytes)?;
     let document = Document::parse(&text).map_err(|error| format!("it is no XML document: {error}"))?;
@@ -112,12 +112,12 @@ fn read(bytes: &[u8], is_wanted: impl Fn(&str, usize) -> bool) -> Result<Content
     }
     let section = |name: &str| piece.children().find(|node| node.has_tag_name(name));
     let has = |name: &str| !arrays_of(section(name)).is_empty();
-    // A frame of contacts without contacts has no lines, but arrays over them.
+    // A contact frame without contacts has no lines, but arrays over lines.
     let of_lines = (counts[0] == 0 && counts[1] > 0) || (points == 0 && !has("PointData") && has("CellData"));
     let (sections, count) = match (of_lines, root.attribute("type")) {
         (false, _) => (&["Points", "PointData"][..], points),
         (true, Some(GRID)) => (&["CellData"][..], count("NumberOfCells")?),
-        // Arrays over cells run over those of all kinds.
+        // Arrays over cells cover the cells of all kinds.
         (true, _) => (&["CellData"][..], counts.iter().sum()),
     };
     let mut arrays = Vec::new();
@@ -143,13 +143,13 @@ fn read(bytes: &[u8], is_wanted: impl Fn(&str, usize) -> bool) -> Result<Content
     Ok(Content { time, of_run, driven_walls, count, arrays })
 }
 
-/// A document, with what is appended to it cut off.
+/// Splits the XML document from the appended data.
 fn split(bytes: &[u8]) -> Result<(String, &[u8]), String> {
     let (head, appended) = match bytes.windows(APPENDED.len()).position(|window| window == APPENDED) {
         None => (bytes, &[][..]),
         Some(place) => {
             let rest = &bytes[place..];
-            // The mark comes behind the attributes, which may have marks in their names.
+            // The underscore follows the attributes, which may contain underscores in their names.
             let open = rest.iter().position(|byte| *byte == b'>').ok_or("nothing stands behind the document")?;
             let start =
                 rest[open..].iter().position(|byte| *byte == b'_').ok_or("nothing stands behind the document")?;
@@ -198,13 +198,13 @@ fn arrays_of<'a, 'input>(section: Option<Node<'a, 'input>>) -> Vec<Node<'a, 'inp
     children.filter(|node| node.has_tag_name("DataArray")).collect()
 }
 
-/// Number of tuples of an array of the whole file.
+/// Returns the number of tuples of an array of the whole file.
 fn tuples_of_field(node: Node<'_, '_>) -> Result<usize, String> {
     let tuples = node.attribute("NumberOfTuples").unwrap_or("1").parse::<usize>();
     tuples.ok().filter(|tuples| *tuples <= i32::MAX as usize).ok_or("a field has no number of tuples".to_string())
 }
 
-/// The numbers of an array with that many tuples.
+/// Returns the numbers of an array with the given number of tuples.
 fn array(source: &Source<'_>, node: Node<'_, '_>, tuples: usize) -> Result<Vec<f64>, String> {
     let attribute = |name: &str| node.attribute(name).unwrap_or_default();
     let wrong = |what: String| format!("array {}: {what}", attribute("Name"));
@@ -236,7 +236,7 @@ fn cut() -> String {
     "the file ends within it".into()
 }
 
-/// An integer in front of an array.
+/// Reads a header integer of an array.
 fn header_number(source: &Source<'_>, bytes: &[u8], place: usize) -> Result<usize, String> {
     let header = source.header;
     let own = bytes.get(header * place..header * (place + 1)).ok_or_else(cut)?;
@@ -245,7 +245,7 @@ fn header_number(source: &Source<'_>, bytes: &[u8], place: usize) -> Result<usiz
     usize::try_from(number).map_err(|_| cut())
 }
 
-/// The bytes of an array that begins a text in base64. Compressed ones have their header encoded by itself.
+/// Decodes an array at the start of a base64 text. The header of a compressed array is encoded separately.
 fn from_base64(source: &Source<'_>, text: &[u8], size: usize) -> Result<Vec<u8>, String> {
     let header = source.header;
     let unit = |start: usize, bytes: usize| {
@@ -268,7 +268,7 @@ fn from_base64(source: &Source<'_>, text: &[u8], size: usize) -> Result<Vec<u8>,
     Ok(bytes)
 }
 
-/// Numbers that stand as words.
+/// Parses numbers from text.
 fn in_words(text: &str, count: usize) -> Result<Vec<f64>, String> {
     let number = |word: &str| word.parse::<f64>().map_err(|_| format!("'{word}' is no number"));
     let numbers = text.split_ascii_whitespace().map(number).collect::<Result<Vec<f64>, _>>()?;
@@ -278,7 +278,7 @@ fn in_words(text: &str, count: usize) -> Result<Vec<f64>, String> {
     }
 }
 
-/// Unpacks the `size` bytes of an array: stored as a size and bytes, or as compressed blocks behind the table of their sizes.
+/// Decodes the `size` bytes of an array: stored as a size and bytes, or as compressed blocks after the table of their sizes.
 fn blocks(source: &Source<'_>, bytes: &[u8], size: usize) -> Result<Vec<u8>, String> {
     let header = source.header;
     let number = |place: usize| header_number(source, bytes, place);

@@ -1,15 +1,15 @@
-//! Texts that are safe to show: tables without cells that programs for tables would take for formulas, and names on their way to a
+//! Sanitized texts: tables without cells that spreadsheet programs would take for formulas, and names for output to a
 //! terminal.
 
 use serde::Serialize;
 use std::borrow::Cow;
 
-/// Rows of a table as CSV, below the names of their fields.
+/// Encodes the rows of a table as CSV, below the names of their fields.
 pub fn csv(rows: &[impl Serialize]) -> Result<Vec<u8>, csv::Error> {
     table(csv::Writer::from_writer(Vec::new()), rows.iter())
 }
 
-/// Rows below their head, which stands there even if there is no row.
+/// Encodes rows below their head, which is present even without rows.
 pub fn csv_below(head: &[&str], rows: impl Iterator<Item = impl Serialize>) -> Result<Vec<u8>, csv::Error> {
     let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
     writer.write_record(head)?;
@@ -24,8 +24,8 @@ fn table(
     Ok(without_formulas(writer.into_inner().map_err(|error| error.into_error())?))
 }
 
-/// A table in CSV in which no text begins as a formula does: such cells get an apostrophe in front, which these programs read as
-/// "this is text". Numbers stay as they are. What is no CSV comes back as it was.
+/// Sanitizes a table in CSV: cells that begin like a formula get a leading apostrophe, which spreadsheet programs read as
+/// "this is text". Numbers are unchanged, and so are bytes that are not CSV.
 pub(crate) fn without_formulas(table: Vec<u8>) -> Vec<u8> {
     let mut reader = csv::ReaderBuilder::new().has_headers(false).flexible(true).from_reader(&table[..]);
     let Ok(records) = reader.records().collect::<Result<Vec<csv::StringRecord>, _>>() else { return table };
@@ -42,7 +42,7 @@ pub(crate) fn without_formulas(table: Vec<u8>) -> Vec<u8> {
     writer.into_inner().unwrap_or(table)
 }
 
-/// A cell as it was before `without_formulas`.
+/// Returns a cell without the apostrophe of `without_formulas`.
 pub fn as_meant(cell: &str) -> &str {
     cell.strip_prefix('\'').filter(|cell| is_formula(cell)).unwrap_or(cell)
 }
@@ -51,11 +51,11 @@ fn is_formula(cell: &str) -> bool {
     cell.starts_with(['=', '+', '-', '@', '\t', '\r']) && cell.parse::<f64>().is_err()
 }
 
-/// Colour codes of the program, behind an escape character.
+/// Colour codes of the program, after an escape character.
 const COLOURS: [&str; 6] = ["[0m", "[31m", "[31;1m", "[32m", "[33m", "[34m"];
 
-/// A text as it may go to a terminal: names, and words of other programs, can hold characters that a terminal obeys. They are spelt
-/// out as JSON does, so that documents stay the same; line ends and tabs stay, and `colours` of the program's own.
+/// Sanitizes a text for a terminal: names, and texts of other programs, can contain control characters. These are escaped
+/// as in JSON, so that documents stay the same; line ends, tabs and, with `colours`, the program's own colour codes stay.
 pub fn shown(text: &str, colours: bool) -> Cow<'_, str> {
     let obeyed = |c: char| {
         (c.is_control() && !matches!(c, '\n' | '\t')) || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')

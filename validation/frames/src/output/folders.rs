@@ -1,4 +1,4 @@
-//! Names of files and folders, and the folder in which the program keeps what it can make again.
+//! Names of files and folders, and the cache folder.
 
 use super::WriteError;
 use makadam::checkpoint::checksum;
@@ -7,10 +7,10 @@ use std::io::{Error, ErrorKind};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Longest part of a file name that is made from a name, bytes: others are added to it, and file systems take 255.
+/// Longest part of a file name from a scene's name, bytes: suffixes follow, and file systems allow 255.
 const LONGEST_STEM: usize = 120;
 
-/// A scene's name as a part of a file name: never empty, never one that stands for a folder, never longer than 120 bytes.
+/// Returns a scene's name as a part of a file name: never empty, never a folder such as `..`, never longer than 120 bytes.
 pub fn file_stem(name: &str) -> String {
     let plain = |c: char| {
         if c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.') { c } else { '-' }
@@ -22,13 +22,13 @@ pub fn file_stem(name: &str) -> String {
     if stem.len() <= LONGEST_STEM {
         return stem;
     }
-    // Long names are often alike at their beginnings.
+    // Long names often have the same beginning.
     let hash = format!("-{:016x}", checksum(name.as_bytes()));
     stem[..LONGEST_STEM - hash.len()].to_string() + &hash
 }
 
-/// Folder of a scene's recorded tables of one kind, such as "scaling": a folder of that name beside a `scene.toml`,
-/// `NAME-scaling` beside any other file, and in it a folder named after the processor, an instruction set and, for tables that depend
+/// Folder of a scene's recorded tables of one kind, such as "scaling": a folder of that name next to a `scene.toml`,
+/// `NAME-scaling` next to any other file. It contains a folder named after the processor, an instruction set and, for tables that depend
 /// on it, the number of cores.
 pub fn record_folder(
     kind: &str,
@@ -50,10 +50,10 @@ pub fn record_folder(
     folder.join(format!("{}-{set}{cores}", parts.join("-")))
 }
 
-/// Folder in which prepared states and recordings are kept: `makadam` in `XDG_CACHE_HOME` or in `~/.cache`.
+/// Returns the folder for cached states and recordings: `makadam` in `XDG_CACHE_HOME` or in `~/.cache`.
 ///
 /// # Errors
-/// [`WriteError`] where the environment names neither.
+/// [`WriteError`] if the environment names neither.
 pub fn cache_folder() -> Result<PathBuf, WriteError> {
     let absolute = |name| std::env::var_os(name).map(PathBuf::from).filter(|path| path.is_absolute());
     let own = absolute("XDG_CACHE_HOME").or_else(|| absolute("HOME").map(|home| home.join(".cache")));
@@ -64,8 +64,8 @@ pub fn cache_folder() -> Result<PathBuf, WriteError> {
     own.map(|folder| folder.join("makadam")).ok_or_else(missing)
 }
 
-/// Path for the files of one run of a code in [`cache_folder`], which no other run has while this process lives: not of another process,
-/// and not of this one, where several may be made of the same scene and seed. Nothing is created.
+/// Returns a path in [`cache_folder`] for the files of one run of a code, unique among all runs of this and other processes while this
+/// process lives, even for the same scene and seed. Creates nothing.
 pub fn run_folder(name: &str) -> Result<PathBuf, WriteError> {
     static RUNS: AtomicU64 = AtomicU64::new(1);
     let number = RUNS.fetch_add(1, Ordering::Relaxed);

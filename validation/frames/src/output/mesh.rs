@@ -1,6 +1,6 @@
-//! Shapes of walls as triangles, for every code that takes meshes and for pictures.
+//! Wall shapes as triangles, for all codes that take meshes and for pictures.
 //!
-//! Triangles are few and large: where a grain rests near an edge, some codes count both triangles.
+//! Triangles are few and large: near an edge, some codes count a contact with both triangles.
 
 use makadam::scene::{Domain, Shape};
 use nalgebra::Vector3;
@@ -13,52 +13,52 @@ pub struct Fineness {
     sagitta: f64,
     /// Fewest and most facets around a cylinder.
     facets: [usize; 2],
-    /// Smallest angle of a cylinder's triangles, rad, for which rings are cut shorter; if absent, the bend between neighbours, as LIGGGHTS
+    /// Smallest angle of a cylinder's triangles, rad; rings are shortened to respect it. If absent, the bend between neighbours, as LIGGGHTS
     /// advises.
     sharpest: Option<f64>,
     /// Corners of a disc's outline.
     disc_corners: usize,
-    /// True if a surface ends where the scene's shape and domain end, with all corners on the shape. Else planes, and side faces of open
+    /// True if a surface ends at the scene's shape and domain, with all corners on the shape. Otherwise planes, and side faces of open
     /// boxes, extend beyond the domain, and the mean radius of facets is that of the shape.
     ends: bool,
 }
 
-/// So fine that a cylinder and its mesh give the same compared observables.
+/// Fine tolerance: a cylinder and its mesh give the same compared observables.
 pub const FINE: Fineness =
     Fineness { sagitta: 0.005, facets: [100, 1000], sharpest: None, disc_corners: 32, ends: false };
 
-/// As coarse as angles of repose, packing fraction and coordination number allow (`validation/docs/timing.md`). LIGGGHTS refuses meshes with
-/// angles of a degree.
+/// Coarsest tolerance for angles of repose, packing fraction and coordination number (`validation/docs/timing.md`). LIGGGHTS refuses meshes
+/// with angles of one degree.
 pub const COARSE: Fineness =
     Fineness { sagitta: 0.025, facets: [32, 1000], sharpest: Some(1.5 * PI / 180.0), disc_corners: 32, ends: false };
 
-/// For pictures and exports: sides lie within 0.06% of the radius from the circle.
+/// Tolerance for pictures and exports: sides lie within 0.06% of the radius from the circle.
 pub(crate) const DRAWN: Fineness =
     Fineness { sagitta: 0.0, facets: [96, 96], sharpest: Some(0.0), disc_corners: 96, ends: true };
 
-/// Triangles of all drawn spheres together, beyond which each is drawn more coarsely.
+/// Largest total number of triangles of the drawn spheres; above it, each sphere is drawn more coarsely.
 const MOST_TRIANGLES: usize = 200_000;
 
 /// Largest ratio of the radii of two neighbouring outlines of a ring: the sharpest angle of a triangle between them is then 2 degrees,
-/// and LIGGGHTS refuses meshes with angles of one.
+/// and LIGGGHTS refuses meshes with angles of one degree.
 const RING_RATIO: f64 = 5.0;
 
-/// Height of a triangle over its longest side below which it is a line, written with the digits that meshes are written with.
+/// Ratio of a triangle's height to its longest side, below which the triangle is a line at the output precision of meshes.
 const FLAT: f64 = 1e-9;
 
-/// Share of the domain's width by which planes reach beyond it on each side: a grain that rolls that far still finds
-/// the plane, as on an endless one.
+/// Extension of planes beyond the domain on each side, as a fraction of the domain's width: a grain that rolls this far
+/// still finds the plane, as on an infinite plane.
 const PLANE_REACH: f64 = 0.5;
 
-/// A triangle's corners, metres; counter-clockwise seen from the grains' side.
+/// Corners of a triangle, m; counter-clockwise seen from the grains' side.
 pub type Triangle = [[f64; 3]; 3];
 
-/// A wall's surface.
+/// Surface of a wall.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
     /// Triangles, their normals towards the grains.
     pub triangles: Vec<Triangle>,
-    /// Largest angle between neighbours that stand for one smooth surface, degrees; 0 for flat faces.
+    /// Largest angle between neighbouring triangles of one smooth surface, degrees; 0 for flat faces.
     pub bend: f64,
 }
 
@@ -80,7 +80,7 @@ pub fn wall_mesh(shape: &Shape, domain: &Domain, smallest_radius: f64, fineness:
         Shape::Spheres { centres, radius } => Mesh { triangles: spheres(centres, *radius), bend: 0.0 },
         Shape::Disc { centre, normal, radius, hole } => {
             let circle = |radius: f64| circle(Vector3::from(*centre), unit(normal), radius, fineness);
-            // Over a smaller hole a grain sinks by less than cylinders are coarse: `hole^2 / 2 r`.
+            // Over a smaller hole a grain sinks by less than the sagitta of cylinders: `hole^2 / 2 r`.
             let smallest = 2.0 * FINE.sagitta * smallest_radius.powi(2);
             let triangles = match hole * hole > if fineness.ends { 0.0 } else { smallest } {
                 true => ring(*radius, *hole, circle),
@@ -93,7 +93,7 @@ pub fn wall_mesh(shape: &Shape, domain: &Domain, smallest_radius: f64, fineness:
     mesh
 }
 
-/// Returns the ends of a cylinder along its axis from its base, m: those of the domain where the domain is periodic along it.
+/// Returns the ends of a cylinder along its axis from its base, m; along a periodic axis, the ends of the domain.
 fn extent(base: &Vector3<f64>, axis: &Vector3<f64>, length: f64, domain: &Domain) -> [f64; 2] {
     match (0..3).find(|&along| domain.period().is_periodic(along) && axis[along] != 0.0) {
         None => [0.0, length],
@@ -101,7 +101,7 @@ fn extent(base: &Vector3<f64>, axis: &Vector3<f64>, length: f64, domain: &Domain
     }
 }
 
-/// Returns true if a triangle has an area, beyond rounding: without one it has no normal either, and codes refuse it.
+/// Returns true if a triangle has an area beyond rounding: a triangle without area has no normal either, and codes refuse it.
 fn has_area(triangle: &Triangle) -> bool {
     let [a, b, c] = triangle.map(Vector3::from);
     let (first, second, third) = (b - a, c - a, c - b);
@@ -109,7 +109,7 @@ fn has_area(triangle: &Triangle) -> bool {
     first.cross(&second).norm() > FLAT * longest
 }
 
-/// Returns the domain, enlarged: planes are cut to it, and a code's simulation box holds it.
+/// Returns the enlarged domain, which bounds the planes and lies within a code's simulation box.
 pub fn reach(domain: &Domain) -> Domain {
     let grow = |at: f64, width: f64| at + PLANE_REACH * width;
     let width: [f64; 3] = std::array::from_fn(|i| domain.max[i] - domain.min[i]);
@@ -124,14 +124,14 @@ fn unit(vector: &[f64; 3]) -> Vector3<f64> {
     Vector3::from(*vector).normalize()
 }
 
-/// Two unit vectors that make a right-handed frame with `normal`, along the axes where the normal is.
+/// Returns two unit vectors that form a right-handed frame with `normal`, axis-aligned if the normal is.
 fn frame(normal: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
     let helper = if normal.x.abs() < 0.6 { Vector3::x() } else { Vector3::y() };
     let second = normal.cross(&helper).normalize();
     (second.cross(normal), second)
 }
 
-/// Cuts every second corner off until three are left: no corner collects many triangles, as it would in a fan.
+/// Cuts off every second corner until three remain: unlike in a fan, no corner collects many triangles.
 fn triangulate(mut corners: Vec<Vector3<f64>>) -> Vec<Triangle> {
     let mut triangles = Vec::new();
     while corners.len() > 3 {
@@ -141,7 +141,7 @@ fn triangulate(mut corners: Vec<Vector3<f64>>) -> Vec<Triangle> {
             kept.push(corners[first]);
             if first + 1 < count {
                 let ear = [corners[first], corners[first + 1], corners[(first + 2) % count]];
-                // Four corners leave two after both ears: the second ear is the rest itself.
+                // Four corners leave two after both ears: the second ear is the remainder.
                 triangles.push(ear.map(Into::into));
             }
         }
@@ -162,14 +162,14 @@ fn plane(point: Vector3<f64>, normal: Vector3<f64>, limits: &Domain) -> Mesh {
     let mut corners: Vec<Vector3<f64>> =
         [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(a, b)| centre + (u * a + v * b) * half).into();
     for axis in 0..3 {
-        // A plane that lies in a face of the box is not cut by that face.
+        // A plane in a face of the box is not cut by that face.
         corners = clip(&corners, |corner| corner[axis] - min[axis] + 1e-9 * half);
         corners = clip(&corners, |corner| max[axis] - corner[axis] + 1e-9 * half);
     }
     Mesh { triangles: triangulate(corners), bend: 0.0 }
 }
 
-/// Sutherland-Hodgman: what of a convex polygon lies where `height` is not negative.
+/// Returns the part of a convex polygon with non-negative `height` (Sutherland-Hodgman).
 fn clip(corners: &[Vector3<f64>], height: impl Fn(&Vector3<f64>) -> f64) -> Vec<Vector3<f64>> {
     let mut kept = Vec::with_capacity(corners.len() + 1);
     for (index, here) in corners.iter().enumerate() {
@@ -185,7 +185,7 @@ fn clip(corners: &[Vector3<f64>], height: impl Fn(&Vector3<f64>) -> f64) -> Vec<
     kept
 }
 
-/// Side faces have no edge next to an open face: they extend to the limits.
+/// Makes the faces of an open box. Side faces have no edge next to an open face: they extend to the limits.
 fn open_box(min: [f64; 3], max: [f64; 3], open: &[String], limits: &Domain) -> Mesh {
     let is_open = |axis: usize, sign: &str| open.iter().any(|face| *face == format!("{sign}{}", ["x", "y", "z"][axis]));
     let low: [f64; 3] = std::array::from_fn(|i| if is_open(i, "-") { min[i].min(limits.min[i]) } else { min[i] });
@@ -245,12 +245,12 @@ fn cylinder(
     Mesh { triangles, bend: 2.0 * half_angle.to_degrees() }
 }
 
-/// Radius of corners. They lie a little outside, so that the mean radius of the facets is right, unless corners lie on the shape.
+/// Returns the radius of corners. Corners lie slightly outside, for the correct mean radius of the facets, unless they lie on the shape.
 fn corner_radius(radius: f64, half_angle: f64, fineness: Fineness) -> f64 {
     if fineness.ends { radius } else { radius * (1.0 + half_angle * half_angle / 3.0) }
 }
 
-/// A disc with a hole: two triangles between each two corners of its outlines.
+/// Triangulates a disc with a hole: two triangles between each two corners of its outlines.
 fn ring(radius: f64, hole: f64, circle: impl Fn(f64) -> Vec<Vector3<f64>>) -> Vec<Triangle> {
     let rings = ((radius / hole).ln() / RING_RATIO.ln()).ceil().max(1.0);
     let outline = |ring: f64| circle(if ring == rings { radius } else { hole * (radius / hole).powf(ring / rings) });
@@ -266,7 +266,7 @@ fn ring(radius: f64, hole: f64, circle: impl Fn(f64) -> Vec<Vector3<f64>>) -> Ve
     triangles
 }
 
-/// Corners of a circle's outline, counter-clockwise about the normal.
+/// Returns the corners of a circle's outline, counter-clockwise about the normal.
 fn circle(centre: Vector3<f64>, normal: Vector3<f64>, radius: f64, fineness: Fineness) -> Vec<Vector3<f64>> {
     let (u, v) = frame(&normal);
     let half_angle = PI / fineness.disc_corners as f64;
@@ -278,7 +278,7 @@ fn circle(centre: Vector3<f64>, normal: Vector3<f64>, radius: f64, fineness: Fin
     (0..fineness.disc_corners).map(corner).collect()
 }
 
-/// Spheres, each an icosahedron whose triangles are divided twice, or less if there are many.
+/// Triangulates spheres: icosahedra with triangles divided twice, or less for many spheres.
 fn spheres(centres: &[[f64; 3]], radius: f64) -> Vec<Triangle> {
     let fits = |divisions: &u32| centres.len() * 20 * 4_usize.pow(*divisions) <= MOST_TRIANGLES;
     let one = icosphere((0..=2).rev().find(fits).unwrap_or(0));
@@ -289,7 +289,7 @@ fn spheres(centres: &[[f64; 3]], radius: f64) -> Vec<Triangle> {
     centres.iter().flat_map(placed).collect()
 }
 
-/// A unit sphere.
+/// Triangulates a unit sphere.
 fn icosphere(divisions: u32) -> Vec<[Vector3<f64>; 3]> {
     let golden = f64::midpoint(1.0, 5.0_f64.sqrt());
     let corner = |number: usize| {
@@ -298,7 +298,7 @@ fn icosphere(divisions: u32) -> Vec<[Vector3<f64>; 3]> {
         (point[number / 4], point[(number / 4 + 1) % 3]) = (one, long);
         point.normalize()
     };
-    // Three corners are a triangle if all are neighbours.
+    // Three corners form a triangle if all are neighbours.
     let near = |a: usize, b: usize| (corner(a) - corner(b)).norm() < 1.1;
     let triples = (0..12).flat_map(|a| (a + 1..12).flat_map(move |b| (b + 1..12).map(move |c| [a, b, c])));
     let faces = triples.filter(|[a, b, c]| near(*a, *b) && near(*b, *c) && near(*a, *c));

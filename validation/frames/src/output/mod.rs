@@ -1,4 +1,4 @@
-//! Files of a run: tables as CSV, the summary as JSON, and what frames are made of for exports and pictures.
+//! Files of a run: tables as CSV, the summary as JSON, and the building blocks of frames for exports and pictures.
 
 pub mod cells;
 mod folders;
@@ -12,7 +12,7 @@ pub use run_files::{FolderLock, LockError, RunFiles};
 pub(crate) use table::open_to_grow;
 pub use table::{TableWritten, TimeTable};
 
-/// Version of the JSON documents, raised when a field changes its meaning or goes away.
+/// Version of the JSON documents, raised when a field changes its meaning or is removed.
 pub const JSON_VERSION: u32 = 1;
 
 /// Section of the arrays of a whole file in VTK's formats.
@@ -29,7 +29,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error)]
 #[error("{path}: {source}{}", remedy(source))]
 pub struct WriteError {
-    /// The file or folder.
+    /// File or folder.
     pub path: String,
     /// Error of the system.
     pub source: std::io::Error,
@@ -44,18 +44,18 @@ fn remedy(source: &std::io::Error) -> &'static str {
 }
 
 impl WriteError {
-    /// An error about a path.
+    /// Makes an error about a path.
     pub fn new(path: &Path, source: std::io::Error) -> WriteError {
         WriteError { path: path.display().to_string(), source }
     }
 }
 
-/// Makes a folder and those above it.
+/// Creates a folder and its parent folders.
 pub fn create_folder(path: &Path) -> Result<(), WriteError> {
     std::fs::create_dir_all(path).map_err(|source| WriteError::new(path, source))
 }
 
-/// Creates the folder of a file and those above, if it names one.
+/// Creates the parent folders of a file, if its path names any.
 pub fn create_folder_of(file: &Path) -> Result<(), WriteError> {
     match file.parent().filter(|folder| !folder.as_os_str().is_empty()) {
         Some(folder) => create_folder(folder),
@@ -63,14 +63,14 @@ pub fn create_folder_of(file: &Path) -> Result<(), WriteError> {
     }
 }
 
-/// A file under a temporary name, which is removed unless it is finished.
+/// Temporary file, removed unless finished.
 pub struct Draft {
     path: PathBuf,
     draft: PathBuf,
 }
 
 impl Draft {
-    /// Returns the draft of the file at a path.
+    /// Returns the temporary file for a path.
     pub fn of(path: &Path) -> Draft {
         let mut draft = path.as_os_str().to_owned();
         draft.push(format!(".part{}", std::process::id()));
@@ -82,7 +82,7 @@ impl Draft {
         &self.draft
     }
 
-    /// Gives the file its name.
+    /// Renames the file to its final name.
     ///
     /// # Errors
     /// [`WriteError`] if the system refuses.
@@ -93,17 +93,17 @@ impl Draft {
 
 impl Drop for Draft {
     fn drop(&mut self) {
-        // A draft that cannot be removed is recognised by its name.
+        // A temporary file that cannot be removed is recognised by its name.
         let _ = std::fs::remove_file(&self.draft);
     }
 }
 
-/// Writes a file through a draft, so that what stood there before stays whole until the new one is.
+/// Writes a file through a temporary file: the previous content stays intact until the new file is complete.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     replace_with(path, |draft| draft.write_all(bytes)).map_err(|source| WriteError::new(path, source))
 }
 
-/// Writes a file as [`write_whole`] does, and to the disk: it outlasts a cut of power.
+/// Writes a file as [`write_whole`] does, and flushes it to the disk: the file survives a power failure.
 pub fn write_durably(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     write_atomically(path, bytes).map_err(|source| WriteError::new(path, source))
 }

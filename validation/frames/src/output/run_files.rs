@@ -1,5 +1,5 @@
-//! Files of a run in an output folder: those that a new run may remove, and no others; and the lock by which one run at a time writes there,
-//! which the system releases when the process ends, however it ends.
+//! Files of a run in an output folder, the only files that a new run may remove, and the folder lock. One run at a time writes there; the
+//! system releases the lock at the end of the process, also after a crash.
 
 use super::{WriteError, create_folder};
 use crate::provenance::command_line;
@@ -10,31 +10,31 @@ use std::io::{ErrorKind, Read, Seek, Write};
 use std::os::unix::fs::{MetadataExt, OpenOptionsExt};
 use std::path::{Path, PathBuf};
 
-/// The files of a run in an output folder.
+/// Files of a run in an output folder.
 pub struct RunFiles<'a> {
     output: &'a Path,
 }
 
 impl<'a> RunFiles<'a> {
-    /// The frames.
+    /// Frames.
     pub const FRAMES: &'static str = "frames.mkd";
 
-    /// Frames that are measured at the end and not among [`RunFiles::FRAMES`].
+    /// Frames measured at the end and missing from [`RunFiles::FRAMES`].
     pub const MEASURED: &'static str = "measured-frames.mkd";
 
-    /// The summary.
+    /// Summary.
     pub const SUMMARY: &'static str = "run.json";
 
-    /// The checkpoint.
+    /// Checkpoint.
     pub const CHECKPOINT: &'static str = "run.checkpoint";
 
-    /// The table over time.
+    /// Table over time.
     pub const TABLE: &'static str = "observables.csv";
 
-    /// Files that a new run replaces. The summary is replaced at once, so that a folder always states what it holds.
+    /// Files that a new run replaces. The summary is replaced at once, so that a folder always describes its content.
     const RESULTS: [&'static str; 4] = [Self::FRAMES, Self::MEASURED, Self::CHECKPOINT, Self::TABLE];
 
-    /// The files of a run in a folder, which may be missing.
+    /// Returns the files of a run in a folder, some of them possibly missing.
     pub fn inside(output: &'a Path) -> RunFiles<'a> {
         RunFiles { output }
     }
@@ -45,13 +45,13 @@ impl<'a> RunFiles<'a> {
         names.any(|name| self.output.join(name).symlink_metadata().is_ok())
     }
 
-    /// Removes the results and drafts; the summary stays, to be replaced.
+    /// Removes the results and temporary files; the summary stays until its replacement.
     pub fn remove(&self) -> Result<(), WriteError> {
         self.remove_drafts()?;
         Self::RESULTS.iter().try_for_each(|name| remove(&self.output.join(name)))
     }
 
-    /// Removes unfinished files of processes that were killed. The caller holds the lock of the folder.
+    /// Removes temporary files of killed processes. The caller holds the lock of the folder.
     pub fn remove_drafts(&self) -> Result<(), WriteError> {
         let refused = |source| WriteError::new(self.output, source);
         let entries = match std::fs::read_dir(self.output) {
@@ -65,7 +65,7 @@ impl<'a> RunFiles<'a> {
     }
 }
 
-/// Returns true for an unfinished file of a run: its name, the mark of drafts, and numbers.
+/// Returns true for a temporary file of a run: its name, the mark of temporary files, and numbers.
 fn is_draft(path: &Path) -> bool {
     let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
     let Some((stem, number)) = name.rsplit_once(DRAFT) else { return false };
@@ -80,21 +80,21 @@ fn remove(path: &Path) -> Result<(), WriteError> {
     }
 }
 
-/// Name of the file in the folder that is locked; it is removed when the run ends by itself.
+/// Name of the lock file in the folder, removed at the end of an uninterrupted run.
 const NAME: &str = "run.lock";
 
-/// Longest account of the holder that is repeated, bytes.
+/// Byte limit of the holder's description in messages.
 const ACCOUNT: u64 = 300;
 
-/// Tries to lock a file that the holder before removes at the same time.
+/// Attempts to lock a file that the previous holder removes at the same time.
 const TRIES: usize = 100;
 
-/// A folder that no other run writes into.
+/// Output folder locked against other runs.
 pub struct FolderLock {
     folder: PathBuf,
-    /// True if the lock has made the folder.
+    /// True if the lock has created the folder.
     made: bool,
-    /// Absent where the file system knows no locks.
+    /// Absent if the file system has no locks.
     file: Option<File>,
 }
 
@@ -104,18 +104,18 @@ pub enum LockError {
     /// Another run writes there.
     #[error("{folder}: in use by {holder}; wait for its end, or write elsewhere with --output")]
     Taken {
-        /// The folder.
+        /// Folder.
         folder: String,
-        /// Who says to use it.
+        /// Description of the holder, from the lock file.
         holder: String,
     },
-    /// The system refused.
+    /// Error of the system.
     #[error(transparent)]
     Write(#[from] WriteError),
 }
 
 impl FolderLock {
-    /// Takes a folder; makes it where it is missing.
+    /// Locks a folder; creates a missing folder.
     pub fn take(folder: &Path) -> Result<FolderLock, LockError> {
         let made = !folder.exists();
         create_folder(folder)?;
@@ -136,12 +136,12 @@ impl FolderLock {
                     return Ok(FolderLock { folder: folder.into(), made, file: None });
                 }
             }
-            // The holder before may have removed the file after it was opened here: then this lock is one on nothing.
+            // The previous holder may have removed the file after it was opened here: the lock would protect nothing.
             let here = path.symlink_metadata().is_ok_and(|there| {
                 file.metadata().is_ok_and(|mine| (mine.dev(), mine.ino()) == (there.dev(), there.ino()))
             });
             if here {
-                // Who has the folder is told for convenience: the lock itself is what counts.
+                // The holder's description is for messages only: the lock itself decides.
                 let account = format!("process {}: {}", std::process::id(), command_line());
                 let _ = file.set_len(0).and_then(|()| file.write_all(account.as_bytes()));
                 return Ok(FolderLock { folder: folder.into(), made, file: Some(file) });
@@ -151,7 +151,7 @@ impl FolderLock {
         Err(refused(busy).into())
     }
 
-    /// Returns false where the file system knows no locks.
+    /// Returns false if the file system has no locks.
     pub fn holds(&self) -> bool {
         self.file.is_some()
     }
@@ -159,16 +159,16 @@ impl FolderLock {
 
 impl Drop for FolderLock {
     fn drop(&mut self) {
-        // Removed while the lock is held: nobody else can hold one on this file. What cannot be removed is locked again next time.
+        // Removed while locked: no other process can lock this file. A file that cannot be removed is locked again next time.
         let _ = std::fs::remove_file(self.folder.join(NAME));
         if self.made {
-            // Only where nothing was written.
+            // Succeeds only for an empty folder.
             let _ = std::fs::remove_dir(&self.folder);
         }
     }
 }
 
-/// Reads the account of the holder of a lock.
+/// Reads the description of the holder of a lock.
 fn holder(file: &mut File) -> String {
     let mut account = Vec::new();
     let read = file.rewind().and_then(|()| Read::by_ref(file).take(ACCOUNT).read_to_end(&mut account));

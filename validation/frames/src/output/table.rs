@@ -1,4 +1,4 @@
-//! Observables over time as CSV, one row a frame.
+//! Observables over time as CSV, one row per frame.
 
 use super::{WriteError, write_whole};
 use makadam::checkpoint::sync_file;
@@ -11,8 +11,8 @@ use std::path::{Path, PathBuf};
 
 const MEMORY: &str = "memory takes any number of bytes";
 
-/// A table that grows by a row at a time and can be read at any time. Columns may appear as the run goes on, which is rare: then the
-/// whole file is written anew, the rows before with empty cells.
+/// Table that grows by one row at a time and is readable at any time. Columns may appear during the run, which is rare: then the
+/// whole file is rewritten, with empty cells in the earlier rows.
 pub struct TimeTable {
     path: PathBuf,
     file: File,
@@ -31,7 +31,7 @@ pub struct TableWritten {
 }
 
 impl TimeTable {
-    /// A table without rows in `path`, with these columns first.
+    /// Creates a table without rows in `path`, with these columns first.
     pub fn create(path: &Path, columns: &[&str]) -> Result<TimeTable, WriteError> {
         let names = line(columns);
         write_whole(path, &names)?;
@@ -40,10 +40,10 @@ impl TimeTable {
         Ok(TimeTable { path: path.to_path_buf(), file: open_to_grow(path)?, written })
     }
 
-    /// Goes on where an earlier part of the run was: what it wrote later is taken back.
+    /// Resumes a table at a checkpoint; later rows are removed.
     ///
     /// # Errors
-    /// [`WriteError`] if the system refuses, or the file does not begin with what it then held.
+    /// [`WriteError`] if the system refuses, or the file differs from its state at the checkpoint.
     pub fn go_on(path: &Path, written: TableWritten) -> Result<TimeTable, WriteError> {
         let refused = |source| WriteError::new(path, source);
         let file = open_to_grow(path)?;
@@ -59,7 +59,7 @@ impl TimeTable {
             }
             table.file.set_len(least).map_err(refused)?;
         } else {
-            // It has got columns since.
+            // The table has gained columns since.
             let TableWritten { rows, length, .. } = table.written;
             table.rewrite()?;
             if (table.written.rows, table.written.length) != (rows, length) {
@@ -74,7 +74,7 @@ impl TimeTable {
         &self.written
     }
 
-    /// Adds a row of named values. What a row does not name stays empty.
+    /// Adds a row of named values. Columns without a value stay empty.
     pub fn push(&mut self, values: impl IntoIterator<Item = (String, f64)>) -> Result<(), WriteError> {
         let known = self.written.columns.len();
         let mut row = vec![None; known];
@@ -92,7 +92,7 @@ impl TimeTable {
         let cells = row.into_iter().map(|cell: Option<f64>| cell.map_or(String::new(), |value| format!("{value:?}")));
         let row = line(&cells.collect::<Vec<_>>());
         self.file.write_all_at(&row, self.written.length).map_err(|source| {
-            // What cannot be cut off is cut off when the run goes on.
+            // Rows that cannot be cut off here are cut off when the run resumes.
             let _ = self.file.set_len(self.written.length);
             WriteError::new(&self.path, source)
         })?;
@@ -101,7 +101,7 @@ impl TimeTable {
         Ok(())
     }
 
-    /// Writes the file anew with the present columns, as many rows as there are, and empty cells where a row has none yet.
+    /// Rewrites the file with the present columns and all rows, and empty cells for columns newer than a row.
     fn rewrite(&mut self) -> Result<(), WriteError> {
         let refused = |source| WriteError::new(&self.path, source);
         let TableWritten { columns, rows, .. } = &self.written;
@@ -120,27 +120,27 @@ impl TimeTable {
         Ok(())
     }
 
-    /// Writes it to the disk.
+    /// Flushes the table to the disk.
     pub fn sync(&self) -> Result<(), WriteError> {
         sync_file(&self.path).map_err(|source| WriteError::new(&self.path, source))
     }
 }
 
-/// Cells as a line of CSV. Names of walls may hold commas, so that columns may need quotes.
+/// Formats cells as a line of CSV. Names of walls may contain commas, so columns may need quotes.
 fn line<Cell: AsRef<[u8]>>(cells: &[Cell]) -> Vec<u8> {
     let mut text = csv::Writer::from_writer(Vec::new());
     text.write_record(cells).expect(MEMORY);
     text.into_inner().expect(MEMORY)
 }
 
-/// Opens a file for reading and writing, but not through a link, which may lead to a file of another owner.
+/// Opens a file for reading and writing; refuses a link, which may lead to a file of another owner.
 pub(crate) fn open_to_grow(path: &Path) -> Result<File, WriteError> {
     let flags = OFlags::NOFOLLOW.bits() as i32;
     let opened = OpenOptions::new().read(true).write(true).custom_flags(flags).open(path);
     opened.map_err(|source| WriteError::new(path, source))
 }
 
-/// A file that a run cannot go on with.
+/// Makes an error for a file that prevents the resumption of a run.
 fn does_not_fit(path: &Path, what: &str) -> WriteError {
     let text = format!("is not what the checkpoint beside it speaks of: {what}; --restart begins anew");
     WriteError::new(path, Error::new(ErrorKind::InvalidData, text))

@@ -1,4 +1,4 @@
-//! Materials and populations of grains, by the numbers that grains have in frames.
+//! Materials and populations of grains, by the grain numbers of frames.
 
 use super::MeasuredScene;
 use makadam::snapshot::Snapshot;
@@ -6,14 +6,14 @@ use makadam::snapshot::Snapshot;
 /// Grains of a scene in the order of their numbers: listed grains, then population after population.
 #[derive(Clone, Debug)]
 pub struct Roster {
-    /// Alike grains, in the order of their numbers.
+    /// Groups of identical grains, in the order of their numbers.
     pub groups: Vec<Alike>,
 }
 
-/// Grains of a scene that are alike but for their places.
+/// Grains of a scene that are identical except for their positions.
 #[derive(Clone, Debug)]
 pub struct Alike {
-    /// Number of the first of them.
+    /// Number of the first grain.
     pub first: u64,
     /// Number of grains.
     pub count: u64,
@@ -28,14 +28,14 @@ pub struct Alike {
 pub struct Kind {
     /// Number of the material, in the order of the scene's names.
     pub material: u8,
-    /// Index of the population in the scene; absent for grains that the scene lists and for inserted grains.
+    /// Index of the population in the scene; absent for listed grains and for inserted grains.
     pub population: Option<u32>,
 }
 
 impl Roster {
     /// Reads the grains of a checked scene.
     pub fn new(scene: &MeasuredScene) -> Roster {
-        // A checked scene names no material that is not there.
+        // In a checked scene all named materials exist.
         let number = |name: &str| scene.material.keys().position(|material| material == name).unwrap_or(0) as u8;
         let listed = scene.grain.iter().map(|grain| (1, (grain.radius, grain.radius), &grain.material, None));
         let placed = (0..).zip(&scene.population).filter(|(_, population)| population.count > 0);
@@ -54,7 +54,7 @@ impl Roster {
         Roster { groups }
     }
 
-    /// Material and population of a grain of a frame, by its id there.
+    /// Returns the material and population of a grain of a frame, by its id there.
     pub fn kind(&self, frame: &Snapshot, id: u32) -> Kind {
         let of_scene = |number| self.group(number).map(|group| group.kind);
         match frame.origins.get(id as usize) {
@@ -66,19 +66,19 @@ impl Roster {
         }
     }
 
-    /// Grains that are alike to one of the scene, by its number; none where the scene has no grain of this number.
+    /// Returns the group of a scene's grain, by its number; `None` if the scene has no grain of this number.
     pub fn group(&self, number: u64) -> Option<&Alike> {
         let after = self.groups.partition_point(|group| group.first <= number);
         self.groups[..after].last().filter(|group| number < group.first + group.count)
     }
 
-    /// Materials of the scene's grains; some more than once.
+    /// Returns the materials of the scene's grains, with repetitions.
     pub fn materials(&self) -> impl Iterator<Item = usize> + '_ {
         self.groups.iter().map(|group| usize::from(group.kind.material))
     }
 }
 
-/// Number that a grain of a frame keeps over the run, by its id there: its number in the scene, or one that no other grain of the run has.
+/// Returns a number that is constant over the run, from a grain's id in a frame: its number in the scene, or one that no other grain of the run has.
 pub fn lasting_number(frame: &Snapshot, id: u32) -> u64 {
     frame.origins.get(id as usize).map_or(u64::from(id), |origin| origin.number)
 }

@@ -1,18 +1,18 @@
-//! Named columns of numbers: the form in which frames are exported, drawn, and read from files in VTK's formats.
+//! Named columns of numbers: the common form of frames for exports, pictures and VTK readers.
 
 use makadam::snapshot::DrivenWall;
 
-/// Defines the kinds of numbers with their Rust types; VTK's names are those of the kinds.
+/// Defines the number types with their Rust types; the variants have VTK's names.
 macro_rules! numbers {
     ($($kind:ident $type:ty),*) => {
-        /// Kind of the numbers of a column. Runs write `UInt8`, `Int32`, `Float32` and `Float64`; other codes write all.
+        /// Number type of a column. Runs write `UInt8`, `Int32`, `Float32` and `Float64`; other codes write all types.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub(crate) enum Number {
             $(#[doc = stringify!($type)] $kind),*
         }
 
         impl Number {
-            /// Returns the kind of a name in a file.
+            /// Returns the number type for a name in a file.
             pub fn of(name: &str) -> Option<Number> {
                 match name {
                     $(stringify!($kind) => Some(Number::$kind),)*
@@ -20,14 +20,14 @@ macro_rules! numbers {
                 }
             }
 
-            /// Returns the bytes of a number.
+            /// Returns the bytes per number.
             pub fn size(self) -> usize {
                 match self {
                     $(Number::$kind => size_of::<$type>()),*
                 }
             }
 
-            /// Returns the value that a number of this kind has in place of another one.
+            /// Returns a value rounded to this number type.
             fn rounded(self, value: f64) -> f64 {
                 match self {
                     $(Number::$kind => value as $type as f64),*
@@ -58,7 +58,7 @@ macro_rules! numbers {
 
 numbers!(UInt8 u8, Int8 i8, Int16 i16, UInt16 u16, Int32 i32, UInt32 u32, Int64 i64, UInt64 u64, Float32 f32, Float64 f64);
 
-/// Kind of numbers, and numbers of a tuple.
+/// Number type, and numbers per tuple.
 pub(crate) type Shape = (Number, usize);
 
 pub(crate) const REAL: Shape = (Number::Float32, 1);
@@ -67,16 +67,16 @@ pub(crate) const WHOLE: Shape = (Number::Int32, 1);
 pub(crate) const DOUBLE: Shape = (Number::Float64, 1);
 pub(crate) const DOUBLES: Shape = (Number::Float64, 3);
 
-/// A named column: tuples of numbers.
+/// Named column: tuples of numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Column {
-    /// Its name.
+    /// Name.
     pub name: String,
-    /// Kind of its numbers in files.
+    /// Number type in files.
     pub number: Number,
-    /// Numbers of a tuple.
+    /// Numbers per tuple.
     pub width: usize,
-    /// Numbers, tuple after tuple, as this kind of numbers holds them.
+    /// Numbers, tuple after tuple, rounded to the number type.
     pub values: Vec<f64>,
 }
 
@@ -86,20 +86,20 @@ impl Column {
         Column { name: name.into(), number, width, values }
     }
 
-    /// Coordinates (m), in single precision unless that would shift points by more than a thousandth of a `resolution` (m).
+    /// Makes a column of coordinates (m), in single precision unless that would shift points by more than a thousandth of a `resolution` (m).
     pub fn coordinates(name: &str, values: Vec<f64>, resolution: f64) -> Column {
         let farthest = values.iter().fold(0.0, |farthest: f64, coordinate| farthest.max(coordinate.abs()));
         let is_single = farthest * f64::from(f32::EPSILON) <= 1e-3 * resolution;
         Column::new(name, (if is_single { Number::Float32 } else { Number::Float64 }, 3), values)
     }
 
-    /// Number of tuples.
+    /// Returns the number of tuples.
     pub fn tuples(&self) -> usize {
         self.values.len() / self.width
     }
 }
 
-/// Part of a frame that is a file of its own in exports.
+/// Part of a frame with a file of its own in exports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// Points.
@@ -111,7 +111,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// All of them.
+    /// All kinds.
     pub const ALL: [Kind; 3] = [Kind::Grains, Kind::Contacts, Kind::Walls];
 
     /// Returns the name, which begins the names of files.
@@ -120,16 +120,16 @@ impl Kind {
     }
 }
 
-/// A part of a frame: points, cells of them, and columns over both.
+/// Part of a frame: points, their cells, and columns over both.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Part {
-    /// Points of a cell: 1, 2 or 3.
+    /// Points per cell: 1, 2 or 3.
     pub corners_per_cell: usize,
     /// Simulated time, s.
     pub time: f64,
-    /// Three coordinates for each point, m.
+    /// Coordinates of the points, three per point, m.
     pub points: Column,
-    /// Numbers of the points, cell after cell; all points in their order, if absent.
+    /// Numbers of the points, cell after cell; if absent, all points in their order.
     pub corners: Option<Vec<u32>>,
     /// Columns over points.
     pub of_points: Vec<Column>,
@@ -153,11 +153,11 @@ impl Part {
     }
 }
 
-/// Names of the columns of the poses of driven walls, a tuple per wall: number in the scene, displacement (m or rad), and rate (m/s or
+/// Names of the columns of the poses of dynamic walls, one tuple per wall: number in the scene, displacement (m or rad), and rate (m/s or
 /// rad/s).
 pub(crate) const DRIVEN_WALLS: [&str; 3] = ["driven_wall", "driven_wall_displacement", "driven_wall_rate"];
 
-/// Returns the columns of the poses of driven walls.
+/// Returns the columns of the poses of dynamic walls.
 pub(crate) fn pose_columns(walls: &[DrivenWall]) -> [Column; 3] {
     let [wall, displacement, rate] = DRIVEN_WALLS;
     [
@@ -167,10 +167,10 @@ pub(crate) fn pose_columns(walls: &[DrivenWall]) -> [Column; 3] {
     ]
 }
 
-/// Poses of driven walls from the values of these columns: none where one of them is absent.
+/// Reads the poses of dynamic walls from these columns; empty if one of them is absent.
 ///
 /// # Errors
-/// The problem, in names of the columns.
+/// Message with the names of the columns.
 pub(crate) fn driven_walls(
     values: impl Fn(&str) -> Result<Option<Vec<f64>>, String>,
 ) -> Result<Vec<DrivenWall>, String> {

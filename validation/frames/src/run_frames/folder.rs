@@ -1,4 +1,4 @@
-//! The frames of a run, in its folder or in memory.
+//! Frames of a run, in its folder or in memory.
 
 use super::columns::{Kind, Part};
 use super::frame::{FrameTables, Quantity, RunFrame};
@@ -15,20 +15,20 @@ use std::sync::Arc;
 /// Error of frames of a run.
 #[derive(Debug, thiserror::Error)]
 pub enum RunFolderError {
-    /// A run, a time or a field that does not exist.
+    /// Unknown run, time or field.
     #[error("{0}")]
     Unknown(String),
-    /// A damaged file.
+    /// Damaged file.
     #[error("{file} {problem}; run the scene again")]
     Damaged {
-        /// The file.
+        /// File.
         file: String,
-        /// Fault of the file.
+        /// Error in the file.
         problem: String,
     },
 }
 
-/// A number without the digits that sums of steps leave at its end, for messages.
+/// Rounds off the last digits, which sums of steps leave, for messages.
 pub fn rounded(value: f64) -> f64 {
     format!("{value:.8e}").parse().unwrap_or(value)
 }
@@ -43,7 +43,7 @@ pub struct RunFrames {
     seed: Option<u64>,
 }
 
-/// Place of the frames.
+/// Source of the frames.
 #[derive(Clone, Debug)]
 enum Source {
     Store(Box<Store>),
@@ -51,8 +51,8 @@ enum Source {
 }
 
 impl RunFrames {
-    /// Opens the frames of a run, by its folder or by the name of one below `results`. A run that is under way or was killed has the
-    /// frames that it has written.
+    /// Opens the frames of a run, by its folder or by the name of a folder below `results`. A running or killed run has the frames written
+    /// so far.
     ///
     /// # Errors
     /// [`RunFolderError`] if there is no such folder, or it holds no frames.
@@ -73,7 +73,7 @@ impl RunFrames {
                 "{folder} holds no frames of a run: {problem}; give the folder that makadam run wrote into"
             ))
         };
-        // A pipe would never answer.
+        // Reading a pipe would block.
         if !file.is_file() {
             return Err(none(format!("there is no {} in it", RunFiles::FRAMES)));
         }
@@ -82,7 +82,7 @@ impl RunFrames {
             return Err(none(format!("{} has no whole frame yet", RunFiles::FRAMES)));
         }
         let summary = summary(&folder);
-        // A run that ended states its number of frames: fewer are no trace of a kill, but damage.
+        // A complete run states its number of frames: fewer frames mean damage, not a kill.
         if summary["complete"] == true && summary["frames"] != store.count() {
             let problem =
                 format!("is damaged: it has {} whole frames, and run.json states {}", store.count(), summary["frames"]);
@@ -141,7 +141,7 @@ impl RunFrames {
     /// [`RunFolderError::Unknown`] if the time lies outside the run.
     pub fn at(&self, time: f64) -> Result<usize, RunFolderError> {
         let (first, last) = (self.time(0), self.time(self.count() - 1));
-        // Times are typed with few digits.
+        // Users type times with few digits.
         let slack = 1e-6 * (last - first).abs().max(1e-9);
         if !(first - slack..=last + slack).contains(&time) {
             return Err(RunFolderError::Unknown(format!(
@@ -190,7 +190,7 @@ impl RunFrames {
         }
     }
 
-    /// Reads a frame as the simulation left it.
+    /// Reads a frame as a snapshot of the simulation.
     ///
     /// # Errors
     /// [`RunFolderError::Damaged`] if it cannot be read.
@@ -204,7 +204,7 @@ impl RunFrames {
         }
     }
 
-    /// Reads all frames as a recording of a code, to be measured by a scene, with notes on the run.
+    /// Reads all frames as a recording of a code, for measurement by a scene, with notes on the run.
     ///
     /// # Errors
     /// [`RunFolderError`] if a frame cannot be read.
@@ -224,7 +224,7 @@ impl RunFrames {
         })
     }
 
-    /// Returns a note if the run is of another scene than the given one.
+    /// Returns a note if the run's scene differs from the given scene.
     fn of_other_scene(&self, scene: &MeasuredScene) -> Option<String> {
         let own = &self.tables.scene;
         let folder = self.folder.display();
@@ -240,7 +240,7 @@ impl RunFrames {
     /// Returns a requested field, by its name with hyphens or underscores.
     ///
     /// # Errors
-    /// [`RunFolderError::Unknown`] if the frame has none of that name.
+    /// [`RunFolderError::Unknown`] if the frame has no field of this name.
     pub fn field(&self, frame: &RunFrame, name: &str) -> Result<Quantity, RunFolderError> {
         let name = name.replace('-', "_");
         frame.quantity(&name).ok_or_else(|| {
@@ -260,13 +260,13 @@ fn damaged(file: &Path, problem: String) -> RunFolderError {
     RunFolderError::Damaged { file: file.display().to_string(), problem }
 }
 
-/// Reads `run.json`; null where it is missing or damaged.
+/// Reads `run.json`; null if the file is missing or damaged.
 fn summary(folder: &Path) -> serde_json::Value {
     let text = std::fs::read_to_string(folder.join(RunFiles::SUMMARY)).unwrap_or_default();
     serde_json::from_str(&text).unwrap_or_default()
 }
 
-/// Returns the diagnostics in a summary that make the numbers of the run doubtful or invalid.
+/// Returns the diagnostics of a summary that make the numbers of the run doubtful or invalid.
 fn alarms(folder: &Path, summary: &serde_json::Value) -> Option<String> {
     let file = folder.join(RunFiles::SUMMARY);
     let alarms = summary["alarms"].as_array().map(Vec::as_slice).unwrap_or_default();

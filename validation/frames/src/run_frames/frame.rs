@@ -11,11 +11,11 @@ use std::sync::Arc;
 
 type Vector = Vector3<f64>;
 
-/// A column of grains: name, unit (empty for plain numbers), key by which a scene requests it (columns without one are always there),
-/// shape, and values of a grain of a frame: the first ones of the six, as many as the shape has.
+/// Column of grains: name, unit (empty for plain numbers), key in scenes (columns without a key are always present), shape, and function
+/// of the values of a grain. The shape gives the number of values in use, from the first.
 struct Field(&'static str, &'static str, Option<GrainField>, Shape, fn(&Grain<'_>) -> [f64; 6]);
 
-/// Columns of grains, in the order of files.
+/// Columns of grains, in the order of the files.
 const FIELDS: [Field; 12] = [
     Field("diameter", "m", None, REAL, |grain| one(2.0 * grain.particle.radius)),
     Field("id", "", None, WHOLE, |grain| one(f64::from(grain.particle.id))),
@@ -49,7 +49,7 @@ fn three([x, y, z]: [f64; 3]) -> [f64; 6] {
     [x, y, z, 0.0, 0.0, 0.0]
 }
 
-/// A snapshot with what is computed of it on request.
+/// Snapshot with derived data, computed on request.
 struct Loaded<'a> {
     tables: &'a FrameTables,
     snapshot: &'a Snapshot,
@@ -67,7 +67,7 @@ impl Loaded<'_> {
     }
 }
 
-/// A grain of a frame.
+/// Grain of a frame.
 struct Grain<'a> {
     frame: &'a Loaded<'a>,
     place: usize,
@@ -79,7 +79,7 @@ impl Grain<'_> {
         self.frame.tables.roster.kind(self.frame.snapshot, self.particle.id)
     }
 
-    /// m3.
+    /// Volume, m3.
     fn volume(&self) -> f64 {
         4.0 / 3.0 * PI * self.particle.radius.powi(3)
     }
@@ -92,21 +92,21 @@ impl Grain<'_> {
 /// Contact forces on a grain.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Load {
-    /// Sum of their forces, N.
+    /// Sum of the contact forces, N.
     force: Vector,
-    /// Their number.
+    /// Number of contacts.
     contacts: u32,
     /// Sum of forces times branch vectors, pressure positive, N m: xx, yy, zz, xy, yz, xz.
     moments: [f64; 6],
 }
 
-/// Contact loads on each grain: the sum of forces, and the mean stress times the volume V of the grain,
+/// Returns the contact loads on each grain: the sum of forces, and the mean stress times the volume V of the grain,
 ///
 /// ```text
 /// V sigma = - sum over contacts of sym(f (x) l)
 /// ```
 ///
-/// with the force f on the grain and the branch vector l from its centre to the contact point; pressure is positive. It is the virial of
+/// with the force f on the grain and the branch vector l from its centre to the contact point; pressure is positive. Source: the virial of
 /// Love and Weber for one grain, exact for a grain in balance: J. Christoffersen, M. M. Mehrabadi and S. Nemat-Nasser, A micromechanical
 /// description of granular material behavior, Journal of Applied Mechanics 48 (1981), 339-344.
 fn loads(frame: &Snapshot, scene: &MeasuredScene) -> Vec<Load> {
@@ -136,21 +136,21 @@ fn loads(frame: &Snapshot, scene: &MeasuredScene) -> Vec<Load> {
 pub struct RunFrame {
     /// Simulated time, s.
     pub time: f64,
-    /// Its grains.
+    /// Grains.
     pub grains: Grains,
-    /// Contacts that bear a force; none where the run has written none.
+    /// Force-carrying contacts; absent if the run has written no contacts.
     pub contacts: Option<Vec<ContactLine>>,
-    /// Walls where they stand; none where the run has written none.
+    /// Walls at their pose; absent if the run has written no walls.
     pub walls: Option<Walls>,
     /// Acceleration of gravity, m/s2.
     pub gravity: [f64; 3],
-    /// Lengths of the periodic axes, zero along the others, and their starts, m; none without such axes.
+    /// Lengths of the periodic axes, zero along the others, and their starts, m; absent without periodic axes.
     pub repeats: Option<[[f64; 3]; 2]>,
     pub(crate) tables: Arc<FrameTables>,
     pub(crate) snapshot: Arc<Snapshot>,
 }
 
-/// The grains of a frame.
+/// Grains of a frame.
 #[derive(Clone, Debug)]
 pub struct Grains {
     /// Centres, m.
@@ -159,7 +159,7 @@ pub struct Grains {
     pub radii: Vec<f64>,
 }
 
-/// A contact as it is drawn.
+/// Contact as a line to draw.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactLine {
     /// Centre of the first grain, and that of the second, or the contact point on a wall, m.
@@ -168,21 +168,21 @@ pub struct ContactLine {
     pub normal_force: f64,
 }
 
-/// A number of every grain, with its unit.
+/// Quantity with one number per grain, and its unit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Quantity {
-    /// Its name in words, such as "angular velocity".
+    /// Title, such as "angular velocity".
     pub title: String,
-    /// Its unit; empty for plain numbers.
+    /// Unit; empty for plain numbers.
     pub unit: &'static str,
     /// One value per grain.
     pub values: Vec<f64>,
-    /// Names of the values where they number something that has names.
+    /// Names of the values, for indices of named items such as materials.
     pub names: Vec<String>,
 }
 
 impl RunFrame {
-    /// Returns the grains of a state with the walls of its scene, but for walls that a force drives: their position is not stored.
+    /// Returns the grains of a state with the walls of its scene; dynamic walls are omitted, since the state does not store their position.
     pub fn of_state(scene: &MeasuredScene, time: f64, particles: &[Particle]) -> RunFrame {
         let is_finite =
             |grain: &&Particle| grain.position.iter().chain(&grain.velocity).all(|number| number.is_finite());
@@ -199,7 +199,7 @@ impl RunFrame {
         frame
     }
 
-    /// Returns the names of the fields that are one number per grain, or that have a length, in order.
+    /// Returns the names of the scalar and vector fields, in order.
     pub fn quantities(&self) -> Vec<String> {
         let is_quantity = |field: &&Field| matches!(field.3.1, 1 | 3);
         let mut names: Vec<String> = FIELDS.iter().filter(is_quantity).map(|field| field.0.into()).collect();
@@ -207,7 +207,7 @@ impl RunFrame {
         names
     }
 
-    /// Returns a field as one number per grain: of vectors the length.
+    /// Returns a field as one number per grain; for vectors, the magnitude.
     pub fn quantity(&self, name: &str) -> Option<Quantity> {
         let Field(_, unit, ..) = FIELDS.iter().find(|field| field.0 == name)?;
         let length = |vector: &[f64]| vector.iter().map(|component| component * component).sum::<f64>().sqrt();
@@ -221,21 +221,21 @@ impl RunFrame {
         Some(Quantity { title: name.replace('_', " "), unit, values, names })
     }
 
-    /// Returns a column of grains, by its name.
+    /// Returns a column of grains by its name.
     pub(crate) fn column(&self, name: &str) -> Option<Column> {
         let field = FIELDS.iter().find(|field| field.0 == name)?;
         Some(self.tables.load(&self.snapshot).column(field))
     }
 }
 
-/// Converts snapshots of a scene to frames, and to parts of exports.
+/// Converts snapshots of a scene to frames and to parts of exports.
 #[derive(Clone, Debug)]
 pub(crate) struct FrameTables {
     pub scene: MeasuredScene,
     /// Density of each material, kg/m3.
     densities: Vec<f64>,
     roster: Roster,
-    /// Each wall as the scene places it; planes are cut again at their pose.
+    /// Triangles of each wall at its pose in the scene; planes are cut again at each new pose.
     pub(super) walls: Vec<Triangles>,
 }
 
@@ -258,7 +258,7 @@ impl FrameTables {
         Loaded { tables: self, snapshot, loads: OnceCell::new() }
     }
 
-    /// Returns lengths and starts of the periodic axes, zero along the others, m; none without such axes.
+    /// Returns the lengths and starts of the periodic axes, zero along the others, m; `None` without periodic axes.
     fn repeats(&self) -> Option<[[f64; 3]; 2]> {
         let domain = &self.scene.domain;
         let mut repeats = [[0.0; 3]; 2];
@@ -269,7 +269,7 @@ impl FrameTables {
         (!domain.periodic.is_empty()).then_some(repeats)
     }
 
-    /// Returns a frame; its fields are computed on request.
+    /// Returns a frame with fields computed on request.
     pub fn frame(self: &Arc<Self>, snapshot: &Arc<Snapshot>) -> RunFrame {
         let output = self.scene.output.clone().unwrap_or_default();
         let lines = || {
@@ -293,7 +293,7 @@ impl FrameTables {
         }
     }
 
-    /// Returns the grains of a frame: points with the fields that the scene requests.
+    /// Returns the grains of a frame: points with the requested fields of the scene.
     pub fn grains(&self, frame: &Snapshot) -> Part {
         let requested = self.scene.output.as_ref().and_then(|output| output.fields.as_deref());
         let is_requested = |field: &&Field| match (requested, &field.2) {
@@ -347,8 +347,8 @@ impl FrameTables {
         }
     }
 
-    /// Returns both ends of the line of each contact, m: the centre of the first grain, and that of the second, or of its nearest image, or
-    /// the contact point on a wall.
+    /// Returns both ends of the line of each contact, m: the centre of the first grain, and the centre of the second grain or of its nearest
+    /// image, or the contact point on a wall.
     fn ends(&self, frame: &Snapshot) -> Vec<[[f64; 3]; 2]> {
         let period = self.scene.domain.period();
         let centre = |id: u32| Vector::from(frame.particles[id as usize].position);
@@ -365,7 +365,7 @@ impl FrameTables {
     }
 }
 
-/// Places that differ by less than the smallest radius.
+/// Makes a column of coordinates, with the smallest radius as its resolution.
 fn coordinates(name: &str, values: impl Iterator<Item = f64>, frame: &Snapshot) -> Column {
     let smallest = frame.particles.iter().map(|particle| particle.radius).fold(f64::INFINITY, f64::min);
     Column::coordinates(name, values.collect(), smallest)

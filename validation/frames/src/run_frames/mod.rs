@@ -1,4 +1,4 @@
-//! The frames of a run: written to one store as the run goes, read back by pictures, pages, measurements and exports.
+//! Frames of a run: written to one store during the run, read back by pictures, pages, measurements and exports.
 
 pub(crate) mod columns;
 mod folder;

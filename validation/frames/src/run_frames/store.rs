@@ -1,10 +1,10 @@
-//! The frame store: one file with the frames of a run, to the last bit, appended while the run goes on.
+//! Frame store: one file with the frames of a run, exact to the last bit, appended during the run.
 //!
 //! ```text
 //! record of the scene (TOML), then one record per frame; a record: magic bytes (8), length (8), checksum (8), body (postcard)
 //! ```
 //!
-//! A process that is killed leaves at most its last record incomplete: readers end before it, and a resumed run overwrites it.
+//! A killed process leaves at most its last record incomplete: readers end before it, and a resumed run overwrites it.
 
 use crate::output::{WriteError, open_to_grow};
 use crate::plan::MeasuredScene;
@@ -15,9 +15,9 @@ use std::fs::{File, OpenOptions};
 use std::io::{BufReader, Error, ErrorKind, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-/// Magic bytes of the record of the scene; the last one is the version of the format.
+/// Magic bytes of the scene record; the last byte is the format version.
 const SCENE: [u8; 8] = *b"mkd-scn\x02";
-/// Magic bytes of the record of a frame; the last one is the version of the format.
+/// Magic bytes of a frame record; the last byte is the format version.
 const FRAME: [u8; 8] = *b"mkd-frm\x05";
 
 /// Bytes before the body of a record.
@@ -58,7 +58,7 @@ pub struct StoreWriter {
 }
 
 impl StoreWriter {
-    /// Creates a store of a scene, in place of an existing one.
+    /// Creates a store of a scene; replaces an existing store.
     ///
     /// # Errors
     /// [`WriteError`] if the system refuses.
@@ -74,10 +74,10 @@ impl StoreWriter {
         Ok(StoreWriter { store, file })
     }
 
-    /// Opens a store to append after the frames that a checkpoint knows; later ones are cut off.
+    /// Opens a store to append after the frames of a checkpoint; later frames are cut off.
     ///
     /// # Errors
-    /// [`WriteError`] if the system refuses, or the file does not hold these frames.
+    /// [`WriteError`] if the system refuses, or the file lacks frames of the checkpoint.
     pub fn resume(path: &Path, mark: StoreMark) -> Result<StoreWriter, WriteError> {
         let refused = |error| WriteError::new(path, error);
         let unfit = |problem: String| {
@@ -111,7 +111,7 @@ impl StoreWriter {
         let body = postcard::to_stdvec(&parts).expect("a frame holds only numbers and lists");
         let record = seal(FRAME, &body);
         let start = self.store.bytes();
-        // A failed write may have left a part of a record.
+        // A failed write may have left part of a record.
         let written = self.file.seek(SeekFrom::Start(start)).and_then(|_| self.file.write_all(&record));
         written.map_err(|error| WriteError::new(&self.store.path, error))?;
         let (length, grains) = (record.len() as u64, frame.particles.len() as u32);
@@ -143,7 +143,7 @@ impl StoreWriter {
 pub struct Store {
     path: PathBuf,
     scene: MeasuredScene,
-    /// Bytes of the record of the scene.
+    /// Bytes of the scene record.
     head: u64,
     entries: Vec<Entry>,
 }
@@ -152,7 +152,7 @@ impl Store {
     /// Reads the scene and the positions of all complete frames.
     ///
     /// # Errors
-    /// The problem, in words that follow the name of the file.
+    /// Message, to follow the file name.
     pub(crate) fn open(path: &Path) -> Result<Store, String> {
         let mut file = File::open(path).map_err(unread)?;
         let size = file.metadata().map_err(unread)?.len();
@@ -180,7 +180,7 @@ impl Store {
         &self.scene
     }
 
-    /// Returns the frames' times and numbers of grains.
+    /// Returns the times and grain counts of the frames.
     pub fn entries(&self) -> &[Entry] {
         &self.entries
     }
@@ -193,24 +193,24 @@ impl Store {
     /// Reads a frame.
     ///
     /// # Errors
-    /// The problem, in words that follow the name of the file.
+    /// Message, to follow the file name.
     pub(crate) fn read(&self, number: usize) -> Result<Snapshot, String> {
         self.read_from(&mut self.reader()?, number)
     }
 
-    /// Reads frames, by their numbers in ascending order.
+    /// Reads frames by their numbers, in ascending order.
     ///
     /// # Errors
-    /// The problem, in words that follow the name of the file.
+    /// Message, to follow the file name.
     pub fn visit(&self, numbers: impl Iterator<Item = usize>, look: &mut dyn FnMut(&Snapshot)) -> Result<(), String> {
         let mut file = self.reader()?;
         numbers.into_iter().try_for_each(|number| self.read_from(&mut file, number).map(|frame| look(&frame)))
     }
 
-    /// Reads frames without their contacts, by their numbers in ascending order.
+    /// Reads frames without their contacts, by their numbers, in ascending order.
     ///
     /// # Errors
-    /// The problem, in words that follow the name of the file.
+    /// Message, to follow the file name.
     pub fn visit_grains(
         &self,
         numbers: impl Iterator<Item = usize>,
@@ -250,7 +250,7 @@ impl Store {
     }
 }
 
-/// First part of a record of a frame: time, grains, driven walls, identities. The contacts follow.
+/// First part of a frame record: time, grains, dynamic walls, identities. The contacts follow.
 type Grains<P, W, O> = (f64, P, W, O);
 
 fn frame_of(
@@ -268,7 +268,7 @@ fn unread(error: Error) -> String {
     format!("cannot be read: {error}")
 }
 
-/// Reads the position, time and number of grains of the frame at a byte; none if the file ends before the frame does.
+/// Reads the position, time and grain count of the frame at a byte; `None` if the file ends before the frame does.
 fn read_entry(file: &mut File, start: u64, size: u64) -> Result<Option<Entry>, String> {
     let Some(length) = record_length(file, start, size, FRAME)? else { return Ok(None) };
     // A snapshot begins with its time (8 bytes) and its number of grains (at most 5).
@@ -279,7 +279,7 @@ fn read_entry(file: &mut File, start: u64, size: u64) -> Result<Option<Entry>, S
     Ok(Some(Entry { start, length, time, grains }))
 }
 
-/// Reads the length of the record at a byte from its head; none if the file ends before the record does.
+/// Reads the length of the record at a byte from its head; `None` if the file ends before the record does.
 fn record_length(file: &mut File, start: u64, size: u64, magic: [u8; 8]) -> Result<Option<u64>, String> {
     if start + HEAD > size {
         return Ok(None);

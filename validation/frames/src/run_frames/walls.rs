@@ -1,4 +1,4 @@
-//! Walls of a scene as triangles, at their pose at a time.
+//! Walls of a scene as triangles, at their pose at a given time.
 
 use super::columns::{Column, DOUBLES, Number, Part, VECTOR, WHOLE};
 use super::frame::FrameTables;
@@ -18,19 +18,19 @@ pub struct Walls {
     pub points: Vec<[f64; 3]>,
     /// Triangles, by the numbers of their corners.
     pub triangles: Vec<[u32; 3]>,
-    /// Number of the wall that a triangle belongs to.
+    /// Number of each triangle's wall.
     pub wall: Vec<u32>,
     /// Names of the walls, by their numbers.
     pub names: Vec<String>,
-    /// Kinds of their shapes, as the scene calls them, by their numbers.
+    /// Kinds of their shapes by their names in scenes, by wall number.
     pub shapes: Vec<&'static str>,
-    /// Unit vectors along the axes that walls turn about, by their numbers; zero for those that do not turn.
+    /// Unit vectors along the rotation axes of walls, by wall number; zero for walls without rotation.
     pub axes: Vec<[f64; 3]>,
     /// Velocities of the corners, m/s.
     pub velocities: Vec<[f64; 3]>,
 }
 
-/// Points and triangles on them.
+/// Points, and triangles between them.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Triangles {
     points: Vec<Vector>,
@@ -38,7 +38,7 @@ pub(super) struct Triangles {
 }
 
 impl Triangles {
-    /// Joins corners at one place.
+    /// Triangulates a shape and joins coincident corners.
     pub fn of(shape: &Shape, domain: &Domain) -> Triangles {
         let mut all = Triangles::default();
         let mut known = HashMap::new();
@@ -55,7 +55,7 @@ impl Triangles {
 }
 
 impl FrameTables {
-    /// Returns the walls at a time (s), with the given poses of those that are driven.
+    /// Returns the walls at a time (s), with the given poses of the dynamic walls.
     pub(super) fn walls_at(&self, time: f64, driven: &[DrivenWall]) -> Walls {
         let (walls, domain) = (&self.scene.wall, &self.scene.domain);
         let placed = PlacedWalls::at(walls, domain, time, driven);
@@ -70,7 +70,7 @@ impl FrameTables {
             let first = all.points.len() as u32;
             let stands = |point: &Vector| placed.point_of(number, point);
             let Triangles { points, triangles } = match &wall.shape {
-                // A plane has no end: its part in the domain, at its pose.
+                // A plane is infinite: the part in the domain, at its pose.
                 Shape::Plane { point, normal } => {
                     let (point, normal) = (Vector::from(*point), Vector::from(*normal).normalize());
                     let foot = stands(&point);
@@ -113,7 +113,7 @@ impl FrameTables {
     }
 }
 
-/// Name of a shape in scenes.
+/// Returns the name of a shape in scenes.
 fn kind(shape: &Shape) -> &'static str {
     match shape {
         Shape::Plane { .. } => "plane",
@@ -124,7 +124,7 @@ fn kind(shape: &Shape) -> &'static str {
     }
 }
 
-/// Unit vector along the axis that a wall turns about; zero if it does not turn.
+/// Returns the unit vector along the rotation axis of a wall; zero without rotation.
 fn axis(motion: &Motion) -> Vector {
     match motion {
         Motion::Rotating { axis, rate, .. } => Vector::from(*axis).normalize() * rate.signum(),

@@ -1,4 +1,4 @@
-//! Balances of a frame, which hold for every code.
+//! Balances of a frame, valid for every code.
 
 use super::catalogue::{ALL_CONTACTS, Group, MOTION, WALL_CONTACTS, define};
 use super::measurement::Readings;
@@ -35,7 +35,7 @@ pub(super) const GROUP: Group = Group {
     ],
 };
 
-/// Contacts below this part of the mean normal force are too weak for a ratio: a code's output is rounded.
+/// Weakest normal force for a ratio, over the mean normal force: a code's output is rounded.
 const TOO_WEAK: f64 = 1e-6;
 
 fn read(view: &View<'_>, readings: &mut Readings) -> Result<(), String> {
@@ -48,7 +48,7 @@ fn read(view: &View<'_>, readings: &mut Readings) -> Result<(), String> {
         readings.add("wall_force_over_weight", push / weight);
     }
 
-    // Without walls: a code that makes a round wall of facets has overlaps of its own there.
+    // Without walls: in a code with faceted round walls, the facets cause overlaps of their own.
     let overlaps: Vec<f64> = (view.pairs().iter())
         .filter(|pair| pair.gap < 0.0)
         .map(|pair| -pair.gap / grains[pair.first].radius.min(grains[pair.second].radius))
@@ -71,7 +71,7 @@ fn read(view: &View<'_>, readings: &mut Readings) -> Result<(), String> {
     Ok(())
 }
 
-/// Kinetic energy of a solid sphere, J.
+/// Returns the kinetic energy of a solid sphere, J.
 fn kinetic_energy(view: &View<'_>, grain: &Particle) -> f64 {
     let spin = 0.4 * grain.radius.powi(2) * Vector3::from(grain.spin).norm_squared();
     0.5 * view.setting.mass(view.frame, grain) * (Vector3::from(grain.velocity).norm_squared() + spin)

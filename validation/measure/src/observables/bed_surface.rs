@@ -1,4 +1,4 @@
-//! The bed in a drum's cross-section: its solid fraction over time, its outline, its free surface.
+//! Bed in a drum's cross-section: its solid fraction over time, its outline, its free surface.
 
 use super::contour::{self, Loop, Segment};
 use super::drum::Drum;
@@ -12,25 +12,25 @@ use makadam::snapshot::{Particle, Snapshot};
 use nalgebra::Vector3;
 use std::ops::Range;
 
-/// Diameter of the circle over the drum's.
+/// Ratio of the circle's diameter to the drum's.
 const CIRCLE_OVER_DRUM: f64 = 0.2;
 
-/// Reason for no [`MeanField`].
+/// Reason for a missing [`MeanField`].
 pub const NO_MEAN_FIELD: &str = "grains are too small for the drum, or too unlike in size";
 
 /// Free surface of the bed in the mean of all frames, and in the means of blocks of them.
 #[derive(Default)]
 pub struct BedSurfaces {
-    /// Frames of each block of time; none where there are too few frames for blocks.
+    /// Frames of each block of time; empty if there are too few frames for blocks.
     pub blocks: Vec<Range<usize>>,
-    /// Surface in each block; absent where the bed has none.
+    /// Surface in each block; absent if the bed has none.
     pub parts: Vec<Option<BedSurface>>,
-    /// Surface in all frames; absent where the bed has none.
+    /// Surface in all frames; absent if the bed has none.
     pub whole: Option<BedSurface>,
 }
 
 impl BedSurfaces {
-    /// Finds the surfaces in frames, of which there is at least one; absent where a block has no [`MeanField`].
+    /// Finds the surfaces in frames, at least one; `None` if a block has no [`MeanField`].
     pub fn new<F: Frames + ?Sized>(setting: &Setting<'_>, drum: &Drum, frames: &F) -> Result<Option<Self>, F::Error> {
         let all = frames.count();
         let mean_of = |range: Range<usize>| {
@@ -58,37 +58,37 @@ impl BedSurfaces {
     }
 }
 
-/// The bed's surface in the cross-section of a drum.
+/// Surface of the bed in the cross-section of a drum.
 #[derive(Clone, Debug)]
 pub struct BedSurface {
     /// Line fitted to the middle half of the free surface.
     pub line: Line,
-    /// Angle of that line, degrees.
+    /// Angle of the fitted line, degrees.
     pub line_angle: f64,
     /// Angle of the line through the crossings with the circle, degrees.
     pub circle_angle: f64,
 }
 
-/// Solid fraction in the cross-section, averaged over frames and over about a radius of space.
+/// Solid fraction in the cross-section, averaged over frames and over a length of about one radius.
 ///
 /// Cells are half a radius wide and smoothed once with weights 1, 2, 1. Cells of a radius without smoothing are as
-/// noisy, but pull the surface towards their own lines: by half a degree at 12 degrees.
+/// noisy, but shift the surface towards their own lines: by half a degree at 12 degrees.
 ///
-/// There is none where the grains are so much smaller than the drum, or some so much larger than the mean, that it would be more
-/// work than [`effort::most`].
+/// The mean is missing if the grains are so small relative to the drum, or some so large relative to the mean, that the work would exceed
+/// [`effort::most`].
 pub struct MeanField<'a> {
     drum: &'a Drum,
-    /// Sums; absent once it is known that there is no mean.
+    /// Sums; absent after the work limit is exceeded.
     field: Option<Field>,
-    /// Visits to cells that may still be made.
+    /// Remaining number of cell updates.
     left: usize,
-    /// Of a cell over the drum's length, m3.
+    /// Volume of a cell over the drum's length, m3.
     volume: f64,
     frames: u32,
 }
 
 impl<'a> MeanField<'a> {
-    /// Begins the mean over frames that hold `grains` grains together.
+    /// Begins the mean over frames with a total of `grains` grains.
     pub fn new(setting: &Setting<'_>, drum: &'a Drum, grains: usize) -> Self {
         let (reach, left) = (drum.radius, effort::most(grains));
         let field = Field::new([-reach; 2], [reach; 2], 0.25 * setting.diameter, left);
@@ -112,7 +112,7 @@ impl<'a> MeanField<'a> {
         (self.left, self.frames) = (left, self.frames + 1);
     }
 
-    /// The mean.
+    /// Returns the mean.
     pub fn finish(self) -> Option<Field> {
         let mut field = self.field?;
         field.scale(1.0 / f64::from(self.frames.max(1)));
@@ -121,18 +121,18 @@ impl<'a> MeanField<'a> {
     }
 }
 
-/// The outline of the bed in a field, at half of its largest value; absent where there is no bed.
+/// Returns the outline of the bed in a field, at half of its largest value; `None` without a bed.
 pub fn outline(field: &Field) -> Option<Loop> {
     contour::outline(field, 0.5 * field.largest())
 }
 
-/// The surface of a bed of this outline; absent where the bed has none.
+/// Returns the surface of a bed with this outline; `None` if the bed has no surface.
 pub fn surface(setting: &Setting<'_>, drum: &Drum, outline: &Loop) -> Option<BedSurface> {
     let inside = drum.radius - 1.5 * setting.diameter;
     let free: Vec<Segment> =
         contour::segments(outline).filter(|[a, b]| a[0].hypot(a[1]) < inside && b[0].hypot(b[1]) < inside).collect();
     let mut line = Line::fit(free.iter().copied())?;
-    // The middle half depends on the line, and the line on the middle half: a few rounds settle both.
+    // The middle half depends on the line, and the line on the middle half: a few iterations converge.
     for _ in 0..5 {
         let offset = line.above([0.0; 2]).abs();
         let half_chord = (drum.radius.powi(2) - offset.powi(2)).max(0.0).sqrt();

@@ -1,13 +1,13 @@
-//! Bulk of a bed: the part of it that lies away from walls and from free surfaces, in one frame.
+//! Bulk of a bed in one frame: the part away from walls and from free surfaces.
 //!
 //! The free surface is
 //!
-//! - in a drum the outline of the bed in the cross-section;
-//! - elsewhere the level below which layers across gravity are filled, where the bed is level between walls;
+//! - in a drum, the outline of the bed in the cross-section;
+//! - elsewhere, for a level bed between walls, the level of half-filled layers across gravity;
 //! - otherwise the outline of a heap, averaged over azimuth;
-//! - without gravity none: grains have to fill the room between the walls.
+//! - without gravity none: grains must fill the space between the walls.
 //!
-//! A bulk region must hold no hole: a bed of another form (a slope, a block that stands free, a funnel) has none of these
+//! A bulk region must hold no hole: a bed of another form (a slope, a free-standing block, a funnel) has none of these
 //! surfaces, and no bulk.
 
 use super::contour::{self, Loop, Segment};
@@ -23,37 +23,37 @@ use super::walls::PlacedWalls;
 use makadam::snapshot::{Particle, Snapshot};
 use nalgebra::Vector3;
 
-/// Fewest grains for a bulk two diameters inside; with fewer, one diameter is taken.
+/// Smallest number of grains for a bulk at two diameters; with fewer grains, the distance is one diameter.
 const FEWEST: usize = 50;
 
-/// Part of a diameter by which points may lie outside: lengths that are multiples of each other make points that lie on the border, and
-/// the last bits of a number say nothing of their side.
+/// Tolerance of the border, in diameters: for lengths that are multiples of each other, points lie on the border, and
+/// rounding would decide their side.
 const HAIR: f64 = 1e-9;
 
-/// The bulk of the bed of one frame.
+/// Bulk of the bed of one frame.
 pub struct Bulk {
-    /// Distance kept from walls and from the free surface, m.
+    /// Distance from walls and from the free surface, m.
     pub inset: f64,
-    /// Which grains lie in it, in the order of the frame's table.
+    /// Flags of the grains in the bulk, in the order of the frame's table.
     pub inside: Vec<bool>,
-    /// Distance by which points on the border count as inside, m.
+    /// Tolerance for points on the border, m.
     hair: f64,
     surface: FreeSurface,
 }
 
 enum FreeSurface {
-    /// There is none, as there is no gravity.
+    /// No surface, without gravity.
     None,
-    /// A level one: the direction up, and the height along it, m.
+    /// Level surface: the direction up, and the height along it, m.
     Level(Vector3<f64>, f64),
-    /// In a drum: outline of the bed in the cross-section.
+    /// Surface in a drum: outline of the bed in the cross-section.
     Drum(Drum, Outline),
-    /// Of a heap: outline in (r, z).
+    /// Surface of a heap: outline in (r, z).
     Heap(HeapFrame, Outline),
 }
 
 impl Bulk {
-    /// Finds the free surface of a frame, and how far inside it the bulk begins.
+    /// Finds the free surface of a frame, and the distance of the bulk from it.
     pub fn of(view: &View<'_>) -> Result<Bulk, String> {
         let (setting, frame) = (view.setting, view.frame);
         if frame.particles.is_empty() {
@@ -74,7 +74,7 @@ impl Bulk {
         level.or_else(heap)
     }
 
-    /// The bulk below a surface, as deep as there are grains for.
+    /// Finds the bulk below a surface, at the distance that the number of grains permits.
     fn below(surface: FreeSurface, view: &View<'_>) -> Result<Bulk, String> {
         let (setting, grains) = (view.setting, &view.frame.particles);
         let mut bulk =
@@ -88,7 +88,7 @@ impl Bulk {
         if count(&bulk.inside) == 0 {
             return Err("no grain lies a mean diameter inside walls and free surface".into());
         }
-        // The outline of the bed in a drum is that of its field, which has no holes at all.
+        // The outline of the bed in a drum is from its field, which has no holes.
         if let FreeSurface::Drum(..) = bulk.surface {
             return Ok(bulk);
         }
@@ -103,7 +103,7 @@ impl Bulk {
         }
     }
 
-    /// Finds the grains whose centres lie in the bulk.
+    /// Finds the grains with centres in the bulk.
     fn find(&self, view: &View<'_>) -> Vec<bool> {
         let is_inside = |(grain, distance): (&Particle, &f64)| {
             *distance >= self.inset - self.hair && self.is_covered(&grain.position.into())
@@ -116,12 +116,12 @@ impl Bulk {
         walls.distance(point) >= self.inset - self.hair && self.is_covered(point)
     }
 
-    /// Returns true for a point that lies deep enough below the free surface.
+    /// Returns true for a point deep enough below the free surface.
     pub fn is_covered(&self, point: &Vector3<f64>) -> bool {
         self.surface.covers(point, self.inset - self.hair)
     }
 
-    /// Height of the free surface along the direction up, m, where it is level.
+    /// Returns the height of a level free surface along the direction up, m.
     pub fn level(&self) -> Option<f64> {
         match self.surface {
             FreeSurface::Level(_, height) => Some(height),
@@ -145,19 +145,19 @@ impl FreeSurface {
 /// Outline of a bed in a plane, in runs of consecutive pieces: most points are far from most runs.
 struct Outline(Vec<Run>);
 
-/// Pieces of an outline that follow each other, and the circle about them.
+/// Consecutive pieces of an outline, and the circle about them.
 struct Run {
-    /// Each with a mark whether it is a part of the free surface.
+    /// Pieces, each with a flag for the free surface.
     pieces: Vec<(Segment, bool)>,
     centre: [f64; 2],
     radius: f64,
 }
 
 impl Outline {
-    /// Pieces in a run.
+    /// Pieces per run.
     const LENGTH: usize = 8;
 
-    /// An outline whose points are part of the free surface where `is_free` says so.
+    /// Makes an outline; `is_free` marks points of the free surface.
     fn new(outline: &Loop, is_free: impl Fn([f64; 2]) -> bool) -> Outline {
         let pieces: Vec<_> = contour::segments(outline).map(|[a, b]| ([a, b], is_free(a) && is_free(b))).collect();
         let run = |pieces: &[(Segment, bool)]| {
@@ -165,7 +165,7 @@ impl Outline {
             let centre =
                 [0, 1].map(|axis| corners().map(|corner| corner[axis]).sum::<f64>() / corners().count() as f64);
             let radius = corners().map(|[x, y]| (x - centre[0]).hypot(y - centre[1])).fold(0.0, f64::max);
-            // Rounding must not make a run look farther than it is.
+            // Rounding must not increase the distance to a run.
             Run { pieces: pieces.into(), centre, radius: (1.0 + 1e-9) * radius }
         };
         Outline(pieces.chunks(Outline::LENGTH).map(run).collect())
@@ -206,12 +206,12 @@ fn heap(view: &View<'_>) -> Result<FreeSurface, String> {
     Ok(FreeSurface::Heap(fields.heap, outline))
 }
 
-/// The level, along `up`, at which the solid volume a layer falls to half of what it is within the bed.
+/// Finds the level, along `up`, where the solid volume per layer falls to half its value within the bed.
 ///
 /// Layers are one mean radius thick, volumes exact. Only ratios of volumes enter, so the container's area does not.
 ///
 /// # Errors
-/// Where layers would be more work than [`effort::most`]: grains are then too far apart, or too unlike, for a bed.
+/// Message if layers exceed the work limit [`effort::most`]: grains are then too far apart, or too different in size, for a bed.
 fn level(setting: &Setting<'_>, up: Vector3<f64>, frame: &Snapshot) -> Result<FreeSurface, String> {
     const APART: &str = "grains lie too far apart, or are too unlike in size";
     let height = |position: &[f64; 3]| Vector3::from(*position).dot(&up);
@@ -226,7 +226,7 @@ fn level(setting: &Setting<'_>, up: Vector3<f64>, frame: &Snapshot) -> Result<Fr
         return Err(APART.into());
     }
     let count = count as usize;
-    // The layers that a grain reaches, and where it lies among them.
+    // First and last layer of a grain, and its position among them.
     let reached = |grain: &Particle| {
         let (bottom, reach) = ((height(&grain.position) - low) / layer, grain.radius / layer);
         let first = (bottom - reach).floor().max(0.0) as usize;

@@ -1,4 +1,4 @@
-//! Catalogue of the observables: what each number is, and what it needs of scenes and frames. The file of a group registers it.
+//! Catalogue of the observables: definition of each number, and the required content of scenes and frames. The file of a group registers it.
 
 use super::measurement::Readings;
 use super::view::View;
@@ -27,29 +27,29 @@ pub(super) const GROUPS: [Group; 11] = [
     intruder::GROUP,
 ];
 
-/// A group of observables that are measured together.
+/// Group of observables measured together.
 pub(super) struct Group {
     pub observable: Observable,
     /// Name in `measure.observables`.
     pub name: &'static str,
-    /// Adds the readings of a single frame, or returns the reason that it has none.
+    /// Adds the readings of a single frame, or returns the reason for none.
     pub read: fn(&View<'_>, &mut Readings) -> Result<(), String>,
     pub definitions: &'static [Definition],
 }
 
-/// Readings of a group that all measured frames give together.
+/// Readings of a frame for groups that measure all frames together: none.
 pub(super) fn nothing_of_a_frame(_: &View<'_>, _: &mut Readings) -> Result<(), String> {
     Ok(())
 }
 
-/// A number that can be measured.
+/// Definition of a measurable number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Definition {
     /// Name in `[[compare]]`, tables and documents.
     pub name: &'static str,
-    /// Its symbol in formulas.
+    /// Symbol in formulas.
     pub symbol: &'static str,
-    /// Its unit; empty where it has none.
+    /// Unit; empty for plain numbers.
     pub unit: &'static str,
     /// Formula.
     pub formula: &'static str,
@@ -57,11 +57,11 @@ pub struct Definition {
     pub source: &'static str,
     /// Content that frames need in addition to positions and sizes of grains.
     pub needs: &'static [Content],
-    /// True if all measured frames give it together. The value of any other number is the mean over the measured frames of what each gives
-    /// by itself, or the maximum.
+    /// True for a number of all measured frames together. The value of any other number is the mean, or the maximum, of the values of the
+    /// single frames.
     #[serde(skip)]
     pub span: bool,
-    /// True if the maximum over the frames counts, not the mean.
+    /// True if the value is the maximum over the frames, not the mean.
     #[serde(skip)]
     pub largest: bool,
 }
@@ -84,7 +84,7 @@ impl Definition {
     }
 }
 
-/// A number with its name, symbol and unit, and its formula.
+/// Defines a number by its name, symbol and unit, and its formula.
 pub(super) const fn define([name, symbol, unit]: [&'static str; 3], formula: &'static str) -> Definition {
     Definition { name, symbol, unit, formula, source: "", needs: &[], span: false, largest: false }
 }
@@ -95,23 +95,23 @@ pub(super) const ALL_CONTACTS: &[Content] = &[Content::Contacts, Content::WallCo
 pub(super) const VELOCITIES: &[Content] = &[Content::Velocities];
 pub(super) const MOTION: &[Content] = &[Content::Velocities, Content::Spins];
 
-/// Names of all quantities that can be measured.
+/// Returns the names of all measurable quantities.
 pub fn known() -> impl Iterator<Item = &'static str> {
     definitions().map(|(_, definition)| definition.name)
 }
 
-/// All quantities, each with the name of its group in `measure.observables`.
+/// Returns all quantities, each with the name of its group in `measure.observables`.
 pub fn definitions() -> impl Iterator<Item = (&'static str, &'static Definition)> {
     GROUPS.into_iter().flat_map(|group| group.definitions.iter().map(move |definition| (group.name, definition)))
 }
 
-/// A quantity by its name; `None` if nothing measures it.
+/// Returns a quantity by its name; `None` for unknown names.
 pub fn definition(quantity: &str) -> Option<&'static Definition> {
     definitions().map(|(_, definition)| definition).find(|definition| definition.name == quantity)
 }
 
-/// Content that a quantity needs of frames of a scene and that these lack, if any. Quantities that rest on distances from walls need the
-/// poses of those that a force or a torque drives, those of drums the rates of walls that a torque drives.
+/// Returns the content that a quantity needs and the frames of a scene lack, if any. Quantities based on distances from walls need the
+/// poses of force-driven and torque-driven walls; quantities of drums need the rates of torque-driven walls.
 pub fn missing(scene: &MeasuredScene, quantity: &str, lacks: &[Content]) -> Option<Content> {
     let definition = definition(quantity)?;
     let is_driven = |wall: &&Wall| wall.motion.is_driven();
@@ -130,7 +130,7 @@ pub fn missing(scene: &MeasuredScene, quantity: &str, lacks: &[Content]) -> Opti
     definition.needs.iter().chain(poses).find(|need| lacks.contains(need)).copied()
 }
 
-/// The page of all quantities, in Markdown.
+/// Returns the page of all quantities, in Markdown.
 pub fn page() -> String {
     let mut page = String::from(
         "# Observables\n\nWhat each measured number is. `makadam print observables` prints the same; this page is made by \
@@ -163,17 +163,17 @@ pub fn page() -> String {
     page
 }
 
-/// The group that a quantity belongs to, and the group's name in `measure.observables`; `None` if nothing measures it.
+/// Returns the group of a quantity, and the group's name in `measure.observables`; `None` for unknown quantities.
 pub fn group_of(quantity: &str) -> Option<(Observable, &'static str)> {
     let has = |group: &Group| group.definitions.iter().any(|known| known.name == quantity);
     GROUPS.into_iter().find(has).map(|group| (group.observable, group.name))
 }
 
-/// Checks that what a scene compares is what it measures: a name that is misspelt, or whose group is not measured, would have no
-/// value in any run. `text` is the scene's file, which names the line.
+/// Checks that a scene measures the quantities that it compares: a misspelt name, or a name of a group that is not measured, would have no
+/// value in any run. `text` is the text of the scene file, for the line of the error.
 ///
 /// # Errors
-/// [`SceneFileError::Invalid`] with the line, and the nearest names or what to add.
+/// [`SceneFileError::Invalid`] with the line, and the nearest names or the missing entry.
 pub fn check(scene: &MeasuredScene, text: &str, file: &Path) -> Result<(), SceneFileError> {
     for (index, expectation) in scene.compare.iter().enumerate() {
         let name = expectation.observable.as_str();

@@ -44,10 +44,10 @@ pub(super) const GROUP: Group = Group {
     ],
 };
 
-/// Fewest contacts of which a distribution is taken.
+/// Smallest number of contacts for a distribution.
 const FEWEST: usize = 20;
 
-/// Share of a limit of friction within which a tangential force is at it.
+/// Relative tolerance of tangential forces at a limit of friction.
 const AT_LIMIT: f64 = 0.01;
 
 fn read(view: &View<'_>, readings: &mut Readings) -> Result<(), String> {
@@ -62,7 +62,7 @@ fn read(view: &View<'_>, readings: &mut Readings) -> Result<(), String> {
     readings.add("force_second_moment", second_moment(&forces));
     readings.add("weak_load_share", weak_load_share(&forces));
 
-    // Tangential forces over the static limit, and the kinetic limits over it.
+    // Tangential forces over the static limit, and the kinetic limits over the static limit.
     let mobilised: Vec<[f64; 2]> = (contacts.iter())
         .filter_map(|contact| Some((view.setting.coulomb_bounds(view.frame, contact)?, contact.tangential_force)))
         .filter(|([bound, _], _)| *bound > 0.0)

@@ -3,16 +3,16 @@
 use super::field::Field;
 use std::collections::HashMap;
 
-/// A closed contour line: its corners in order, m; the last one joins the first.
+/// Closed contour line: its corners in order, m; the last corner joins the first.
 pub type Loop = Vec<[f64; 2]>;
 
-/// A straight piece of a contour line.
+/// Straight piece of a contour line.
 pub type Segment = [[f64; 2]; 2];
 
-/// A link between the centres of two neighbouring cells: column, row, and whether it goes up.
+/// Link between the centres of two neighbouring cells: column, row, and true for an upward link.
 type Link = (isize, isize, bool);
 
-/// Contour lines of `field` at `level` (above zero), with linear interpolation between the centres of cells.
+/// Returns the contour lines of `field` at `level` (above zero), with linear interpolation between the centres of cells.
 ///
 /// The field counts as zero outside its grid, so that every line is closed.
 pub fn contours(field: &Field, level: f64) -> Vec<Loop> {
@@ -27,7 +27,7 @@ pub fn contours(field: &Field, level: f64) -> Vec<Loop> {
             }
         }
     }
-    // Every crossed link has two pieces, one on each side: follow them round.
+    // Each crossed link has two pieces, one on each side: follow them to close the line.
     let mut loops = Vec::new();
     for start in order {
         let mut line = Vec::new();
@@ -46,12 +46,12 @@ pub fn contours(field: &Field, level: f64) -> Vec<Loop> {
     loops
 }
 
-/// The contour line that encloses the largest area: the outline of the bed, without holes and stray grains.
+/// Returns the contour line with the largest area: the outline of the bed, without holes and stray grains.
 pub fn outline(field: &Field, level: f64) -> Option<Loop> {
     contours(field, level).into_iter().max_by(|a, b| area(a).total_cmp(&area(b)))
 }
 
-/// Pieces of the contour in the square whose lower left corner is the centre of a cell.
+/// Returns the pieces of the contour in the square with its lower left corner at the centre of a cell.
 fn pieces(field: &Field, level: f64, column: isize, row: isize) -> Vec<(Link, Link)> {
     let corner = [
         field.get(column, row),
@@ -65,7 +65,7 @@ fn pieces(field: &Field, level: f64, column: isize, row: isize) -> Vec<(Link, Li
     match crossed.as_slice() {
         [a, b] => vec![(links[*a], links[*b])],
         [_, _, _, _] => {
-            // A saddle: the mean of the corners says whether the high corners are joined.
+            // A saddle: the mean of the corners decides whether the high corners are joined.
             let joined = corner.iter().sum::<f64>() >= 4.0 * level;
             match above[0] == joined {
                 true => vec![(links[0], links[1]), (links[2], links[3])],
@@ -76,7 +76,7 @@ fn pieces(field: &Field, level: f64, column: isize, row: isize) -> Vec<(Link, Li
     }
 }
 
-/// Point of a link at which the field passes `level`.
+/// Returns the point of a link at which the field passes `level`.
 fn crossing(field: &Field, level: f64, (column, row, upward): Link) -> [f64; 2] {
     let (to_column, to_row) = if upward { (column, row + 1) } else { (column + 1, row) };
     let (from, to) = (field.get(column, row), field.get(to_column, to_row));
@@ -85,13 +85,13 @@ fn crossing(field: &Field, level: f64, (column, row, upward): Link) -> [f64; 2] 
     [a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])]
 }
 
-/// Area that a closed line encloses, m2.
+/// Returns the area of a closed line, m2.
 pub fn area(line: &Loop) -> f64 {
     let twice: f64 = segments(line).map(|[a, b]| a[0] * b[1] - a[1] * b[0]).sum();
     0.5 * twice.abs()
 }
 
-/// Straight pieces of a closed line.
+/// Returns the straight pieces of a closed line.
 pub fn segments(line: &Loop) -> impl Iterator<Item = Segment> + '_ {
     (0..line.len()).map(|index| [line[index], line[(index + 1) % line.len()]])
 }
@@ -102,7 +102,7 @@ pub fn crosses([a, b]: Segment, point: [f64; 2]) -> bool {
     (a[1] > point[1]) != (b[1] > point[1]) && point[0] < a[0] + (point[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
 }
 
-/// Squared distance of a point from a segment, m2.
+/// Returns the squared distance of a point from a segment, m2.
 pub fn squared_distance([a, b]: &Segment, point: [f64; 2]) -> f64 {
     let (along, arm) = ([b[0] - a[0], b[1] - a[1]], [point[0] - a[0], point[1] - a[1]]);
     let square = (along[0] * along[0] + along[1] * along[1]).max(f64::MIN_POSITIVE);

@@ -1,7 +1,7 @@
 //! Coordination: contacts per grain in the bulk.
 //!
 //! The geometric number needs no force, so that rigid and soft codes are measured alike. Rattlers are removed repeatedly, with their
-//! contacts, until none is left; contacts with walls help to hold a grain.
+//! contacts, until none is left; contacts with walls support a grain, too.
 
 use super::catalogue::{ALL_CONTACTS, Group, define};
 use super::measurement::Readings;
@@ -79,7 +79,7 @@ fn read(view: &View<'_>, readings: &mut Readings) -> Result<(), String> {
     Ok(())
 }
 
-/// Returns the grains that are left after repeated removal of rattlers.
+/// Returns the grains left after repeated removal of rattlers.
 fn held_grains(view: &View<'_>) -> Vec<bool> {
     let grains = &view.frame.particles;
     let needed = if view.setting.properties.frictional() { 2 } else { 4 };

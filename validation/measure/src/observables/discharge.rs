@@ -1,18 +1,18 @@
 //! Discharge: the mass that passes through the hole of a disc, such as the floor of a silo, and its rate.
 //!
-//! Grains have passed whose centres lie below the disc, wherever it has moved to, unless they came there over its outer edge; without
-//! gravity across it, "below" is the side that its normal points away from. Nothing goes over the edge where a shell stands on the disc.
-//! Elsewhere a grain has gone through the hole
+//! Grains with centres below the disc at its present pose have passed, unless they came over its outer edge. Without
+//! gravity across the disc, "below" is the side opposite to its normal. No grain passes the edge if a shell adjoins the disc.
+//! Elsewhere a grain has passed through the hole
 //!
-//! - if it lies within the outer edge in the frame before it is below and in that frame;
-//! - or if the straight way between crosses the disc nearer to the rim of the hole than to the outer edge. The way has to be shorter than
-//!   half the distance of the two, or else nothing is measured.
+//! - if it lies within the outer edge both in the last frame above and in the first frame below;
+//! - or if the straight path between these positions crosses the disc nearer to the rim of the hole than to the outer edge. The path must be
+//!   shorter than half the distance between the two, or else nothing is measured.
 //!
-//! Grains that lie below the disc in the first frame count as passed, since their way is not known.
+//! Grains below the disc in the first frame count as passed, since their path is unknown.
 //!
-//! Grains are told apart by their lasting numbers: one that passed and was deleted later has passed. A grain that is gone and had not
-//! come below in the frame before leaves open how much passed, and nothing is measured. The rate is what has passed between the first
-//! frame and the last one, over the time between them; its standard error is over blocks of time.
+//! Grains are identified by their lasting numbers: a grain that passed and was deleted later has passed. If a grain disappears without having
+//! been below in the previous frame, the passed mass is unknown, and nothing is measured. The rate is the mass passed between the first
+//! and the last frame over the time between them; its standard error is over blocks of time.
 
 use super::catalogue::{Group, define, nothing_of_a_frame};
 use super::frames::Frames;
@@ -48,33 +48,33 @@ pub(super) const GROUP: Group = Group {
     ],
 };
 
-/// Share of gravity across a disc from which on it has a side below it.
+/// Smallest component of gravity across a disc, over its magnitude, that defines a side below the disc.
 const ACROSS: f64 = 1e-6;
 
-/// Sine of an angle, and share of a disc's radius, within which a shell stands on it.
+/// Sine of an angle, and fraction of a disc's radius, within which a shell adjoins it.
 const ROUNDING: f64 = 1e-6;
 
-/// A disc with a hole: its middle and its unit normal, as the scene places it, and the radii of its edges.
+/// Disc with a hole: its middle and its unit normal in the scene, and the radii of its edges.
 struct Outlet {
     wall: usize,
     point: Vector3<f64>,
     normal: Vector3<f64>,
     hole: f64,
     radius: f64,
-    /// True if a shell stands on it.
+    /// True if a shell adjoins the disc.
     closed: bool,
 }
 
-/// The outlet in a frame: a point, and the unit normal towards the grains that have not passed.
+/// Outlet in a frame: a point, and the unit normal towards the grains that have not passed.
 struct PlacedOutlet {
     point: Vector3<f64>,
     normal: Vector3<f64>,
-    /// True if that is the side that the scene's normal points to.
+    /// True if the scene's normal points to this side.
     as_placed: bool,
 }
 
 impl Outlet {
-    /// The scene's first disc with a hole; absent where there is none.
+    /// Returns the scene's first disc with a hole; `None` without such a disc.
     fn find(scene: &MeasuredScene) -> Option<Outlet> {
         scene.wall.iter().enumerate().find_map(|(wall, known)| match &known.shape {
             Shape::Disc { centre, normal, hole, radius } if *hole > 0.0 => {
@@ -87,7 +87,7 @@ impl Outlet {
         })
     }
 
-    /// Returns true if a wall is a shell about the disc's axis that stands on its ring or goes through it.
+    /// Returns true if a wall is a shell about the disc's axis that adjoins its ring or crosses it.
     fn carries(&self, wall: &Wall) -> bool {
         let Shape::Cylinder { base, axis, radius, length } = &wall.shape else { return false };
         let (axis, arm) = (Vector3::from(*axis).normalize(), self.point - Vector3::from(*base));
@@ -108,7 +108,7 @@ impl Outlet {
 }
 
 impl PlacedOutlet {
-    /// Height of a place over the disc, and where it lies across the axis, m.
+    /// Returns the height of a position over the disc, and its component across the axis, m.
     fn place(&self, place: [f64; 3]) -> (f64, Vector3<f64>) {
         let arm = Vector3::from(place) - self.point;
         let height = arm.dot(&self.normal);
@@ -119,13 +119,13 @@ impl PlacedOutlet {
 /// State of a grain in the frames so far.
 struct Known {
     mass: f64,
-    /// Number of the last frame that has it, and its place over the outlet and across its axis there, m.
+    /// Number of the last frame with the grain, and its position over the outlet and across its axis there, m.
     last: usize,
     place: (f64, Vector3<f64>),
     way: Way,
 }
 
-/// Way of a grain past the disc.
+/// Path of a grain past the disc.
 #[derive(Clone, Copy, PartialEq)]
 enum Way {
     NotYet,
@@ -134,7 +134,7 @@ enum Way {
 }
 
 impl Outlet {
-    /// The way of a grain from one place to the next; absent where these do not tell.
+    /// Returns the path of a grain between two positions; `None` if the positions do not determine it.
     fn way(&self, from: Option<&Known>, to: (f64, Vector3<f64>)) -> Option<Way> {
         let Some(from) = from.filter(|_| to.0 < 0.0) else {
             return Some(if to.0 < 0.0 { Way::ThroughHole } else { Way::NotYet });
@@ -154,7 +154,7 @@ impl Outlet {
     }
 }
 
-/// Measures mass and rate; nothing where no disc has a hole, and no rate of a single frame. The inner error says why neither is known.
+/// Measures mass and rate; empty without a disc with a hole, and no rate for a single frame. The inner error is the reason for no result.
 pub fn measure<F: Frames + ?Sized>(
     properties: &Properties<'_>,
     frames: &F,
@@ -184,7 +184,7 @@ pub fn measure<F: Frames + ?Sized>(
             });
             grains.insert(lasting, Known { mass: setting.mass(frame, grain), last: number, place, way });
         }
-        // In the order of their numbers, so that a sum has the same bits in every run.
+        // In the order of grain numbers, so that a sum has the same bits in every run.
         let mut beyond: Vec<(u64, f64)> = Vec::new();
         for (&grain, known) in &grains {
             match known.way {
@@ -214,13 +214,13 @@ pub fn measure<F: Frames + ?Sized>(
     Ok(Ok(measurements))
 }
 
-/// Mass over time between the first and the last of these, kg/s; the frames between may come at any times.
+/// Returns the mass over the time between the first and the last point, kg/s; points between may have any times.
 fn rate(passed: &[[f64; 2]]) -> Option<f64> {
     let ([start, before], [end, after]) = (passed.first()?, passed.last()?);
     (end > start).then(|| (after - before) / (end - start))
 }
 
-/// Standard error of the rate over blocks that follow each other, kg/s.
+/// Returns the standard error of the rate over consecutive blocks, kg/s.
 fn error_of_rate(passed: &[[f64; 2]]) -> Option<f64> {
     let gaps = passed.len().saturating_sub(1);
     let blocks = block_count(gaps)?;

@@ -1,4 +1,4 @@
-//! A rotating drum: its axis, its size, how it turns, and coordinates in its cross-section.
+//! Rotating drum: its axis, its size, its rotation, and coordinates in its cross-section.
 
 use super::walls::PlacedWalls;
 use makadam::scene::{Motion, Shape, Wall};
@@ -6,17 +6,17 @@ use makadam::snapshot::Snapshot;
 use makadam_frames::plan::MeasuredScene;
 use nalgebra::Vector3;
 
-/// Sine of an angle, and share of a drum's radius, within which two axes are one: a file has few digits.
+/// Sine of an angle, and fraction of a drum's radius, within which two axes coincide: a file has few digits.
 const SAME_AXIS: f64 = 1e-6;
 
-/// A cylinder that turns about its own axis, which is level or nearly so.
+/// Cylinder with rotation about its own axis, which is level or nearly so.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drum {
     /// Centre of the drum, m.
     pub centre: Vector3<f64>,
     /// Unit vector along the axis.
     pub axis: Vector3<f64>,
-    /// Unit vector across the axis, towards the side to which the turning shell carries the grains up.
+    /// Unit vector across the axis, towards the side at which the rotating shell lifts the grains.
     pub across: Vector3<f64>,
     /// Unit vector across the axis, against gravity.
     pub up: Vector3<f64>,
@@ -24,16 +24,16 @@ pub struct Drum {
     pub radius: f64,
     /// Length, m.
     pub length: f64,
-    /// Angular velocity about `axis`, rad/s; zero where the drum does not turn.
+    /// Angular velocity about `axis`, rad/s; zero without rotation.
     pub rate: f64,
-    /// The walls that turn with it, the shell among them, by their place in the scene; none where it does not turn.
+    /// Walls that rotate with the drum, including the shell, by their index in the scene; empty without rotation.
     pub walls: Vec<u32>,
     shell: usize,
 }
 
 impl Drum {
-    /// Finds the drum of a scene: the first cylinder whose motion turns it about its own axis, if that is at least 45 degrees from
-    /// gravity (m/s2). It is as before its motion begins.
+    /// Finds the drum of a scene: the first cylinder with a rotation about its own axis, at an angle of at least 45 degrees to
+    /// gravity (m/s2). Its state is that before the motion begins.
     pub fn find(scene: &MeasuredScene, gravity: Vector3<f64>) -> Option<Drum> {
         let gravity = gravity.try_normalize(1e-12)?;
         scene.wall.iter().enumerate().find_map(|(shell, wall)| {
@@ -47,7 +47,7 @@ impl Drum {
         })
     }
 
-    /// The drum as it turns at the time of a frame.
+    /// Returns the drum with its rotation at the time of a frame.
     pub fn at(mut self, scene: &MeasuredScene, frame: &Snapshot) -> Drum {
         let walls = PlacedWalls::at(scene, frame);
         let spin = walls.spin_of(self.shell);
@@ -62,7 +62,7 @@ impl Drum {
         self
     }
 
-    /// Returns true if the motion of a wall turns it about the drum's axis.
+    /// Returns true if a wall rotates about the drum's axis.
     fn is_pivot_of(&self, wall: &Wall) -> bool {
         let (Motion::Rotating { point, axis, .. } | Motion::TorqueDriven { point, axis, .. }) = &wall.motion else {
             return false;
@@ -72,18 +72,18 @@ impl Drum {
         beside <= SAME_AXIS * self.radius && aslant <= SAME_AXIS
     }
 
-    /// Sense of rotation about the axis: 1, -1, or 0 where the drum does not turn.
+    /// Returns the sense of rotation about the axis: 1, -1, or 0 without rotation.
     pub fn sense(&self) -> f64 {
         if self.rate == 0.0 { 0.0 } else { self.rate.signum() }
     }
 
-    /// Coordinates of a point in the cross-section, m: along [`Self::across`] and along [`Self::up`], from the axis.
+    /// Returns the coordinates of a point in the cross-section, m: along [`Self::across`] and along [`Self::up`], from the axis.
     pub fn section(&self, point: &Vector3<f64>) -> [f64; 2] {
         let arm = point - self.centre;
         [arm.dot(&self.across), arm.dot(&self.up)]
     }
 
-    /// Distance of a point from the nearer end of the drum, m; negative beyond it.
+    /// Returns the distance of a point from the nearer end of the drum, m; negative beyond it.
     pub fn distance_to_ends(&self, point: &Vector3<f64>) -> f64 {
         0.5 * self.length - (point - self.centre).dot(&self.axis).abs()
     }

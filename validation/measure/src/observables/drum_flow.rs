@@ -49,13 +49,13 @@ pub(super) const GROUP: Group = Group {
     ],
 };
 
-/// A grain belongs to the layer at the shell if its centre is no farther from it than this many radii.
+/// Largest distance of the centres of grains in the shell layer from the shell, in radii.
 const SHELL_LAYER: f64 = 1.1;
 
-/// Half of the arc of shell, about the middle of the bed, over which the layer is measured, degrees.
+/// Half arc of the shell, about the middle of the bed, for measurements of the layer, degrees.
 const HALF_ARC: f64 = 30.0;
 
-/// Half width of the strip across the surface in which the velocity profile is taken, diameters.
+/// Half width of the strip across the surface for the velocity profile, diameters.
 const HALF_STRIP: f64 = 2.0;
 
 fn read(view: &View<'_>, readings: &mut Readings) -> Result<(), String> {
@@ -79,8 +79,8 @@ fn read(view: &View<'_>, readings: &mut Readings) -> Result<(), String> {
     Ok(())
 }
 
-/// Angular speed about the axis of the grains at the shell over the drum's. Grains count whose centres lie within 1.1 radii of the shell,
-/// within 30 degrees of the bed's middle, and two diameters from the ends.
+/// Returns the angular speed of the grains at the shell about the axis, over the drum's. The grains have centres within 1.1 radii of the shell,
+/// within 30 degrees of the bed's middle, and at least two diameters from the ends.
 fn speed_ratio(view: &View<'_>, drum: &Drum) -> Option<f64> {
     let grains = &view.frame.particles;
     let middle = grains.iter().map(|grain| Vector3::from(grain.position)).sum::<Vector3<f64>>() / grains.len() as f64;
@@ -103,7 +103,7 @@ fn speed_ratio(view: &View<'_>, drum: &Drum) -> Option<f64> {
     (!ratios.is_empty()).then(|| mean(&ratios))
 }
 
-/// Measures the flow over all frames, in which the drum turns in one sense.
+/// Measures the flow over all frames; the drum turns in one sense in all of them.
 pub fn measure_flow<F: Frames + ?Sized>(
     setting: &Setting<'_>,
     drum: &Drum,
@@ -129,14 +129,14 @@ pub fn measure_flow<F: Frames + ?Sized>(
     Ok(measurements)
 }
 
-/// Measures the mixing at the last frame of the grains on either side of their median across the drum at the first one.
+/// Measures the mixing in the last frame of the grains on either side of their median across the drum in the first frame.
 pub fn measure_mixing<F: Frames + ?Sized>(
     setting: &Setting<'_>,
     drum: &Drum,
     frames: &F,
 ) -> Result<Option<Measurement>, F::Error> {
     let count = frames.count();
-    // Identities and places across the drum at the first frame, in the order of identities.
+    // Identities and positions across the drum in the first frame, in the order of identities.
     let mut across: Vec<(u64, f64)> = Vec::new();
     frames.visit_grains(0..1, &mut |first| {
         let places = first.particles.iter();
@@ -198,7 +198,7 @@ impl<'a> Profile<'a> {
         }
     }
 
-    /// Thickness of the flowing layer (diameters) and speed at the surface (m/s).
+    /// Returns the thickness of the flowing layer (diameters) and the speed at the surface (m/s).
     fn flowing_layer(&self) -> Option<(f64, f64)> {
         let profile: Vec<(f64, f64)> = (0..self.sums.len())
             .filter(|&index| self.counts[index] > 0)

@@ -1,14 +1,14 @@
 //! Dynamic angle of repose: the inclination of the flowing surface in a rotating drum.
 //!
 //! The solid fraction is averaged over the measured frames on a grid in the cross-section (exact sphere volumes, whole
-//! length of the drum, smoothed over about one radius). Both lines go through the free part of the outline, which lies more than 1.5
+//! length of the drum, smoothed over about one radius). Both lines use the free part of the outline, more than 1.5
 //! mean diameters inside the shell. The circle is centred on the point of the fitted line that is nearest to the drum's axis: in a drum
 //! filled to less than some 37% a circle about the axis would miss the surface altogether.
 //!
-//! Both are positive where the bed rises towards the side to which the shell carries it, whatever the sense of
-//! rotation. Standard errors are over blocks of time, the fields of which are measured one by one. The line through
-//! two points a fifth of the drum apart is about twice as noisy as the fitted line; it feels the S-shape of a fast
-//! surface less.
+//! Both angles are positive if the bed rises towards the side at which the shell lifts the grains, for either sense of
+//! rotation. Standard errors are over blocks of time, with fields measured one by one. The line through
+//! two points a fifth of the drum apart is about twice as noisy as the fitted line; the S-shape of a fast
+//! surface affects it less.
 
 use super::bed_surface::{BedSurface, BedSurfaces, MeanField, outline, surface};
 use super::catalogue::{Group, define, nothing_of_a_frame};
@@ -39,10 +39,10 @@ pub(super) const GROUP: Group = Group {
     ],
 };
 
-/// Frames averaged, centred, into one point of the angle over time.
+/// Number of frames averaged, centred, for one point of the angle over time.
 const WINDOW: usize = 5;
 
-/// Both angles over `frames` measured frames, degrees; nothing where there is no surface.
+/// Returns both angles over `frames` measured frames, degrees; empty without a surface.
 pub fn measure(bed: &BedSurfaces, frames: usize) -> Vec<Measurement> {
     let Some(whole) = &bed.whole else {
         return Vec::new();
@@ -55,10 +55,10 @@ pub fn measure(bed: &BedSurfaces, frames: usize) -> Vec<Measurement> {
     ]
 }
 
-/// Time (s) and angle by the circle (degrees) of each frame, the field averaged over five frames about it, in all of which the drum
-/// turns in one sense.
+/// Returns time (s) and circle angle (degrees) of each frame, with the field averaged over the five frames about it. The drum must turn in
+/// one sense in all five.
 ///
-/// Nothing where there is no drum, and where the direction of gravity changes: its fields are then of no one cross-section.
+/// Empty without a drum, and for gravity of changing direction: the fields would then have no common cross-section.
 pub fn over_time(properties: &Properties<'_>, frames: &[Snapshot]) -> Vec<(f64, f64)> {
     let settings: Vec<Setting<'_>> = frames.iter().map(|frame| Setting::new(properties, frame)).collect();
     let Some(setting) = settings.first() else { return Vec::new() };

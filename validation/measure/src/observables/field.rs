@@ -3,10 +3,10 @@
 use super::sphere_volume::{half_space, quadrant};
 use makadam::lanes::{Available, Eight, Kernel, LANES, Lanes};
 
-/// Part of a cell that an extent may exceed a whole number of cells by: rounding makes less.
+/// Tolerance, in cells, of extents that are a whole number of cells: rounding errors are smaller.
 const ROUNDING: f64 = 1e-6;
 
-/// A field on square cells, row after row.
+/// Field on square cells, row after row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Field {
     /// Lower corner of the first cell, m.
@@ -22,8 +22,8 @@ pub struct Field {
 }
 
 impl Field {
-    /// A field of zeros that covers `min` to `max` (m) with cells of width `cell` (m), centred; absent where that takes more
-    /// than `most` cells. An extent of a whole number of cells takes that number, whatever the last bits of the lengths say.
+    /// Makes a field of zeros that covers `min` to `max` (m) with cells of width `cell` (m), centred; `None` for more
+    /// than `most` cells. An extent of a whole number of cells takes this number, regardless of rounding.
     pub fn new(min: [f64; 2], max: [f64; 2], cell: f64, most: usize) -> Option<Self> {
         let count = |axis: usize| ((max[axis] - min[axis]) / cell - ROUNDING).ceil().max(1.0);
         if count(0) * count(1) > most as f64 {
@@ -40,7 +40,7 @@ impl Field {
         })
     }
 
-    /// Value of a cell; zero outside the grid.
+    /// Returns the value of a cell; zero outside the grid.
     pub fn get(&self, column: isize, row: isize) -> f64 {
         match (0..self.columns as isize).contains(&column) && (0..self.rows as isize).contains(&row) {
             true => self.values[row as usize * self.columns + column as usize],
@@ -48,7 +48,7 @@ impl Field {
         }
     }
 
-    /// Centre of a cell, m; also of cells outside the grid.
+    /// Returns the centre of a cell, m; also of cells outside the grid.
     pub fn centre(&self, column: isize, row: isize) -> [f64; 2] {
         [self.origin[0] + (column as f64 + 0.5) * self.cell, self.origin[1] + (row as f64 + 0.5) * self.cell]
     }
@@ -59,9 +59,9 @@ impl Field {
         Available::detect().run(Spheres { field: self, spheres, volume });
     }
 
-    /// First and last column, and first and last row, that a sphere reaches; a last one before the first where it reaches none.
+    /// Returns the first and last column, and the first and last row, of a sphere's cells; last before first for no cells.
     fn reach(&self, centre: [f64; 2], radius: f64) -> [(isize, isize); 2] {
-        // Cells beyond the grid take nothing, however far the sphere is or reaches.
+        // Cells beyond the grid receive nothing, for any position and radius of the sphere.
         let cells = [self.columns as isize, self.rows as isize];
         [0, 1].map(|axis| {
             let cell = |edge: f64| ((edge - self.origin[axis]) / self.cell).floor() as isize;
@@ -69,7 +69,7 @@ impl Field {
         })
     }
 
-    /// Number of cells that a sphere reaches.
+    /// Returns the number of cells of a sphere.
     pub fn reached(&self, centre: [f64; 2], radius: f64) -> usize {
         let sides = self.reach(centre, radius).map(|(first, last)| (last - first + 1).max(0) as usize);
         sides[0] * sides[1]
@@ -87,8 +87,8 @@ impl Field {
         self.values.iter_mut().for_each(|value| *value *= factor);
     }
 
-    /// Averages each cell with its neighbours, weights 1, 2, 1 along either coordinate; the sum of all cells is kept
-    /// as far as the field is empty at its rim.
+    /// Averages each cell with its neighbours, weights 1, 2, 1 along either coordinate; the sum of all cells is conserved
+    /// for a field that is empty at its rim.
     pub fn smooth(&mut self) {
         for (across, down) in [(1, 0), (0, 1)] {
             let old = self.clone();
@@ -102,7 +102,7 @@ impl Field {
         }
     }
 
-    /// Largest value.
+    /// Returns the largest value.
     pub fn largest(&self) -> f64 {
         self.values.iter().copied().fold(0.0, f64::max)
     }
@@ -122,7 +122,7 @@ impl Kernel for Spheres<'_> {
     fn run<L: Lanes>(self) {
         let Spheres { field, spheres, volume } = self;
         let (cell, origin, columns) = (field.cell, field.origin, field.columns);
-        // Quadrants whose corners are nodes of a row of the grid, and of the row below.
+        // Quadrants with corners at the nodes of a row of the grid, and of the row below.
         let (mut here, mut below, mut lines): (Vec<Eight>, Vec<Eight>, Vec<Eight>) = Default::default();
         for &(centre, radius) in spheres {
             let [(left, right), (bottom, top)] = field.reach(centre, radius);
@@ -169,7 +169,7 @@ impl Kernel for Spheres<'_> {
     }
 }
 
-/// Weighted mean of the values above half of that mean: the value inside a bed, without its rim.
+/// Returns the weighted mean of the values above half of the mean: the value inside a bed, without its rim.
 pub(super) fn mean_within(values: &[f64], weight: impl Fn(usize) -> f64) -> f64 {
     let mean_above = |level: f64| {
         let (mut sum, mut weights) = (0.0, 0.0);

@@ -22,24 +22,24 @@ pub struct ForceDistribution {
     pub samples: usize,
 }
 
-/// Width of a bin in which forces are counted, in mean forces.
+/// Width of a counting bin, in mean forces.
 const FINE: f64 = 0.01;
 
-/// Forces of this many means and more share the last bin.
+/// Lower bound of the last bin, in mean forces.
 const LARGEST: f64 = 20.0;
 
-/// Counts of normal forces of one code, over the mean force of their own frame.
+/// Counts of normal forces of one code, over the mean force of each frame.
 ///
 /// Recordings are added one by one and need not be stored.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ForcePool {
-    /// The code.
+    /// Name of the code.
     pub code: String,
     counts: Vec<u64>,
 }
 
 impl ForcePool {
-    /// An empty pool.
+    /// Makes an empty pool.
     pub fn new(code: &str) -> Self {
         Self { code: code.into(), counts: vec![0; (LARGEST / FINE) as usize] }
     }
@@ -74,12 +74,12 @@ impl ForcePool {
         }
     }
 
-    /// Number of forces.
+    /// Returns the number of forces.
     pub fn samples(&self) -> usize {
         self.counts.iter().sum::<u64>() as usize
     }
 
-    /// The density for a plot, in `bins` bins of `width` mean forces from 0 on.
+    /// Returns the density for a plot, in `bins` bins of `width` mean forces from 0.
     pub fn distribution(&self, bins: usize, width: f64) -> ForceDistribution {
         let samples = self.samples();
         let mut counts = vec![0; bins];
@@ -94,12 +94,12 @@ impl ForcePool {
     }
 }
 
-/// Share of `samples` forces that fall into a bin, over the bin's width.
+/// Returns the fraction of `samples` forces in a bin, over the bin's width.
 fn density(count: u64, samples: usize, width: f64) -> f64 {
     count as f64 / (samples.max(1) as f64 * width)
 }
 
-/// Distribution of normal forces of several runs of one code, in 32 bins of a quarter of the mean force.
+/// Returns the distribution of normal forces of several runs of one code, in 32 bins of a quarter of the mean force.
 pub fn force_distribution(scene: &MeasuredScene, recordings: &[Recording]) -> ForceDistribution {
     let mut pool = ForcePool::new(recordings.first().map_or("", |recording| &recording.code));
     recordings.iter().for_each(|recording| pool.add_recording(scene, recording));

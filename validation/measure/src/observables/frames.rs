@@ -1,6 +1,4 @@
-//! Frames that are looked at one after the other, as often as a measure needs, wherever they are kept.
-//!
-//! Fields averaged over time need several passes. Frames need not be in memory for that.
+//! Sequence of frames from any storage, for measures that need several passes: fields averaged over time do.
 
 use makadam::scene::Domain;
 use makadam::snapshot::{Particle, Snapshot};
@@ -10,22 +8,22 @@ use std::ops::Range;
 
 /// Frames in the order of time.
 pub trait Frames {
-    /// Error of a frame that cannot be shown.
+    /// Error of a frame that cannot be provided.
     type Error;
 
-    /// Number of frames.
+    /// Returns the number of frames.
     fn count(&self) -> usize;
 
-    /// Number of grains in some of the frames together.
+    /// Returns the total number of grains in a range of frames.
     fn grains(&self, range: Range<usize>) -> usize;
 
-    /// Shows some of the frames, one after the other.
+    /// Passes a range of frames to a function, one after the other.
     ///
     /// # Errors
-    /// Where a frame cannot be shown; those before it have been.
+    /// Error of the first frame that cannot be provided; earlier frames have been passed.
     fn visit(&self, range: Range<usize>, look: &mut dyn FnMut(&Snapshot)) -> Result<(), Self::Error>;
 
-    /// Shows some of the frames, one after the other; their contacts may be left out.
+    /// Passes a range of frames to a function, one after the other, possibly without contacts.
     ///
     /// # Errors
     /// As [`Frames::visit`].
@@ -34,14 +32,14 @@ pub trait Frames {
     }
 }
 
-/// Frames with their grains inside the domain along periodic axes, wherever the frames that they come from have them.
+/// Frames with their grains wrapped into the domain along periodic axes.
 pub(super) struct Wrapped<'a, F: ?Sized> {
     frames: &'a F,
     domain: &'a Domain,
 }
 
 impl<'a, F: Frames + ?Sized> Wrapped<'a, F> {
-    /// Takes frames and the domain of their scene.
+    /// Wraps frames into the domain of their scene.
     pub fn new(frames: &'a F, domain: &'a Domain) -> Self {
         Self { frames, domain }
     }
@@ -67,7 +65,7 @@ impl<F: Frames + ?Sized> Frames for Wrapped<'_, F> {
     }
 }
 
-/// A frame with its grains inside the domain along periodic axes.
+/// Returns a frame with its grains wrapped into the domain along periodic axes.
 pub(super) fn wrapped<'f>(domain: &Domain, frame: &'f Snapshot) -> Cow<'f, Snapshot> {
     let is_out = |grain: &Particle| {
         let mut axes = domain.periodic.iter().map(|axis| axis.number());

@@ -1,7 +1,7 @@
 //! Holes in a region that grains should fill: points farther than a mean diameter from the surface of every grain.
 //!
-//! Points are looked at on a lattice half a mean diameter wide, from the grains of the region outwards, step by step within the region: what
-//! walls shut off from the grains is no part of it. Random packings have no pore of that size.
+//! The search covers a lattice half a mean diameter wide, from the grains of the region outwards, step by step within the region: space
+//! that walls separate from the grains is not part of the region. Random packings have no pore of that size.
 
 use super::effort;
 use super::setting::Setting;
@@ -11,16 +11,16 @@ use nalgebra::Vector3;
 /// Lattice width over the mean diameter.
 const WIDTH: f64 = 0.5;
 
-/// Distance from the surface of every grain from which on a point lies in a hole, over the mean diameter.
+/// Smallest distance of a hole's points from the surface of every grain, over the mean diameter.
 const HOLE: f64 = 1.0;
 
-/// Steps of the lattice by which it extends beyond the grains of the region. A point of the region beyond lies in a hole.
+/// Extension of the lattice beyond the grains of the region, in steps. A point of the region beyond lies in a hole.
 const MARGIN: f64 = 6.0;
 
-/// Finds a point of a hole (m) in the region of these grains, which `contains` tells from its surroundings; nothing where it has none.
+/// Finds a point of a hole (m) in the region of these grains, as defined by `contains`; `None` without a hole.
 ///
 /// # Errors
-/// Where grains lie too far apart, or are too unlike, for a lattice of [`effort::most`] points.
+/// Message if grains lie too far apart, or differ too much in size, for a lattice of [`effort::most`] points.
 pub fn hole(
     setting: &Setting<'_>,
     frame: &Snapshot,
@@ -62,7 +62,7 @@ pub fn hole(
 
 /// Points of a cubic lattice in a box.
 struct Lattice {
-    /// Place of point (0, 0, 0), m.
+    /// Position of point (0, 0, 0), m.
     origin: Vector3<f64>,
     width: f64,
     /// First point along each axis.
@@ -79,7 +79,7 @@ impl Lattice {
         let low = places().fold(far, |low, place| low.inf(&place)).map(|x| (x - MARGIN).floor());
         let high = places().fold(-far, |high, place| high.sup(&place)).map(|x| (x + MARGIN).ceil());
         let extent = (high - low).add_scalar(1.0);
-        // Points are bits of a map, of which a grain may have many.
+        // Points are bits of a map, so each grain may have many points.
         let fits = extent.product() <= 8.0 * effort::most(inside.len()) as f64 && low.amax() < 1e15;
         fits.then(|| Lattice {
             origin,
@@ -94,7 +94,7 @@ impl Lattice {
     }
 
     fn place(&self, point: [i64; 3]) -> Vector3<f64> {
-        // Half a step off, so that the lattice is its own mirror image.
+        // Offset by half a step, so that the lattice is its own mirror image.
         self.origin + Vector3::from(point.map(|index| (index as f64 + 0.5) * self.width))
     }
 
@@ -107,13 +107,13 @@ impl Lattice {
         Some(index)
     }
 
-    /// The eight points about a place.
+    /// Returns the eight points about a position.
     fn beside(&self, place: &Vector3<f64>) -> impl Iterator<Item = [i64; 3]> + use<> {
         let low = ((place - self.origin) / self.width).map(|x| (x - 0.5).floor() as i64);
         (0..8).map(move |n| [low[0] + (n & 1), low[1] + (n >> 1 & 1), low[2] + (n >> 2 & 1)])
     }
 
-    /// Which points lie in no hole; none where that takes too many visits of grains to points.
+    /// Returns flags of the points outside holes; `None` if too many pairs of grains and points are tested.
     fn filled(&self, setting: &Setting<'_>, grains: &[Particle]) -> Option<Vec<bool>> {
         let mut filled = vec![false; self.points()];
         let mut left = effort::most(grains.len()).saturating_mul(8);

@@ -1,4 +1,4 @@
-//! The intruder: the first grain that a scene lists by itself, such as a ball that is shot into a bed.
+//! Intruder: the first listed grain of a scene, such as a ball shot into a bed.
 
 use super::catalogue::{Group, VELOCITIES, define};
 use super::measurement::Readings;
@@ -23,13 +23,13 @@ pub(super) const GROUP: Group = Group {
     ],
 };
 
-/// The intruder in a frame. Listed grains are numbered before all others, so its lasting number is 0.
+/// Returns the intruder in a frame. Listed grains have the first numbers, so its lasting number is 0.
 fn of<'f>(scene: &MeasuredScene, frame: &'f Snapshot) -> Option<&'f Particle> {
     scene.grain.first()?;
     frame.particles.iter().find(|grain| lasting_number(frame, grain.id) == 0)
 }
 
-/// Height of the intruder above the origin, against gravity, m; `None` where there is no gravity, or no such grain in the frame.
+/// Returns the height of the intruder above the origin, against gravity, m; `None` without gravity, or without this grain in the frame.
 fn height(setting: &Setting<'_>, frame: &Snapshot) -> Option<f64> {
     Some(Vector3::from(of(setting.scene(), frame)?.position).dot(&setting.up?))
 }
@@ -44,7 +44,7 @@ fn read(view: &View<'_>, readings: &mut Readings) -> Result<(), String> {
     Ok(())
 }
 
-/// Height in each frame: times (s) and heights (m).
+/// Returns the height in each frame: times (s) and heights (m).
 pub fn over_time(properties: &Properties<'_>, frames: &[Snapshot]) -> Vec<(f64, f64)> {
     let at = |frame: &Snapshot| Some((frame.time, height(&Setting::new(properties, frame), frame)?));
     frames.iter().filter_map(at).collect()

@@ -1,20 +1,20 @@
-//! A straight line through pieces of a contour, by total least squares.
+//! Straight line through pieces of a contour, by total least squares.
 
 use super::contour::Segment;
 
-/// A straight line.
+/// Straight line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Line {
-    /// A point on it, m.
+    /// Point on the line, m.
     pub point: [f64; 2],
-    /// Its unit direction, with a positive first component.
+    /// Unit direction, with a positive first component.
     pub direction: [f64; 2],
 }
 
 impl Line {
-    /// The line from which the squared distance, integrated along the pieces, is least; absent for no pieces.
+    /// Fits the line with the least squared distance, integrated along the pieces; `None` without pieces.
     ///
-    /// Distances are taken across the line, so that a steep line is treated as a flat one is.
+    /// Distances are perpendicular to the line, so that steep lines are treated like flat ones.
     pub fn fit(pieces: impl Iterator<Item = Segment>) -> Option<Line> {
         // Moments of a uniform rod: its middle, and a twelfth of its squared extent about it.
         let (mut length, mut first, mut second) = (0.0, [0.0; 2], [0.0; 3]);
@@ -39,29 +39,29 @@ impl Line {
         Some(Line { point, direction: [cosine, sine] })
     }
 
-    /// Position of a point along the line, m, from [`Self::point`].
+    /// Returns the position of a point along the line, m, from [`Self::point`].
     pub fn along(&self, point: [f64; 2]) -> f64 {
         (point[0] - self.point[0]) * self.direction[0] + (point[1] - self.point[1]) * self.direction[1]
     }
 
-    /// Distance of a point from the line, m, positive on its left (above it).
+    /// Returns the distance of a point from the line, m, positive on its left (above it).
     pub fn above(&self, point: [f64; 2]) -> f64 {
         (point[1] - self.point[1]) * self.direction[0] - (point[0] - self.point[0]) * self.direction[1]
     }
 
-    /// Point of the line nearest to `point`, m.
+    /// Returns the point of the line nearest to `point`, m.
     pub fn foot(&self, point: [f64; 2]) -> [f64; 2] {
         let along = self.along(point);
         [self.point[0] + along * self.direction[0], self.point[1] + along * self.direction[1]]
     }
 
-    /// Inclination, degrees, positive where the line rises with the first coordinate.
+    /// Returns the inclination, degrees, positive if the line rises with the first coordinate.
     pub fn degrees(&self) -> f64 {
         self.direction[1].atan2(self.direction[0]).to_degrees()
     }
 }
 
-/// The part of a segment whose coordinate (given by a linear function of the point) lies between `low` and `high`.
+/// Returns the part of a segment with a coordinate (a linear function of the point) between `low` and `high`.
 pub fn clip([a, b]: Segment, coordinate: impl Fn([f64; 2]) -> f64, low: f64, high: f64) -> Option<Segment> {
     let (at_a, at_b) = (coordinate(a), coordinate(b));
     let change = at_b - at_a;

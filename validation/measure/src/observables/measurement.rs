@@ -11,20 +11,20 @@ use serde::{Deserialize, Serialize};
 pub struct Measurement {
     /// Name of the quantity, for example `packing_fraction`.
     pub observable: String,
-    /// Its unit; empty where it has none.
+    /// Unit; empty for plain numbers.
     pub unit: String,
-    /// Its value: of a number of single frames the mean over the measured frames in which it has a value, or for the `largest_...` kind
-    /// the maximum; of a number of the whole span ([`Definition::span`](super::catalogue::Definition::span)) what all frames give together.
+    /// Value: for a number of single frames, the mean over the measured frames with a value, or the maximum for the `largest_...` kind;
+    /// for a number of the whole span ([`Definition::span`](super::catalogue::Definition::span)), the result of all frames together.
     pub value: f64,
-    /// Standard error within the run, over blocks of time; absent where there are too few frames for blocks.
-    /// Of a heap's angle it is over azimuth instead.
+    /// Standard error within the run, over blocks of time; absent if there are too few frames for blocks.
+    /// The error of a heap's angle is over azimuth instead.
     pub standard_error: Option<f64>,
     /// Number of frames measured.
     pub frames: usize,
 }
 
 impl Measurement {
-    /// A measurement in the unit of its definition.
+    /// Makes a measurement in the unit of its definition.
     pub(super) fn of(name: &str, value: f64, standard_error: Option<f64>, frames: usize) -> Measurement {
         let unit = definition(name).map_or("", |definition| definition.unit);
         Measurement { observable: name.into(), unit: unit.into(), value, standard_error, frames }
@@ -46,17 +46,17 @@ pub struct Series {
     pub value: Vec<f64>,
 }
 
-/// Numbers measured of frames, and reasons why groups of numbers have none.
+/// Numbers measured in frames, and reasons for groups without numbers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Measured {
-    /// The numbers.
+    /// Measured numbers.
     pub measurements: Vec<Measurement>,
-    /// Groups that could not be measured in some frame or over all of them, and why; the first reason of each.
+    /// Groups that could not be measured in some frame or over all of them, each with its first reason.
     pub refusals: Vec<(Observable, String)>,
 }
 
 impl Measured {
-    /// Notes why a group could not be measured.
+    /// Adds the reason for a group without numbers.
     pub fn refuse(&mut self, group: Observable, why: &str) {
         if self.refusals.iter().all(|(known, _)| *known != group) {
             self.refusals.push((group, why.into()));
@@ -64,12 +64,12 @@ impl Measured {
     }
 }
 
-/// Readings of single frames by observable and unit, in the order in which they first came.
+/// Readings of single frames by observable and unit, in the order of first appearance.
 #[derive(Default)]
 pub(super) struct Readings(Vec<(&'static str, &'static str, Vec<f64>)>);
 
 impl Readings {
-    /// Adds one frame's value; a value that is not finite is left out.
+    /// Adds one frame's value; values that are not finite are left out.
     pub fn add(&mut self, name: &'static str, value: f64) {
         self.add_in(name, definition(name).map_or("", |definition| definition.unit), value);
     }
@@ -95,7 +95,7 @@ impl Readings {
         }
     }
 
-    /// One measurement per observable: the mean with its standard error over blocks of time, or the maximum.
+    /// Returns one measurement per observable: the mean with its standard error over blocks of time, or the maximum.
     pub fn averages(&self) -> impl Iterator<Item = Measurement> {
         self.0.iter().map(|(name, unit, values)| {
             let frames = values.len();

@@ -32,20 +32,20 @@ pub(super) const GROUP: Group = Group {
     ],
 };
 
-/// Cells of the mixing index, mean diameters wide.
+/// Width of the cells of the mixing index, mean diameters.
 pub(super) const MIXING_CELL: f64 = 3.0;
 
-/// Grains that a cell must hold to say anything: those at the rim of a bed hold fewer.
+/// Smallest number of grains in a cell that counts: cells at the rim of a bed hold fewer.
 const FEWEST: f64 = 5.0;
 
-/// Largest radius over the smallest from which on a bed has two sizes.
+/// Smallest ratio of the largest to the smallest radius in a bed of two sizes.
 const TWO_SIZES: f64 = 1.3;
 
-/// Lacey's mixing index of marked grains, given places (m) and marks: `(s0^2 - s^2)/(s0^2 - sr^2)` with the variance of the
-/// share of marked grains over cells (m wide), as it is, unmixed, and random: 0 for unmixed and 1 for random (Lacey, J. Appl.
-/// Chem. 4, 257, 1954). None if there are too few grains.
+/// Returns Lacey's mixing index of marked grains, given positions (m) and marks: `(s0^2 - s^2)/(s0^2 - sr^2)` with the variance of the
+/// fraction of marked grains over cells (`cell`, m), actual, unmixed and random: 0 for unmixed and 1 for random (Lacey, J. Appl.
+/// Chem. 4, 257, 1954). `None` if there are too few grains.
 pub fn lacey_index(places: impl Iterator<Item = ([f64; 3], bool)>, cell: f64) -> Option<f64> {
-    // Sorted, so that sums are taken in the same order in every run.
+    // Sorted, so that sums have the same order in every run.
     let mut cells: BTreeMap<[i64; 3], (f64, f64)> = BTreeMap::new();
     for (place, is_marked) in places {
         let (marked, all) = cells.entry(place.map(|x| (x / cell).floor() as i64)).or_default();
@@ -62,10 +62,10 @@ pub fn lacey_index(places: impl Iterator<Item = ([f64; 3], bool)>, cell: f64) ->
     (full.len() >= 5 && index.is_finite()).then_some(index)
 }
 
-/// Adds a frame's readings, by size where some grains are far larger than others, by population where there are several.
+/// Adds a frame's readings: by size for grains of very different sizes, by population for several populations.
 ///
-/// Small grains are those below the middle of the smallest and the largest radius. By population the same is measured of grains
-/// that do not differ in size, which tells the effect of size from that of the drum.
+/// Small grains have radii below the middle of the smallest and the largest radius. The same quantity by population, for grains
+/// of equal size, separates the effect of size from the effect of the drum.
 fn read(view: &View<'_>, readings: &mut Readings) -> Result<(), String> {
     let radii = || view.frame.particles.iter().map(|grain| grain.radius);
     let (smallest, largest) = (radii().fold(f64::INFINITY, f64::min), radii().fold(0.0, f64::max));
@@ -85,7 +85,7 @@ fn read(view: &View<'_>, readings: &mut Readings) -> Result<(), String> {
     Ok(())
 }
 
-/// Adds the mixing index of marked grains and, in drums, how far they are from the middle of the bed over how far the others are.
+/// Adds the mixing index of marked grains and, in drums, the ratio of their distance from the middle of the bed to that of the others.
 fn read_kinds(
     view: &View<'_>,
     [index, distance]: [&'static str; 2],

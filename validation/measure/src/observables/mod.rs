@@ -1,20 +1,20 @@
-//! One measurement code for every simulator: frames in, numbers out.
+//! Measurement code common to all simulators: input frames, output numbers.
 //!
 //! ```text
 //! Recording ─> frames from `measure.from` on ─> View of a frame: down, walls, bulk ─> readings ─> averages over blocks of time
 //!                        └─> fields averaged over time ─> free surface ─> angles
 //! ```
 //!
-//! Frames are measured one after the other and added up; none is held. What grows with their number is a number
-//! a frame and quantity.
+//! Frames are measured one after the other and summed; none is stored. Memory grows by one number
+//! per frame and quantity.
 //!
-//! Nothing is taken from a simulator's own estimators: every quantity follows from the two tables of a
-//! [`Snapshot`] and from the scene, at the frame's time: up is against gravity as it is then, weight is that of then, walls stand where
-//! their motion, or the frame, has them then. A drum is the cylinder that turns about its own level axis.
+//! Simulators' own estimators are not used: every quantity follows from the two tables of a
+//! [`Snapshot`] and from the scene, at the frame's time. This applies to the up direction (against gravity), the weight, and the poses of
+//! the walls, from their motion or from the frame. A drum is the cylinder that turns about its own level axis.
 //!
-//! **Bulk.** Grains whose centres, and contacts whose points, lie at least two mean diameters from every wall and
-//! from the free surface of their frame. Where fewer than 50 grains are left, one diameter is used. The ends of a periodic axis count as
-//! walls; a contact across an end lies there, between a grain and the nearest image of the other one. A bed that has none of the known free
+//! **Bulk.** Grains with centres, and contacts with points, at least two mean diameters from every wall and
+//! from the free surface of their frame; with fewer than 50 such grains, the distance is one diameter. The ends of a periodic axis count as
+//! walls; a contact across an end lies between a grain and the nearest image of the other one. A bed without any of the known free
 //! surfaces has no bulk, and is not measured.
 //!
 //! [`catalogue::definitions`] defines each number; `makadam print observables` prints it.
@@ -83,13 +83,13 @@ use setting::{Properties, Setting};
 use static_angle::HeapFields;
 use view::View;
 
-/// Measures a recording: numbers of [`measured_in`].
+/// Measures a recording: the numbers of [`measured_in`].
 pub fn measure(scene: &MeasuredScene, recording: &Recording) -> Vec<Measurement> {
     measured_in(scene, recording).measurements
 }
 
-/// Measures a recording: [`measure_frames`] of its [`measured_frames`]; nothing where it has none. A number that needs something that the
-/// frames do not state is left out.
+/// Measures a recording: [`measure_frames`] of its [`measured_frames`]; empty without such frames. Numbers that need content missing from the
+/// frames are left out.
 pub fn measured_in(scene: &MeasuredScene, recording: &Recording) -> Measured {
     let Ok(measured) = measure_frames(scene, &measured_frames(scene, recording)[..]);
     let mut measured = measured.unwrap_or_default();
@@ -97,23 +97,23 @@ pub fn measured_in(scene: &MeasuredScene, recording: &Recording) -> Measured {
     measured
 }
 
-/// Measures frames: the quantities of `scene.measure.observables`, over all of them. `None` if there is no frame, so that a state that
-/// was never measured is told from one that could not be.
+/// Measures frames: the quantities of `scene.measure.observables`, over all frames. `None` without frames, to distinguish a state that
+/// was never measured from a state that could not be measured.
 ///
-/// A quantity that cannot be measured (no bulk, no drum, no contacts, grains too far apart or too unlike for a grid of
-/// `effort::most` cells) is left out of the list; none is NaN. A quantity of single frames depends on nothing but the frame and the
-/// scene: its value over several frames is the mean of what [`measure_frames`] gives of each.
+/// A quantity that cannot be measured (no bulk, no drum, no contacts, grains too far apart or too different in size for a grid of
+/// `effort::most` cells) is left out of the list; none is NaN. A quantity of single frames depends only on the frame and the
+/// scene: its value over several frames is the mean of the results of [`measure_frames`] for each.
 pub fn measure_frames<F: Frames + ?Sized>(scene: &MeasuredScene, frames: &F) -> Result<Option<Measured>, F::Error> {
     let properties = Properties::new(scene);
     Meter::of_frames(&properties, frames)?.finish(&properties, frames)
 }
 
-/// Readings of frames, collected one frame after the other.
+/// Readings of frames, collected frame by frame.
 #[derive(Default)]
 pub struct Meter {
     readings: Readings,
     refusals: Measured,
-    /// Facts of the first frame; absent before it.
+    /// Data of the first frame; absent before it.
     span: Option<SpanFacts>,
 }
 
@@ -121,11 +121,11 @@ pub struct Meter {
 struct SpanFacts {
     /// Direction against gravity in the first frame.
     up: Option<Vector3<f64>>,
-    /// Sense of rotation of the drum in the first frame; 0 where it does not turn, or where there is none.
+    /// Sense of rotation of the drum in the first frame; 0 without rotation or without a drum.
     sense: f64,
-    /// True if all frames have that direction.
+    /// True if all frames have this direction.
     is_steady: bool,
-    /// True if the drum turns in all frames, in that sense.
+    /// True if the drum turns in all frames, in this sense.
     is_turning: bool,
 }
 
@@ -133,7 +133,7 @@ impl Meter {
     /// Reads frames.
     ///
     /// # Errors
-    /// That of a frame that cannot be shown.
+    /// Error of a frame that cannot be provided.
     pub fn of_frames<F: Frames + ?Sized>(properties: &Properties<'_>, frames: &F) -> Result<Meter, F::Error> {
         let mut meter = Meter::default();
         Wrapped::new(frames, &properties.scene.domain).visit(0..frames.count(), &mut |frame| {
@@ -156,7 +156,7 @@ impl Meter {
         Meter { readings, refusals, span: Some(SpanFacts { up, sense, is_steady: true, is_turning: sense != 0.0 }) }
     }
 
-    /// Reads a frame, and returns what it gives by itself: [`measure_frames`] of this frame alone.
+    /// Reads a frame, and returns its own results: [`measure_frames`] of this frame alone.
     pub fn read(properties: &Properties<'_>, frame: &Snapshot) -> (Meter, Measured) {
         let frame = frames::wrapped(&properties.scene.domain, frame);
         let setting = Setting::new(properties, &frame);
@@ -181,10 +181,10 @@ impl Meter {
         }
     }
 
-    /// Measures the frames that were read; `None` if there is none.
+    /// Measures the frames read so far; `None` without frames.
     ///
     /// # Errors
-    /// That of a frame that cannot be shown.
+    /// Error of a frame that cannot be provided.
     pub fn finish<F: Frames + ?Sized>(
         &self,
         properties: &Properties<'_>,
@@ -197,7 +197,7 @@ impl Meter {
         setting.map(|setting| self.finish_with(&setting, &frames, None)).transpose()
     }
 
-    /// Measures the frames that were read, given the setting of the first one; `view` is that of a single frame.
+    /// Measures the frames read so far, with the setting of the first frame; `view` is the view of a single frame.
     fn finish_with<F: Frames + ?Sized>(
         &self,
         setting: &Setting<'_>,
@@ -220,13 +220,13 @@ impl Meter {
     }
 }
 
-/// All measured frames together: quantities that rest on fields averaged over time, or on how grains got on.
+/// All measured frames together: quantities from fields averaged over time, or from grain histories.
 struct Span<'a> {
-    /// That of the first frame.
+    /// Setting of the first frame.
     setting: &'a Setting<'a>,
     is_steady: bool,
     is_turning: bool,
-    /// View of the frame, if it is a single one; it has the fields at hand.
+    /// View of a single frame, with its fields; absent for several frames.
     view: Option<&'a View<'a>>,
 }
 
@@ -286,8 +286,8 @@ impl Span<'_> {
     }
 }
 
-/// Quantities over time, one point a frame, over the whole run: the dynamic angle of repose (degrees) and the height of the intruder (m)
-/// where the scene asks for them. Frames in which the bed has no surface yet are left out.
+/// Returns quantities over time, one point per frame, over the whole run: the dynamic angle of repose (degrees) and the height of the intruder
+/// (m), if the scene requests them. Frames without a bed surface are left out.
 pub fn series(scene: &MeasuredScene, recording: &Recording) -> Vec<Series> {
     let asks = |observable| scene.measure.observables.contains(&observable);
     let properties = Properties::new(scene);
@@ -305,8 +305,8 @@ pub fn series(scene: &MeasuredScene, recording: &Recording) -> Vec<Series> {
     asked.into_iter().flatten().collect()
 }
 
-/// Frames that are measured: those from `scene.measure.from` on, which are none if the run ended before; the last one where the
-/// scene gives no such time.
+/// Returns the measured frames: the frames from `scene.measure.from` on, none if the run ended before; without `from`,
+/// the last frame.
 pub fn measured_frames<'a>(scene: &MeasuredScene, recording: &'a Recording) -> Vec<&'a Snapshot> {
     let filled: Vec<&Snapshot> = recording.frames.iter().filter(|frame| !frame.particles.is_empty()).collect();
     let first = match scene.measure.from {

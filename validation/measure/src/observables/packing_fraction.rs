@@ -1,7 +1,7 @@
 //! Packing fraction: solid volume over volume in the bulk, with exact volumes of spheres cut by its border.
 //!
 //! In a fixed box with a level bed the region is a box, two mean diameters inside its faces and below the free
-//! surface. In any other container it is made of cubes of half a diameter whose eight corners all lie in the bulk.
+//! surface. In any other container the region consists of cubes of half a diameter with all eight corners in the bulk.
 
 use super::bulk::Bulk;
 use super::catalogue::{Group, define};
@@ -38,7 +38,7 @@ fn read(view: &View<'_>, readings: &mut Readings) -> Result<(), String> {
     Ok(())
 }
 
-/// Solid volume over volume in a box; absent for an empty box.
+/// Returns the solid volume over the volume of a box; `None` for an empty box.
 pub fn fraction_in_box(grains: &[Particle], min: [f64; 3], max: [f64; 3]) -> Option<f64> {
     if (0..3).any(|axis| max[axis] <= min[axis]) {
         return None;
@@ -48,7 +48,7 @@ pub fn fraction_in_box(grains: &[Particle], min: [f64; 3], max: [f64; 3]) -> Opt
     Some(solid / volume)
 }
 
-/// The box of the bulk, where the container is one fixed box and the free surface is level along an axis of it.
+/// Returns the box of the bulk, for a container that is one fixed box and a free surface that is level along one of its axes.
 fn box_region(view: &View<'_>, bulk: &Bulk) -> Option<([f64; 3], [f64; 3])> {
     let [wall] = view.setting.scene().wall.as_slice() else {
         return None;
@@ -75,16 +75,16 @@ fn box_region(view: &View<'_>, bulk: &Bulk) -> Option<([f64; 3], [f64; 3])> {
     Some((low, high))
 }
 
-/// Cubes farther than this from the origin, in cubes, cannot be told from their neighbours.
+/// Largest distance of cubes from the origin, in cubes, limited by rounding.
 const FARTHEST: f64 = 1e15;
 
-/// Absent where no cube lies in the bulk, or where grains lie too far apart, or are too unlike, for cubes to be counted by
-/// [`effort::most`] visits.
+/// Returns the fraction in cubes; `None` if no cube lies in the bulk, or if grains lie too far apart, or differ too much in size, for
+/// [`effort::most`] cell updates.
 fn fraction_in_cubes(view: &View<'_>, bulk: &Bulk) -> Option<f64> {
     let size = 0.5 * view.setting.diameter;
     let middle = view.setting.middle();
     let corner = |cube: [i64; 3]| Vector3::from(cube.map(|index| index as f64 * size));
-    // Places from the middle of the domain.
+    // Positions from the middle of the domain.
     let grains: Vec<Particle> = (view.frame.particles.iter())
         .map(|grain| Particle { position: (Vector3::from(grain.position) - middle).into(), ..*grain })
         .collect();
@@ -94,7 +94,7 @@ fn fraction_in_cubes(view: &View<'_>, bulk: &Bulk) -> Option<f64> {
         return None;
     }
 
-    // Cubes near grains of the bulk, whose corners all lie in it.
+    // Cubes near grains of the bulk with all corners in the bulk.
     let mut nodes = std::collections::HashMap::new();
     let mut inside =
         |node: [i64; 3]| *nodes.entry(node).or_insert_with(|| bulk.contains(&view.walls, &(middle + corner(node))));
@@ -126,7 +126,7 @@ fn fraction_in_cubes(view: &View<'_>, bulk: &Bulk) -> Option<f64> {
         left = left.checked_sub(count.min(cubes.len() as f64) as usize)?;
         let reached = match count <= cubes.len() as f64 {
             true => in_range(low, high).filter(|cube| cubes.contains(cube)).collect(),
-            // A grain that is large against the cubes reaches fewer of them than lie in its range.
+            // A large grain: the set contains fewer cubes than the grain's range.
             false => among(&cubes, low, high),
         };
         solid += match reached.len() as f64 == count {
@@ -142,13 +142,13 @@ fn fraction_in_cubes(view: &View<'_>, bulk: &Bulk) -> Option<f64> {
     Some(solid / (cubes.len() as f64 * size.powi(3)))
 }
 
-/// The cubes from `low` to `high`, x first.
+/// Returns the cubes from `low` to `high`, x first.
 fn in_range(low: [i64; 3], high: [i64; 3]) -> impl Iterator<Item = [i64; 3]> {
     let row = move |y: i64, z: i64| (low[0]..=high[0]).map(move |x| [x, y, z]);
     (low[2]..=high[2]).flat_map(move |z| (low[1]..=high[1]).flat_map(move |y| row(y, z)))
 }
 
-/// Returns the cubes that lie from `low` to `high`, in the order of [`in_range`], so that sums have one order.
+/// Returns the given cubes from `low` to `high`, in the order of [`in_range`], so that sums have one order.
 fn among(cubes: &HashSet<[i64; 3]>, low: [i64; 3], high: [i64; 3]) -> Vec<[i64; 3]> {
     let inside = |cube: &&[i64; 3]| (0..3).all(|axis| (low[axis]..=high[axis]).contains(&cube[axis]));
     let mut inside: Vec<[i64; 3]> = cubes.iter().filter(inside).copied().collect();

@@ -8,16 +8,16 @@ use makadam_frames::plan::{MeasuredScene, Observable};
 use makadam_frames::recording::Content;
 use serde::Serialize;
 
-/// A number that was asked for and has no value.
+/// Requested number without a value.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Unmeasured {
-    /// Its name.
+    /// Name of the observable.
     pub observable: &'static str,
-    /// The reason.
+    /// Reason.
     pub reason: String,
 }
 
-/// Groups that a scene measures and that have nothing to measure in it, as warnings. `text` is that of its file, for lines.
+/// Returns warnings for requested groups without anything to measure in a scene. `text` is the text of its file, for line numbers.
 pub fn impossible(scene: &MeasuredScene, text: Option<&str>) -> Vec<Finding> {
     let root = DocumentPath::default();
     let at = root.key("measure").key("observables");
@@ -33,7 +33,7 @@ pub fn impossible(scene: &MeasuredScene, text: Option<&str>) -> Vec<Finding> {
     found.collect()
 }
 
-/// The name of a group, and what the scene lacks for it.
+/// Returns the name of a group, and the missing part of the scene.
 fn lack(scene: &MeasuredScene, group: Observable) -> Option<(&'static str, &'static str)> {
     let any = |wanted: fn(&Shape) -> bool| scene.wall.iter().any(|wall| wanted(&wall.shape));
     let drum = "no cylinder turns about its own axis, across gravity";
@@ -55,13 +55,13 @@ fn lack(scene: &MeasuredScene, group: Observable) -> Option<(&'static str, &'sta
     (!is_there).then(|| (name.map_or("", |(name, _)| name), lacks))
 }
 
-/// Reports whether a scene has a drum under gravity as it is at some time.
+/// Returns true if a scene has a drum under gravity at some time.
 fn has_drum(scene: &MeasuredScene) -> bool {
     let later = scene.gravity_changes.iter().map(|change| change.gravity);
     std::iter::once(scene.gravity).chain(later).any(|gravity| Drum::find(scene, gravity.into()).is_some())
 }
 
-/// Numbers that a scene measures and that have no value, with the reason; `lacks` is content that the frames do not have.
+/// Returns the requested numbers without a value, with the reason; `lacks` is content that the frames do not have.
 pub fn unmeasured(scene: &MeasuredScene, lacks: &[Content], measured: &Measured) -> Vec<Unmeasured> {
     let asked = |name: &str| group_of(name).filter(|(group, _)| scene.measure.observables.contains(group));
     let has = |name: &str| measured.measurements.iter().any(|measured| measured.observable == name);

@@ -1,4 +1,4 @@
-//! Facts that measures need beside a frame: those of the scene, and those of the scene at the frame's time.
+//! Data for measures in addition to a frame: of the scene, and of the scene at the frame's time.
 
 use super::drum::Drum;
 use makadam::scene::ContactCoefficients;
@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 
 /// Density, friction and cohesion of a scene's grains and contacts.
 pub struct Properties<'a> {
-    /// The scene.
+    /// Scene.
     pub scene: &'a MeasuredScene,
     /// Materials and populations of grains by their numbers.
     pub roster: Roster,
@@ -33,13 +33,13 @@ impl<'a> Properties<'a> {
         }
     }
 
-    /// Reports whether grains of the scene rub against each other at all.
+    /// Returns true if the scene has friction between grains.
     pub fn frictional(&self) -> bool {
         let rubs = |a: usize| self.roster.materials().any(|b| self.grain_contacts[a][b].friction > 0.0);
         self.roster.materials().any(rubs)
     }
 
-    /// Reports whether the direction of gravity, or its absence, may change over time.
+    /// Returns true if the direction of gravity, or its absence, may change over time.
     pub fn gravity_changes(&self) -> bool {
         !self.scene.gravity_changes.is_empty()
     }
@@ -53,22 +53,22 @@ pub fn is_one_direction(one: Option<Vector3<f64>>, other: Option<Vector3<f64>>) 
     }
 }
 
-/// A scene at the time of a frame, as measures of that frame see it.
+/// Scene at the time of a frame, for measures of this frame.
 pub struct Setting<'a> {
-    /// The scene, and what follows from it alone.
+    /// Scene, and data that follow from it alone.
     pub properties: &'a Properties<'a>,
-    /// Unit vector against gravity at the frame's time; absent where there is no gravity.
+    /// Unit vector against gravity at the frame's time; absent without gravity.
     pub up: Option<Vector3<f64>>,
     /// Magnitude of gravity at the frame's time, m/s2.
     pub gravity: f64,
     /// Mean grain diameter of the frame, m.
     pub diameter: f64,
-    /// The drum, if the scene has one, as it turns at the frame's time.
+    /// Drum of the scene, if any, with its rotation at the frame's time.
     pub drum: Option<Drum>,
 }
 
 impl<'a> Setting<'a> {
-    /// Takes gravity at the frame's time, and the mean diameter of its grains.
+    /// Makes the setting from gravity at the frame's time and the mean diameter of its grains.
     pub fn new(properties: &'a Properties<'a>, frame: &Snapshot) -> Self {
         let gravity = properties.scene.gravity_field().at(frame.time);
         let count = frame.particles.len().max(1) as f64;
@@ -81,35 +81,35 @@ impl<'a> Setting<'a> {
         }
     }
 
-    /// The scene.
+    /// Returns the scene.
     pub fn scene(&self) -> &'a MeasuredScene {
         self.properties.scene
     }
 
-    /// Middle of the domain, m: grids of cells begin there, so that a scene that is shifted has the same cells.
+    /// Returns the middle of the domain, m: the origin of grids, so that a shifted scene has the same cells.
     pub fn middle(&self) -> Vector3<f64> {
         let domain = &self.properties.scene.domain;
         0.5 * (Vector3::from(domain.min) + Vector3::from(domain.max))
     }
 
-    /// Sense of rotation of the drum: 1, -1, or 0 where it does not turn, or where there is none.
+    /// Returns the sense of rotation of the drum: 1, -1, or 0 without rotation or without a drum.
     pub fn sense(&self) -> f64 {
         self.drum.as_ref().map_or(0.0, Drum::sense)
     }
 
-    /// Mass of a grain of the frame, kg.
+    /// Returns the mass of a grain of the frame, kg.
     pub fn mass(&self, frame: &Snapshot, grain: &Particle) -> f64 {
         self.properties.density[self.material(frame, grain.id)] * super::sphere_volume::sphere(grain.radius)
     }
 
     fn material(&self, frame: &Snapshot, id: u32) -> usize {
         let material = usize::from(self.properties.roster.kind(frame, id).material);
-        // Frames of a scene with more materials are refused where they are read.
+        // Readers refuse frames of a scene with more materials.
         material.min(self.properties.density.len().saturating_sub(1))
     }
 
-    /// Largest tangential forces of a contact, N: while it sticks, and while it slides; absent where the scene has no coefficients of the
-    /// contact, and where cohesion adds a force that the two tables of a frame do not state.
+    /// Returns the largest tangential forces of a contact, N: sticking, and sliding; `None` if the scene has no coefficients of the
+    /// contact, or if cohesion adds a force that the two tables of a frame do not state.
     pub fn coulomb_bounds(&self, frame: &Snapshot, contact: &Contact) -> Option<[f64; 2]> {
         let first = self.material(frame, contact.first);
         let coefficients = match contact.second {
@@ -121,8 +121,8 @@ impl<'a> Setting<'a> {
     }
 }
 
-/// Gravity below this has no direction, m/s2.
+/// Smallest gravity with a direction, m/s2.
 const WEIGHTLESS: f64 = 1e-12;
 
-/// Difference of unit vectors below which they are one direction.
+/// Largest difference of unit vectors with equal directions.
 const SAME_DIRECTION: f64 = 1e-6;

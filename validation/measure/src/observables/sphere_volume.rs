@@ -1,6 +1,6 @@
 //! Exact volume of the part of a sphere that lies in an axis-aligned box.
 //!
-//! The box is a signed sum of octants {X > a, Y > b, Z > c}, so one formula for an octant carries it all. Take the
+//! The box is a signed sum of octants {X > a, Y > b, Z > c}, so one formula for an octant suffices. Take the
 //! unit ball centred at the origin with the corner (a, b, c) inside it. By the divergence theorem the volume is
 //!
 //! ```text
@@ -12,17 +12,17 @@
 //! and L the lengths of its straight sides. S follows from Gauss and Bonnet: 2 pi less the turning at its three
 //! corners, less the geodesic curvature of its three arcs, which is a phi_a for the circle in X = a. Two circles cross
 //! at the angle whose cosine is -a b / (r_a r_b). Negative coordinates are mirrored: V(a,b,c) = V(b,c) - V(-a,b,c).
-//! The angles are taken with atan2, which keeps full accuracy where arccosine would lose half the digits.
+//! The angles are computed with atan2, which has full accuracy where arccosine would lose half the digits.
 
 use makadam::lanes::Number;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, SQRT_2, TAU};
 
-/// Volume of a sphere, m3.
+/// Returns the volume of a sphere, m3.
 pub fn sphere(radius: f64) -> f64 {
     4.0 / 3.0 * PI * radius.powi(3)
 }
 
-/// Volume (m3) of the part of a sphere that lies in the box between the corners `min` and `max`; bounds may be infinite.
+/// Returns the volume (m3) of the part of a sphere in the box between the corners `min` and `max`; bounds may be infinite.
 /// Absolute error: some 1e-15 of the sphere's volume.
 pub fn sphere_in_box(centre: [f64; 3], radius: f64, min: [f64; 3], max: [f64; 3]) -> f64 {
     let low: [f64; 3] = std::array::from_fn(|axis| (min[axis] - centre[axis]) / radius);
@@ -42,7 +42,7 @@ pub fn sphere_in_box(centre: [f64; 3], radius: f64, min: [f64; 3], max: [f64; 3]
     volume.max(0.0) * radius.powi(3)
 }
 
-/// Volume of the unit ball beyond the plane X = a.
+/// Returns the volume of the unit ball beyond the plane X = a.
 #[inline(always)]
 pub fn half_space<N: Number>(a: N) -> N {
     let one = N::splat(1.0);
@@ -50,7 +50,7 @@ pub fn half_space<N: Number>(a: N) -> N {
     N::splat(PI / 3.0) * ((one - a) * (one - a)) * (N::splat(2.0) + a)
 }
 
-/// Volume of the unit ball in the quadrant X > a, Y > b.
+/// Returns the volume of the unit ball in the quadrant X > a, Y > b.
 #[inline(always)]
 pub fn quadrant<N: Number>(a: N, b: N) -> N {
     let (zero, one, two, half) = (N::zero(), N::splat(1.0), N::splat(2.0), N::splat(0.5));
@@ -69,9 +69,9 @@ pub fn quadrant<N: Number>(a: N, b: N) -> N {
     N::select(a.below(zero), half_space(b) - beyond, beyond)
 }
 
-/// Angle in the first quadrant whose tangent is `y / x`, both positive or zero. Absolute error: some 2e-16.
+/// Returns the angle in the first quadrant with tangent `y / x`, both positive or zero. Absolute error: some 2e-16.
 ///
-/// Angles above 22.5 degrees are taken from 45 degrees; the arctangent is then a minimax polynomial. Unlike the system's function it works on
+/// Angles above 22.5 degrees are computed from 45 degrees; the arctangent is then a minimax polynomial. Unlike the system's function it works on
 /// lanes, and gives the same bits on every processor.
 #[inline(always)]
 fn angle<N: Number>(y: N, x: N) -> N {
@@ -100,7 +100,7 @@ fn angle<N: Number>(y: N, x: N) -> N {
     N::select(y.below(x), from_axis, N::splat(FRAC_PI_2) - from_axis)
 }
 
-/// Volume of the unit ball in the octant X > a, Y > b, Z > c.
+/// Returns the volume of the unit ball in the octant X > a, Y > b, Z > c.
 pub fn octant(a: f64, b: f64, c: f64) -> f64 {
     if a < 0.0 {
         return quadrant(b, c) - octant(-a, b, c);
@@ -114,7 +114,7 @@ pub fn octant(a: f64, b: f64, c: f64) -> f64 {
     if 1.0 - a * a - b * b - c * c <= 0.0 {
         return 0.0;
     }
-    // Where the edge of two faces pierces the sphere: the third coordinate there.
+    // Third coordinate of the point at which the edge of two faces pierces the sphere.
     let on_edge = |x: f64, y: f64| (1.0 - x * x - y * y).sqrt();
     let (ab, bc, ca) = (on_edge(a, b), on_edge(b, c), on_edge(c, a));
     let arc_a = ab.atan2(b) - c.atan2(ca);

@@ -1,11 +1,11 @@
 //! Static angle of repose: the inclination of a heap's flank.
 //!
 //! The solid fraction is averaged over azimuth, in cells of one mean radius by one mean radius in (r, z) about the
-//! heap's axis (that of the upright tubes it ran out of, which must have one, else the median of the grains), from its foot upwards: the
-//! highest level plane or disc below the median height of the grains, at the axis, or else the lowest grain. The outline is the contour at half
-//! the heap's mean solid fraction; a grain that rolled away fills so little of its ring that it stays outside. The
-//! line is fitted by total least squares to the outline between 20% and 80% of the heap's height. Flanks that stand
-//! upright or lean outwards are those of grains that a wall still holds, and have no angle of repose. The standard error
+//! heap's axis, from the foot upwards. The axis is the common axis of the upright discharge tubes, or without tubes the median of the grains.
+//! The foot is the highest level plane or disc at the axis below the median height of the grains, or else the lowest grain. The outline is the
+//! contour at half the heap's mean solid fraction; a grain that rolled away fills so little of its ring that it stays outside. The
+//! line is fitted by total least squares to the outline between 20% and 80% of the heap's height. Vertical or
+//! overhanging flanks are supported by a wall, and have no angle of repose. The standard error
 //! is over six sectors of azimuth, measured one by one: unlike a flow, a heap at rest has no blocks of time.
 
 use super::catalogue::{Group, define, nothing_of_a_frame};
@@ -47,19 +47,19 @@ pub(super) const GROUP: Group = Group {
 /// Sectors of azimuth for the standard error.
 const SECTORS: usize = 6;
 
-/// A flank as steep as this stands at a wall, degrees.
+/// Smallest angle of a flank supported by a wall, degrees.
 const UPRIGHT: f64 = 80.0;
 
-/// Cosine of the angle within which a wall is level, or a tube upright.
+/// Cosine of the largest angle of a level wall or an upright tube.
 const LEVEL: f64 = 0.999;
 
-/// Distance in mean diameters within which upright tubes have one axis.
+/// Tolerance of the common axis of upright tubes, in mean diameters.
 const SAME_AXIS: f64 = 0.01;
 
-/// Points a diameter by which a grain's volume is spread over rings.
+/// Sampling points per diameter for the volume of a grain over rings.
 const POINTS: usize = 8;
 
-/// The axis of a heap and its foot.
+/// Axis and foot of a heap.
 #[derive(Clone, Copy)]
 pub struct HeapFrame {
     origin: Vector3<f64>,
@@ -71,20 +71,20 @@ impl HeapFrame {
     /// Finds the axis.
     ///
     /// # Errors
-    /// Where there is no gravity, and where upright tubes give no one axis: several stand side by side, or one has moved sideways.
+    /// Message without gravity, and for upright tubes without a common axis: several tubes side by side, or one moved sideways.
     pub fn new(setting: &Setting<'_>, frame: &Snapshot) -> Result<Self, String> {
         let up = setting.up.ok_or("there is no gravity")?;
         let helper = Vector3::ith(up.iamin(), 1.0);
         let first = up.cross(&helper).normalize();
         let across = [first, up.cross(&first)];
         let (walls, scene) = (PlacedWalls::at(setting.scene(), frame), setting.scene());
-        // A point of a wall and a direction, where its motion has brought them.
+        // A point of a wall and a direction, transformed by its motion.
         let placed = |wall: usize, point: &[f64; 3], along: &[f64; 3]| {
             let (point, along) = (Vector3::from(*point), Vector3::from(*along).normalize());
             let start = walls.point_of(wall, &point);
             (start, walls.point_of(wall, &(point + along)) - start)
         };
-        // Where tubes stand, and where the scene places them.
+        // Tubes at their present pose and at their pose in the scene.
         let tubes = scene.wall.iter().enumerate().filter_map(|(number, wall)| match &wall.shape {
             Shape::Cylinder { base, axis, .. } => {
                 let (place, axis) = placed(number, base, axis);
@@ -129,7 +129,7 @@ impl HeapFrame {
         Ok(Self { origin, across, up })
     }
 
-    /// Distance from the axis and height above the floor, m.
+    /// Returns the distance from the axis and the height above the floor, m.
     pub fn meridian(&self, point: &Vector3<f64>) -> [f64; 2] {
         let arm = point - self.origin;
         [arm.dot(&self.across[0]).hypot(arm.dot(&self.across[1])), arm.dot(&self.up)]
@@ -142,7 +142,7 @@ impl HeapFrame {
     }
 }
 
-/// Median of the grains' centres along an axis, m; 0 without grains.
+/// Returns the median of the grains' centres along an axis, m; 0 without grains.
 fn median_along(frame: &Snapshot, axis: &Vector3<f64>) -> f64 {
     let mut places: Vec<f64> = frame.particles.iter().map(|grain| Vector3::from(grain.position).dot(axis)).collect();
     places.sort_by(f64::total_cmp);
@@ -165,15 +165,15 @@ pub fn measure(setting: &Setting<'_>, fields: &HeapFields) -> Result<Vec<Measure
 
 /// Solid fraction of a heap in (r, z), averaged over frames, in each sector of azimuth.
 pub struct HeapFields {
-    /// The axis of the heap in the last frame.
+    /// Axis of the heap in the last frame.
     pub heap: HeapFrame,
     sectors: Vec<Field>,
     frames: usize,
 }
 
 impl HeapFields {
-    /// Averages the frames, of which there is at least one. The inner error says why there is no mean: the heap has no axis, or grains lie
-    /// so far apart that it would take more cells than `effort::most`.
+    /// Averages the frames, at least one. The inner error is the reason for no mean: the heap has no axis, or grains lie
+    /// so far apart that the grid would need more cells than `effort::most`.
     pub fn new<F: Frames + ?Sized>(setting: &Setting<'_>, frames: &F) -> Result<Result<Self, String>, F::Error> {
         let (count, cell) = (frames.count(), 0.5 * setting.diameter);
         let mut heap = Err(String::new());
@@ -182,7 +182,7 @@ impl HeapFields {
             Ok(heap) => heap,
             Err(why) => return Ok(Err(why)),
         };
-        // Nine tenths of the grains set the width; what rolled farther is no part of the heap.
+        // Nine tenths of the grains set the width; grains farther out are not part of the heap.
         let grains = frames.grains(0..count);
         let mut highest = 0.0_f64;
         let reach = ranked((grains * 9 / 10) as u64, |look| {
@@ -195,7 +195,7 @@ impl HeapFields {
             })
         })?;
         let (width, height) = (2.0 * reach + 4.0 * cell, highest + 4.0 * cell);
-        // Mirrored at the axis, so that the axis is not taken for a surface. An even number of columns keeps it a border.
+        // Mirrored at the axis, so that the axis is not taken for a surface. An even number of columns makes the axis a border.
         let half_width = (width / cell).ceil() * cell;
         let top = (height / cell).ceil() * cell;
         let Some(field) = Field::new([-half_width, 0.0], [half_width, top], cell, effort::most(grains)) else {
@@ -207,7 +207,7 @@ impl HeapFields {
         Ok(Ok(fields))
     }
 
-    /// Spreads the volumes of a frame's grains by the points of a `ball`.
+    /// Adds the volumes of a frame's grains, spread over the points of a `ball`.
     fn add(&mut self, frame: &Snapshot, ball: &[Vector3<f64>]) {
         for grain in &frame.particles {
             let share = super::sphere_volume::sphere(grain.radius) / ball.len() as f64;
@@ -228,7 +228,7 @@ impl HeapFields {
         }
     }
 
-    /// The outline of the heap in (r, z), mirrored at the axis, m; averaged over the sectors of azimuth.
+    /// Returns the outline of the heap in (r, z), mirrored at the axis, m; averaged over the sectors of azimuth.
     pub fn outline(&self) -> Option<Loop> {
         let mut sum = self.sectors[0].clone();
         self.sectors[1..].iter().for_each(|field| sum.add(field));
@@ -237,7 +237,7 @@ impl HeapFields {
     }
 }
 
-/// Points evenly spread in the unit ball.
+/// Returns evenly spread points in the unit ball.
 fn unit_ball() -> Vec<Vector3<f64>> {
     let place = |index: usize| (2 * index + 1) as f64 / POINTS as f64 - 1.0;
     (0..POINTS.pow(3))
@@ -246,9 +246,9 @@ fn unit_ball() -> Vec<Vector3<f64>> {
         .collect()
 }
 
-/// The contour at half the mean solid fraction of the heap.
+/// Returns the contour at half the mean solid fraction of the heap.
 fn outline(field: &Field) -> Option<Loop> {
-    // Rings near the axis are small, and so noisy: weighted by their volume they count for little.
+    // Rings near the axis are small and noisy: weights by volume limit their influence.
     let weight = |column: usize| (column as f64 + 0.5 - 0.5 * field.columns as f64).abs();
     let bulk = mean_within(&field.values, |index| weight(index % field.columns));
     (bulk > 0.0).then(|| contour::outline(field, 0.5 * bulk))?
@@ -258,7 +258,7 @@ fn top(outline: &Loop) -> f64 {
     outline.iter().map(|point| point[1]).fold(0.0, f64::max)
 }
 
-/// Inclination of the flank, degrees; absent for a heap lower or narrower than two diameters, and where a wall holds the grains.
+/// Returns the inclination of the flank, degrees; `None` for a heap lower or narrower than two diameters, and for grains supported by a wall.
 fn flank_angle(outline: &Loop, diameter: f64) -> Option<f64> {
     let height = top(outline);
     let width = outline.iter().map(|point| point[0]).fold(0.0, f64::max);

@@ -1,4 +1,4 @@
-//! One frame, with what several measures need of it worked out once.
+//! One frame, with intermediate results that several measures need, computed once.
 
 use super::bed_surface::{MeanField, NO_MEAN_FIELD, outline};
 use super::bulk::Bulk;
@@ -12,16 +12,16 @@ use makadam_frames::neighbours::{Pair, close_pairs_in};
 use nalgebra::Vector3;
 use std::cell::OnceCell;
 
-/// Grains count as touching if their gap is below this part of the mean diameter.
+/// Largest gap of grains in contact, over the mean diameter.
 pub const TOUCHING: f64 = 0.01;
 
-/// A frame in its setting. Each quantity of a frame follows from it alone, so that no quantity depends on which others are measured.
+/// Frame in its setting. Each quantity follows from the frame alone, independent of the other measured quantities.
 pub struct View<'a> {
-    /// The scene at the frame's time.
+    /// Scene at the frame's time.
     pub setting: &'a Setting<'a>,
-    /// The frame.
+    /// Frame.
     pub frame: &'a Snapshot,
-    /// The walls, where they are at the frame's time.
+    /// Walls at their pose at the frame's time.
     pub walls: PlacedWalls,
     outline: OnceCell<Result<Option<Loop>, &'static str>>,
     heap: OnceCell<Result<HeapFields, String>>,
@@ -31,7 +31,7 @@ pub struct View<'a> {
 }
 
 impl<'a> View<'a> {
-    /// A view of a frame.
+    /// Makes a view of a frame.
     pub fn new(setting: &'a Setting<'a>, frame: &'a Snapshot) -> Self {
         Self {
             setting,
@@ -45,13 +45,13 @@ impl<'a> View<'a> {
         }
     }
 
-    /// Distances of the grains' centres from the nearest wall or periodic end, m, in the order of the frame's table.
+    /// Returns the distances of the grains' centres from the nearest wall or periodic end, m, in the order of the frame's table.
     pub fn wall_distances(&self) -> &[f64] {
         let distance = |grain: &Particle| self.walls.distance(&grain.position.into());
         self.wall_distances.get_or_init(|| self.frame.particles.iter().map(distance).collect())
     }
 
-    /// Outline of the bed in the cross-section of the drum; absent where there is no bed. The error says why it is not known.
+    /// Returns the outline of the bed in the cross-section of the drum; `None` without a bed. The error is the reason for an unknown outline.
     pub fn outline(&self, drum: &Drum) -> Result<Option<&Loop>, &'static str> {
         let found = self.outline.get_or_init(|| {
             let mut mean = MeanField::new(self.setting, drum, self.frame.particles.len());
@@ -61,7 +61,7 @@ impl<'a> View<'a> {
         found.as_ref().map(Option::as_ref).map_err(|why| *why)
     }
 
-    /// Fields of the heap.
+    /// Returns the fields of the heap.
     pub fn heap(&self) -> Result<&HeapFields, &str> {
         let fields = || {
             let Ok(fields) = HeapFields::new(self.setting, &[self.frame][..]);
@@ -70,24 +70,24 @@ impl<'a> View<'a> {
         self.heap.get_or_init(fields).as_ref().map_err(String::as_str)
     }
 
-    /// The bulk of the frame's bed.
+    /// Returns the bulk of the frame's bed.
     pub fn bulk(&self) -> Result<&Bulk, &str> {
         self.bulk.get_or_init(|| Bulk::of(self)).as_ref().map_err(String::as_str)
     }
 
-    /// Pairs of grains whose gap is below 1% of the mean diameter, across periodic ends too.
+    /// Returns the pairs of grains with a gap below 1% of the mean diameter, across periodic ends too.
     pub fn pairs(&self) -> &[Pair] {
         let domain = &self.setting.scene().domain;
         let reach = TOUCHING * self.setting.diameter;
         self.pairs.get_or_init(|| close_pairs_in(domain, &self.frame.particles, reach))
     }
 
-    /// Which grains lie in the bulk, in the order of the frame's table; none where there is no bulk.
+    /// Returns flags of the grains in the bulk, in the order of the frame's table; empty without a bulk.
     pub fn in_bulk(&self) -> &[bool] {
         self.bulk().map_or(&[], |bulk| &bulk.inside)
     }
 
-    /// Contacts between grains that push (a soft code may also pull) and whose point lies in the bulk.
+    /// Returns the repulsive contacts between grains (a soft code may also have cohesive ones) with their point in the bulk.
     pub fn bulk_contacts(&self) -> Vec<&'a Contact> {
         let Ok(bulk) = self.bulk() else { return Vec::new() };
         let inside = |contact: &&Contact| match contact.second {
@@ -97,18 +97,18 @@ impl<'a> View<'a> {
         self.frame.contacts.iter().filter(inside).collect()
     }
 
-    /// Place of a grain in the frame's table, by its id.
+    /// Returns the index of a grain in the frame's table, by its id.
     pub fn place(&self, id: u32) -> Option<usize> {
         let grains = &self.frame.particles;
-        // Ids have no holes unless a code lost a grain.
+        // Ids are contiguous unless a code lost a grain.
         match grains.get(id as usize) {
             Some(grain) if grain.id == id => Some(id as usize),
             _ => grains.binary_search_by_key(&id, |grain| grain.id).ok(),
         }
     }
 
-    /// The contact point follows from the grains rather than from the code's own table, whose meaning may vary. Across the end of a
-    /// periodic axis it lies between a grain and the nearest image of the other one.
+    /// Returns true for a contact point in the bulk. The point follows from the grains rather than from the code's own table, which may have
+    /// another definition. Across the end of a periodic axis it lies between a grain and the nearest image of the other one.
     fn point_in_bulk(&self, bulk: &Bulk, first: u32, second: u32) -> bool {
         let (Some(first), Some(second)) = (self.place(first), self.place(second)) else {
             return false;
@@ -124,7 +124,7 @@ impl<'a> View<'a> {
         if self.in_bulk()[first] && self.in_bulk()[second] {
             return true;
         }
-        // The walls are no nearer and no farther than the distance from a grain's centre allows.
+        // The distance of the grain's centre bounds the distance of the walls.
         let (distance, step) = (self.wall_distances()[first], share * arm.norm());
         if distance + step < (1.0 - 1e-6) * bulk.inset {
             return false;

@@ -1,17 +1,17 @@
-//! Distributions of values: inequality, a value of a given rank.
+//! Distributions of values: inequality, and values of a given rank.
 //!
-//! Measures of inequality are free of the values' unit, and NaN for no values. For an exponential distribution they are
+//! Measures of inequality are independent of the values' unit, and NaN without values. For an exponential distribution they are
 //! 1 - 1/e = 0.632, 1/2, 2 and 1 - 2/e = 0.264, in the order below.
 
 use super::ensemble::mean;
 
-/// Share of the values that lie below their mean.
+/// Returns the fraction of the values below their mean.
 pub fn share_below_mean(values: &[f64]) -> f64 {
     let middle = mean(values);
     values.iter().filter(|value| **value < middle).count() as f64 / values.len() as f64
 }
 
-/// Gini coefficient: half the mean absolute difference of two values over the mean, 0 for equal values.
+/// Returns the Gini coefficient: half the mean absolute difference of two values over the mean, 0 for equal values.
 ///
 /// From sorted values x_1 to x_n: sum of (2 i - n - 1) x_i over n sum x.
 pub fn gini(values: &[f64]) -> f64 {
@@ -23,29 +23,29 @@ pub fn gini(values: &[f64]) -> f64 {
     ranked / (count * sorted.iter().sum::<f64>())
 }
 
-/// Second moment over the square of the mean, `<f^2>/<f>^2`.
+/// Returns the second moment over the square of the mean, `<f^2>/<f>^2`.
 pub fn second_moment(values: &[f64]) -> f64 {
     let middle = mean(values);
     values.iter().map(|value| value * value).sum::<f64>() / (values.len() as f64 * middle * middle)
 }
 
-/// Share of the sum that the values below the mean make up.
+/// Returns the fraction of the sum that the values below the mean contribute.
 pub fn weak_load_share(values: &[f64]) -> f64 {
     let middle = mean(values);
     let weak: f64 = values.iter().filter(|value| **value < middle).sum();
     weak / values.iter().sum::<f64>()
 }
 
-/// Bits of a number that one pass determines.
+/// Bits of a number determined per pass.
 const DIGIT: u32 = 16;
 
-/// Returns the number of a rank, from 0 for the smallest, among those that `each` visits: none of them negative, and more of them
-/// than the rank. `each` is called four times and visits the same numbers each time; they are counted, not stored.
+/// Returns the number of a rank, from 0 for the smallest, among the numbers from `each`: none of them negative, and more of them
+/// than the rank. `each` is called four times and must give the same numbers each time; they are counted, not stored.
 ///
 /// # Errors
 /// Errors of `each`.
 pub fn ranked<E>(rank: u64, mut each: impl FnMut(&mut dyn FnMut(f64)) -> Result<(), E>) -> Result<f64, E> {
-    // The bits of numbers that are not negative are in the order of the numbers: a digit is known after each look.
+    // The bits of non-negative numbers have the order of the numbers: each pass determines one digit.
     let (mut known, mut left) = (0_u64, rank);
     for shift in [3 * DIGIT, 2 * DIGIT, DIGIT, 0] {
         let mut counts = vec![0_u64; 1 << DIGIT];

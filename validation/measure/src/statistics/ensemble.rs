@@ -1,4 +1,4 @@
-//! Means with their errors: over seeds, over blocks of time, and the interval in which seeds predict another one.
+//! Means with their errors: over seeds, over blocks of time, and prediction intervals for further seeds.
 
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, StudentsT};
@@ -15,7 +15,7 @@ pub struct Ensemble {
 }
 
 impl Ensemble {
-    /// The ensemble of one value a seed; absent for no values.
+    /// Returns the ensemble of one value per seed; `None` without values.
     pub fn of(values: &[f64]) -> Option<Ensemble> {
         (!values.is_empty()).then(|| Ensemble {
             seeds: values.len(),
@@ -24,7 +24,7 @@ impl Ensemble {
         })
     }
 
-    /// The 90% interval of the mean, by Student's t; absent for a single seed.
+    /// Returns the 90% interval of the mean, by Student's t; `None` for a single seed.
     pub fn interval90(&self) -> Option<[f64; 2]> {
         if self.seeds < 2 {
             return None;
@@ -35,12 +35,12 @@ impl Ensemble {
     }
 }
 
-/// Arithmetic mean; NaN for no values.
+/// Returns the arithmetic mean; NaN without values.
 pub fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// Median of a few numbers; not a number if there are none.
+/// Returns the median of a few numbers; NaN without numbers.
 pub fn median(values: impl IntoIterator<Item = f64>) -> f64 {
     let mut values: Vec<f64> = values.into_iter().collect();
     values.sort_by(f64::total_cmp);
@@ -51,19 +51,19 @@ pub fn median(values: impl IntoIterator<Item = f64>) -> f64 {
     }
 }
 
-/// Standard deviation with n - 1 in the denominator; absent for fewer than two values.
+/// Returns the standard deviation with n - 1 in the denominator; `None` for fewer than two values.
 pub fn standard_deviation(values: &[f64]) -> Option<f64> {
     let middle = mean(values);
     let squares: f64 = values.iter().map(|value| (value - middle).powi(2)).sum();
     (values.len() >= 2).then(|| (squares / (values.len() - 1) as f64).sqrt())
 }
 
-/// Standard error of the mean of independent values; absent for fewer than two.
+/// Returns the standard error of the mean of independent values; `None` for fewer than two.
 pub fn standard_error(values: &[f64]) -> Option<f64> {
     Some(standard_deviation(values)? / (values.len() as f64).sqrt())
 }
 
-/// The value that Student's t with `freedom` degrees of freedom (above 0) stays below with probability `probability`.
+/// Returns the quantile of Student's t with `freedom` degrees of freedom (above 0) at `probability`.
 pub fn student_quantile(probability: f64, freedom: f64) -> f64 {
     match StudentsT::new(0.0, 1.0, freedom) {
         Ok(student) => student.inverse_cdf(probability),
@@ -73,10 +73,10 @@ pub fn student_quantile(probability: f64, freedom: f64) -> f64 {
 
 const FEWEST_FRAMES: usize = 4;
 
-/// Most blocks: few and long, so that one block forgets the one before it.
+/// Largest number of blocks: few and long blocks are nearly uncorrelated.
 const MOST_BLOCKS: usize = 5;
 
-/// A mean over time.
+/// Mean over time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Average {
     /// Mean of all values.
@@ -85,14 +85,14 @@ pub struct Average {
     pub standard_error: Option<f64>,
 }
 
-/// Number of blocks that `frames` frames are put into: five, or fewer so that a block holds at least four frames;
-/// absent where there are not two blocks.
+/// Returns the number of blocks for `frames` frames: five, or fewer so that a block holds at least four frames;
+/// `None` for fewer than two blocks.
 pub fn block_count(frames: usize) -> Option<usize> {
     let blocks = (frames / FEWEST_FRAMES).min(MOST_BLOCKS);
     (blocks >= 2).then_some(blocks)
 }
 
-/// Mean of consecutive values with the standard error over blocks of time (method of batch means).
+/// Returns the mean of consecutive values with the standard error over blocks of time (method of batch means).
 ///
 /// Blocks are as equal in length as the number of values allows.
 pub fn block_average(values: &[f64]) -> Average {
@@ -103,21 +103,21 @@ pub fn block_average(values: &[f64]) -> Average {
     Average { mean: mean(values), standard_error: blocks.and_then(|means| standard_error(&means)) }
 }
 
-/// Confidence of all values of live runs together: where nothing has changed, one qualification in a hundred has a value outside.
+/// Joint confidence of all values of live runs: without any change, one qualification in a hundred has a value outside.
 ///
-/// It is high on purpose: a false alarm costs trust.
+/// The level is deliberately high: false alarms reduce trust.
 pub const CONFIDENCE: f64 = 0.99;
 
-/// Confidence of each of so many values by which all of them together have [`CONFIDENCE`] at least (Bonferroni; the values of one run
-/// are not independent).
+/// Returns the confidence per value for a joint confidence of at least [`CONFIDENCE`] over `values` values (Bonferroni; the values of one
+/// run are not independent).
 pub fn confidence_of_each(values: usize) -> f64 {
     1.0 - (1.0 - CONFIDENCE) / values.max(1) as f64
 }
 
-/// Interval that holds the mean of `live_seeds` more seeds with probability `confidence`, given recorded ones:
+/// Returns the interval that holds the mean of `live_seeds` more seeds with probability `confidence`, given recorded values:
 /// mean +- t s sqrt(1/m + 1/n), with t Student's quantile for n - 1 degrees of freedom.
 ///
-/// Absent for fewer than two recorded values.
+/// `None` for fewer than two recorded values.
 pub fn prediction_interval(recorded: &[f64], live_seeds: usize, confidence: f64) -> Option<[f64; 2]> {
     let ensemble = Ensemble::of(recorded).filter(|ensemble| ensemble.seeds >= 2 && live_seeds >= 1)?;
     let quantile = student_quantile(0.5 * (1.0 + confidence), (ensemble.seeds - 1) as f64);

@@ -1,7 +1,7 @@
-//! Do two codes agree? Two one-sided tests on the difference of their means.
+//! Equivalence of two codes: two one-sided tests on the difference of their means.
 //!
-//! "Not significantly different" is no agreement: with few seeds everything is. The margin is fixed beforehand, and
-//! two codes agree if and only if an interval of the difference lies inside it. The interval is Welch's: the
+//! "Not significantly different" does not mean agreement: with few seeds, hardly any difference is significant. The margin is fixed
+//! beforehand, and two codes agree if and only if an interval of the difference lies inside it. The interval is Welch's: the
 //! spreads need not be equal. At a significance alpha of each one-sided test the interval covers 1 - 2 alpha (Schuirmann,
 //! J. Pharmacokinet. Biopharm. 15, 657, 1987). With k codes alpha = 0.05/(k - 1) (Bonferroni), so that all
 //! comparisons of one code with its reference codes together err in no more than 5%.
@@ -14,10 +14,10 @@ use statrs::distribution::{ContinuousCDF, Normal};
 /// Significance of the whole family of one-sided tests.
 const SIGNIFICANCE: f64 = 0.05;
 
-/// Power for which seeds are counted.
+/// Power for the number of seeds needed.
 const POWER: f64 = 0.9;
 
-/// Share of the margin from which on a difference lets no seeds be counted.
+/// Largest difference over the margin with an estimate of the seeds needed.
 const NEAR: f64 = 0.9;
 
 /// Verdict of the equivalence test.
@@ -37,7 +37,7 @@ pub enum Outcome {
 }
 
 impl Outcome {
-    /// Returns the outcome in words.
+    /// Returns the text of the outcome.
     pub fn words(self) -> &'static str {
         match self {
             Outcome::Agree => "agree",
@@ -48,7 +48,7 @@ impl Outcome {
         }
     }
 
-    /// Returns the style class of its mark.
+    /// Returns the style class of the outcome's symbol.
     pub fn class(self) -> &'static str {
         match self {
             Outcome::Agree | Outcome::Disagree => self.words(),
@@ -57,23 +57,23 @@ impl Outcome {
     }
 }
 
-/// The difference of two ensembles and the verdict on it.
+/// Difference of two ensembles and the verdict on it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Equivalence {
     /// Mean of the first minus mean of the second.
     pub difference: f64,
-    /// Its 90% interval (Welch); absent where one ensemble has a single seed.
+    /// 90% interval of the difference (Welch); absent if one ensemble has a single seed.
     pub interval90: Option<[f64; 2]>,
-    /// The interval that the verdict rests on: 1 - 2 alpha.
+    /// Interval of the verdict: 1 - 2 alpha.
     pub interval_of_verdict: Option<[f64; 2]>,
     /// Verdict; absent without a margin.
     pub outcome: Option<Outcome>,
-    /// Seeds a code that would probably bring agreement, if the difference is what it seems; where the outcome is undecided, the spread is
+    /// Seeds per code for probable agreement, if the measured difference is the true one. Present if the outcome is undecided, the spread is
     /// known and the difference is not near the margin.
     pub seeds_needed: Option<usize>,
 }
 
-/// Compares two ensembles of one quantity, `codes` codes being compared in all.
+/// Compares two ensembles of one quantity, in a comparison of `codes` codes in total.
 ///
 /// Agree: the interval of the verdict lies inside the margin. Disagree: it lies outside, on one side. Undecided: it
 /// straddles the margin, or an ensemble has a single seed.
@@ -91,7 +91,7 @@ pub fn equivalence(first: &Ensemble, second: &Ensemble, margin: Option<f64>, cod
     let seeds_needed = match (outcome, margin, interval_of_verdict) {
         (Some(Outcome::Undecided), Some(margin), Some(_)) => {
             let variance = 0.5 * (first.standard_deviation.powi(2) + second.standard_deviation.powi(2));
-            // The formula takes the spread for known; where it is already met, one more.
+            // The formula assumes a known spread; if it is already satisfied, one more seed.
             let fewest = first.seeds.min(second.seeds) + 1;
             seeds_needed(variance.sqrt(), difference, margin, alpha).map(|seeds| seeds.max(fewest))
         }
@@ -100,7 +100,7 @@ pub fn equivalence(first: &Ensemble, second: &Ensemble, margin: Option<f64>, cod
     Equivalence { difference, interval90: interval(SIGNIFICANCE), interval_of_verdict, outcome, seeds_needed }
 }
 
-/// Half the width of Welch's interval of the difference, at `alpha` on each side; absent for a single seed.
+/// Returns half the width of Welch's interval of the difference, at `alpha` on each side; `None` for a single seed.
 fn welch_half_width(first: &Ensemble, second: &Ensemble, alpha: f64) -> Option<f64> {
     if first.seeds < 2 || second.seeds < 2 {
         return None;
@@ -115,12 +115,12 @@ fn welch_half_width(first: &Ensemble, second: &Ensemble, alpha: f64) -> Option<f
     Some(student_quantile(1.0 - alpha, freedom) * (a + b).sqrt())
 }
 
-/// Fewest seeds a code with which codes of standard deviation `deviation`, whose means differ by `difference`, pass the margin with 90%
-/// probability, at `alpha` on each side: both sides must hold, so that the power is
+/// Returns the fewest seeds per code with which codes of standard deviation `deviation`, with means that differ by `difference`, pass the
+/// margin with 90% probability, at `alpha` on each side. Both sides must hold, so the power is
 /// Phi((margin - |difference|)/e - z) + Phi((margin + |difference|)/e - z) - 1 with e = s sqrt(2/n) and z = z_alpha (Julious, Stat.
 /// Med. 23, 1921, 2004). For equal codes that is n = 2 (z_alpha + 1.645)^2 s^2 / margin^2.
 ///
-/// Absent where the difference comes to nine tenths of the margin or more: as likely as not, more seeds would tell that the codes disagree.
+/// `None` for a difference of nine tenths of the margin or more: with more seeds, disagreement is as likely as agreement.
 pub fn seeds_needed(deviation: f64, difference: f64, margin: f64, alpha: f64) -> Option<usize> {
     let apart = difference.abs();
     if apart >= NEAR * margin {
@@ -133,7 +133,7 @@ pub fn seeds_needed(deviation: f64, difference: f64, margin: f64, alpha: f64) ->
         let side = |room: f64| if error > 0.0 { normal.cdf(room / error - reach) } else { 1.0 };
         side(margin - apart) + side(margin + apart) - 1.0 >= POWER
     };
-    // Enough for the nearer side alone at far more than that power.
+    // Enough seeds for the nearer side alone at far more than this power.
     let enough = 2.0 * ((reach + 4.0) * deviation / (margin - apart)).powi(2);
     let (mut few, mut many) = (1, (enough.ceil() as usize).max(2));
     while many - few > 1 {

@@ -1,6 +1,6 @@
-//! From measurements to verdicts: blocks, ensembles, equivalence, inequality of forces.
+//! Statistics of measurements: blocks, ensembles, equivalence, inequality of forces.
 //!
-//! The seed is the unit of replication. Frames of one run are put into blocks first ([`block_average`]); runs of one code
+//! The seed is the unit of replication. Frames of one run are first grouped into blocks ([`block_average`]); runs of one code
 //! form an [`Ensemble`]; two ensembles are compared by [`equivalence`]; a live run is compared with recorded ones by a
 //! [`prediction_interval`].
 //!

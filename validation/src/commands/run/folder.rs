@@ -14,7 +14,7 @@ use serde_json::Value;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-/// First bytes of a run's checkpoint; the last one is the version of the format.
+/// Magic bytes of a run's checkpoint; the last byte is the format version.
 const RUN: [u8; 8] = *b"mkd-run\x05";
 
 #[derive(Serialize, Deserialize)]
@@ -23,7 +23,7 @@ pub(super) struct Checkpoint {
     pub progress: Progress,
 }
 
-/// The checkpoint of a run in its output folder.
+/// Checkpoint of a run in its output folder.
 pub(super) struct CheckpointFile(PathBuf);
 
 impl CheckpointFile {
@@ -51,14 +51,14 @@ impl CheckpointFile {
         }
     }
 
-    /// Writes the bytes of a checkpoint, whose frames are on the disk already.
+    /// Writes the bytes of a checkpoint; its frames must already be on the disk.
     pub fn write(&self, sealed: &[u8]) -> Result<(), WriteError> {
         write_atomically(&self.0, sealed).map_err(|source| WriteError::new(&self.0, source))
     }
 
     /// Removes the checkpoint of a finished run.
     pub fn clear(&self) {
-        // One that cannot be removed is out of date by its seal and scene, or is resumed again.
+        // A checkpoint that cannot be removed is out of date by its checksum and scene, or is resumed again.
         let _ = std::fs::remove_file(&self.0);
     }
 
@@ -90,7 +90,7 @@ impl CheckpointFile {
 }
 
 impl Checkpoint {
-    /// Returns the bytes of a checkpoint.
+    /// Encodes a checkpoint with its checksum envelope.
     pub fn seal(scene: &MeasuredScene, seed: u64, simulation: Vec<u8>, progress: Progress) -> Vec<u8> {
         let label = Label::of(scene, seed);
         let parts = (label, Checkpoint { simulation, progress });
@@ -108,7 +108,7 @@ pub(super) struct Record {
 }
 
 impl Record {
-    /// Reads the summary in a folder, if there is a readable one.
+    /// Reads the summary in a folder, if readable.
     fn read(output: &Path) -> Option<Record> {
         let text = std::fs::read_to_string(output.join(RunFiles::SUMMARY)).ok()?;
         let document: Value = serde_json::from_str(&text).ok()?;
@@ -150,7 +150,7 @@ pub(super) enum Task {
     Ended(Record),
 }
 
-/// Decides on the task in a locked folder: files of an earlier run are not touched unless that was requested.
+/// Decides on the task in a locked folder: files of an earlier run are unchanged unless the arguments request otherwise.
 pub(super) fn task(
     output: &Path,
     scene: &MeasuredScene,
@@ -182,7 +182,7 @@ pub(super) fn task(
                      longer or shorter: {WAYS}"
                 ));
             }
-            // A kill after the summary was written leaves them.
+            // A kill after the writing of the summary leaves the checkpoint behind.
             checkpoint.clear();
             let _ = std::fs::remove_file(output.join(RunFiles::MEASURED));
             Ok(Task::Ended(record))

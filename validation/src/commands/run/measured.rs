@@ -1,7 +1,7 @@
-//! The measured frames of a run: each is read once, when it comes; what rests on all of them is measured at the end.
+//! Measured frames of a run: each is read once, when it is due; quantities of all frames together are measured at the end.
 //!
-//! For that they are on disk, so that memory does not grow with them: in the run's store where the scene writes and measures at the same
-//! times, with contacts; else in a second store, which is removed after the measurement.
+//! For the latter the frames are on disk, so that memory does not grow with their number: in the run's store if the scene writes and measures
+//! at the same times, with contacts; otherwise in a second store, which is removed after the measurement.
 
 use crate::commands::Failure;
 use makadam::snapshot::Snapshot;
@@ -17,14 +17,14 @@ use std::io::{Error, ErrorKind};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// Measured frames of a run under way.
+/// Measured frames of a run in progress.
 pub(super) struct MeasuredFrames {
     path: PathBuf,
-    /// Frames that the run's store does not hold; absent where it holds all.
+    /// Store of frames missing from the run's store; absent if none is missing.
     own: Option<StoreWriter>,
     /// Readings of the frames so far.
     meter: Meter,
-    /// The last frame, where it alone is measured.
+    /// Last frame, if only the last frame is measured.
     last: Option<Snapshot>,
 }
 
@@ -52,7 +52,7 @@ impl MeasuredFrames {
     /// Resumes after the frames of a checkpoint, which are read again; `written` are the frames of the run's store.
     ///
     /// # Errors
-    /// [`WriteError`] if they are not there as they were written.
+    /// [`WriteError`] if the frames are missing or changed.
     pub fn resume(
         output: &Path,
         scene: &MeasuredScene,
@@ -70,7 +70,7 @@ impl MeasuredFrames {
         Ok(MeasuredFrames { path, own, meter, last: mark.last })
     }
 
-    /// Takes a frame that is due to be measured, and returns what it gives by itself.
+    /// Measures a frame, and returns its own results.
     pub fn push(&mut self, properties: &Properties<'_>, frame: Snapshot) -> Result<Measured, WriteError> {
         let scene = properties.scene;
         let (read, alone) = match frame.particles.is_empty() {
@@ -86,7 +86,7 @@ impl MeasuredFrames {
         Ok(alone)
     }
 
-    /// Flushes all frames to the disk, before a checkpoint that knows them.
+    /// Flushes all frames to the disk, before a checkpoint that counts them.
     pub fn sync(&self) -> Result<(), WriteError> {
         self.own.as_ref().map_or(Ok(()), StoreWriter::sync)
     }
@@ -96,8 +96,8 @@ impl MeasuredFrames {
         Mark { own: self.own.as_ref().map(StoreWriter::mark), last: self.last.clone() }
     }
 
-    /// Measures the frames from `scene.measure.from` on, or the last one where the scene gives no such time; `None` if the run has not
-    /// reached it. `written` are the frames of the run's store.
+    /// Measures the frames from `scene.measure.from` on, or without `from` the last frame; `None` if the run has not
+    /// reached this time. `written` are the frames of the run's store.
     pub fn measure(&self, scene: &MeasuredScene, written: &StoreWriter) -> Result<Option<Measured>, Failure> {
         if scene.measure.from.is_none() {
             let last: Vec<&Snapshot> = self.last.iter().filter(|last| !last.particles.is_empty()).collect();
@@ -110,21 +110,21 @@ impl MeasuredFrames {
             .map_err(|problem| Failure::Running(format!("{} {problem}: nothing is measured", store.path().display())))
     }
 
-    /// Removes the second store, once no run resumes from it.
+    /// Removes the second store, when no run resumes from it.
     pub fn clear(&mut self) {
         if self.own.take().is_some() {
-            // The next run overwrites it, and only a checkpoint makes a run read it.
+            // The next run overwrites a remaining file, and only a checkpoint makes a run read it.
             let _ = std::fs::remove_file(&self.path);
         }
     }
 }
 
-/// Returns true if a frame of this time (s) with so many grains is measured.
+/// Returns true if a frame of this time (s) with this number of grains is measured.
 fn is_measured(scene: &MeasuredScene, time: f64, grains: usize) -> bool {
     scene.measure.covers(time) && grains > 0
 }
 
-/// The measured frames of a store.
+/// Measured frames of a store.
 struct StoredFrames<'a> {
     store: &'a Store,
     numbers: Vec<usize>,
@@ -141,7 +141,7 @@ impl<'a> StoredFrames<'a> {
 }
 
 impl Frames for StoredFrames<'_> {
-    /// The problem, in words that follow the name of the file.
+    /// Message, to follow the file name.
     type Error = String;
 
     fn count(&self) -> usize {
@@ -161,7 +161,7 @@ impl Frames for StoredFrames<'_> {
     }
 }
 
-/// Numbers of a run, as `run.json` holds them.
+/// Measured numbers of a run, as in `run.json`.
 #[derive(Default, Serialize)]
 pub(super) struct Measurements {
     pub observables: BTreeMap<String, Value>,
@@ -177,12 +177,12 @@ pub(super) struct Value {
 }
 
 impl Measurements {
-    /// Nothing is measured, for this reason.
+    /// Returns no measurements, with the reason.
     pub fn none(reason: String) -> Measurements {
         Measurements { not_measured: Some(reason), ..Measurements::default() }
     }
 
-    /// Measures the frames of a run that is `complete` or not, and `ended` after so many seconds.
+    /// Measures the frames of a run that is `complete` or not, and `ended` at this time (s).
     pub fn of(
         scene: &MeasuredScene,
         frames: &MeasuredFrames,
@@ -196,7 +196,7 @@ impl Measurements {
             false => None,
         };
         let Some(measured) = measured else {
-            // A run without grains has nothing to measure, however far it came.
+            // A run without grains has nothing to measure at any time.
             if complete && from.is_none_or(|from| ended >= from) {
                 return Ok(Measurements::none("there are no grains".into()));
             }

@@ -44,11 +44,11 @@ pub(super) struct RunArguments {
     /// Instruction set of the kernels; if absent, the widest of this processor. The result does not depend on it.
     #[arg(long, value_parser = one_of(InstructionSet::ALL, InstructionSet::name))]
     pub isa: Option<InstructionSet>,
-    /// Number of lane groups by which a sweep prefetches bodies ahead; 0 leaves it to the processor. If absent, 0 in scenes that fit into
+    /// Distance of prefetched bodies in a sweep, in lane groups; 0 leaves prefetching to the processor. If absent, 0 in scenes that fit into
     /// the cache, and 4 in others.
     #[arg(long, value_parser = clap::value_parser!(u16).range(..=1024))]
     pub prefetch: Option<u16>,
-    /// Target accuracy, which replaces the scene's step and stopping rule: a share such as 1%, or deviations such as
+    /// Target accuracy, which replaces the scene's step and stopping rule: a fraction such as 1%, or deviations such as
     /// angle=0.5,packing_fraction=0.002,overlap=1e-3 (units: degrees, none, mean radii).
     #[arg(long, value_parser = accuracy)]
     pub accuracy: Option<Accuracy>,
@@ -61,8 +61,8 @@ pub(super) struct RunArguments {
     /// Print the energy and momentum budget with its closure error; costs about a sixth of a step's time.
     #[arg(long)]
     pub ledger: bool,
-    /// Continue an unfinished run from its checkpoint, if there is one; the result is the same to the last bit. A finished run is
-    /// left as it is.
+    /// Continue an unfinished run from its checkpoint, if present; the result is the same to the last bit. A finished run is
+    /// left unchanged.
     #[arg(long, conflicts_with = "restart")]
     pub resume: bool,
     /// Start again in the folder of an earlier run: removes its frames, tables and checkpoint, and nothing else.
@@ -92,7 +92,7 @@ pub(super) fn run(arguments: &RunArguments, console: &Console) -> Result<ExitCod
     let start = scene.clone();
     if let Some(precision) = arguments.precision {
         scene.solver.precision = precision;
-        // Refused before a flow is prepared for minutes.
+        // Refused before the preparation of a flow, which may take minutes.
         scene
             .goes_with(scene.solver.method, scene.solver.precision)
             .map_err(|error| Failure::Usage(format!("--precision single: {}: {error}; leave it out", scene.name)))?;
@@ -117,7 +117,7 @@ pub(super) fn run(arguments: &RunArguments, console: &Console) -> Result<ExitCod
     let _lock = lock(&output, console)?;
     let mut session = match task(&output, &scene, seed, arguments, last_step)? {
         Task::Ended(record) => {
-            // A process that was killed at its very end has not removed it, or not exported all.
+            // A process killed at its very end may leave the checkpoint, or incomplete exports.
             CheckpointFile::inside(&output).clear();
             console.note(&format!("nothing to do: {} holds this run, which has ended", output.display()));
             export_formats(&scene, &output, console)?;
@@ -146,7 +146,7 @@ pub(super) fn run(arguments: &RunArguments, console: &Console) -> Result<ExitCod
     Ok(ExitCode::SUCCESS)
 }
 
-/// Exports the frames of a complete run in the formats that its scene requests.
+/// Exports the frames of a complete run in the requested formats of its scene.
 fn export_formats(scene: &MeasuredScene, output: &Path, console: &Console) -> Result<(), Failure> {
     scene.output.iter().flat_map(|output| &output.formats).try_for_each(|format| {
         let run = RunFrames::open(output)?;
@@ -155,7 +155,7 @@ fn export_formats(scene: &MeasuredScene, output: &Path, console: &Console) -> Re
     })
 }
 
-/// Locks the output folder, and removes the drafts of killed processes.
+/// Locks the output folder, and removes the temporary files of killed processes.
 fn lock(output: &Path, console: &Console) -> Result<FolderLock, Failure> {
     let lock = FolderLock::take(output)?;
     if !lock.holds() {
@@ -168,7 +168,7 @@ fn lock(output: &Path, console: &Console) -> Result<FolderLock, Failure> {
     Ok(lock)
 }
 
-/// Resumes from the checkpoint in the output folder, if the arguments are possible from there.
+/// Resumes from the checkpoint in the output folder, if the arguments permit it.
 fn resume<'s>(
     arguments: &RunArguments,
     last_step: u64,
@@ -180,7 +180,7 @@ fn resume<'s>(
     let shown = file.path().display();
     let checkpoint = file.read(plan.scene, plan.seed)?;
     let Progress { steps: taken, framed_at, .. } = checkpoint.progress;
-    // The forces of a last frame are those of the step before it, which a checkpoint does not hold.
+    // The forces of a last frame are those of the previous step, which a checkpoint does not store.
     let least = if framed_at == Some(taken) { taken } else { taken + 1 };
     if last_step < least {
         return Err(Failure::Usage(format!(

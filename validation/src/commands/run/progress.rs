@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::Duration;
 
-/// A run, and where it is stored.
+/// Run and its storage.
 pub(super) struct Plan<'a> {
     pub scene: &'a MeasuredScene,
     pub seed: u64,
@@ -26,19 +26,19 @@ pub(super) struct Plan<'a> {
     pub provenance: Provenance,
 }
 
-/// Progress of a run, which its checkpoint holds. Its size does not grow with the number of frames.
+/// Progress of a run, stored in its checkpoint. Its size does not grow with the number of frames.
 #[derive(Clone, Default, Serialize, Deserialize)]
 pub(super) struct Progress {
     /// Simulated time at the start, s.
     pub started: f64,
     /// Contact sweeps at the start.
     pub contact_sweeps_before: u64,
-    /// Wall time of the phases before the run was continued, s.
+    /// Wall time of the phases before the run was resumed, s.
     pub phases: [f64; 4],
     pub steps: u64,
     /// Wall time of the steps.
     pub wall: Duration,
-    /// Wall time of measuring and writing.
+    /// Wall time of measurement and output.
     pub output_time: Duration,
     pub last: Option<StepReport>,
     /// Largest root mean square residual of the normal direction, m/s.
@@ -48,15 +48,15 @@ pub(super) struct Progress {
     pub frames: StoreMark,
     /// Rows on disk, for the checkpoint.
     pub table: TableWritten,
-    /// Steps that were taken before the last frame; absent before the first one.
+    /// Steps before the last frame; absent before the first frame.
     pub framed_at: Option<u64>,
     /// Grains of the last frame.
     pub particles: usize,
     /// Contacts of the last frame.
     pub contacts: usize,
-    /// Frames that are measured at the end.
+    /// Frames to measure at the end.
     pub measured: Mark,
-    /// Steps at which the run was continued.
+    /// Steps at which the run was resumed.
     pub continued_at: Vec<u64>,
     /// Violations by kind.
     pub alarms: BTreeMap<String, AlarmSummary>,
@@ -67,7 +67,7 @@ pub(super) struct Progress {
 pub(super) struct AlarmSummary {
     pub kind: String,
     pub first: String,
-    /// Number of checks that found one.
+    /// Number of checks with such a violation.
     pub count: u64,
     #[serde(rename = "grave")]
     pub fatal: bool,
@@ -78,9 +78,9 @@ pub(super) struct AlarmSummary {
 pub(super) struct Solves {
     /// Solves with a contact.
     pub count: u64,
-    /// Their sweeps.
+    /// Total number of sweeps.
     pub sweeps: u64,
-    /// Sweeps of the longest one.
+    /// Sweeps of the longest solve.
     pub most: u32,
     /// Solves that ended before the requested residual.
     pub unconverged: u64,

@@ -1,7 +1,7 @@
-//! A run under way: steps, frames, watchdog, and the checkpoints from which it can be resumed.
+//! Run in progress: steps, frames, watchdog, and the checkpoints for its resumption.
 //!
-//! The output folder is consistent after a kill or a cut of power at any time. The summary says `complete: false` before any other file of
-//! the run exists, and `complete: true` after all others are on the disk; a checkpoint replaces the one before after the frames and rows
+//! The output folder is consistent after a kill or a power failure at any time. The summary says `complete: false` before any other file of
+//! the run exists, and `complete: true` after all others are on the disk. A checkpoint replaces the previous one after the frames and rows
 //! that it describes are on the disk.
 
 use super::folder::{Checkpoint, CheckpointFile};
@@ -32,7 +32,7 @@ const COLUMNS: [&str; 8] = [
     "residual_normal_rms",
 ];
 
-/// Steps between states that are held for a stop by the watchdog.
+/// Steps between states stored for a stop by the watchdog.
 const HELD_EVERY: u64 = 512;
 
 /// Failure in `run.json` until the run ends.
@@ -41,7 +41,7 @@ const UNDER_WAY: &str = "the run is under way, or was killed: then --resume goes
 /// Reason for no measurements before the end.
 const NOT_ENDED: &str = "the run is not at its end";
 
-/// A state without a violation.
+/// State without a violation.
 struct Held {
     simulation: Vec<u8>,
     progress: Progress,
@@ -60,7 +60,7 @@ impl Due {
     }
 }
 
-/// A run under way.
+/// Run in progress.
 pub(super) struct Session<'a> {
     plan: Plan<'a>,
     simulation: Simulation,
@@ -73,7 +73,7 @@ pub(super) struct Session<'a> {
 }
 
 impl<'a> Session<'a> {
-    /// Begins a run; the checkpoint of an earlier one in the folder is removed first, then its other files.
+    /// Begins a run; removes the checkpoint of an earlier run in the folder first, then its other files.
     pub fn begin(plan: Plan<'a>, simulation: Simulation) -> Result<Session<'a>, Failure> {
         let progress = Progress {
             started: simulation.time(),
@@ -124,7 +124,7 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// Takes the steps, with a frame at the start, at every interval and at the end.
+    /// Executes the steps, with a frame at the start, at every interval and at the end.
     pub fn play(&mut self, last_step: u64, console: &Console) -> Result<(), Failure> {
         self.simulation.set_interrupt(makadam_frames::interrupt::handle());
         let bar = console.bar(&self.plan.scene.name);
@@ -142,7 +142,7 @@ impl<'a> Session<'a> {
             let report = self.simulation.step();
             self.progress.wall += clock.elapsed();
             if report.solve.reason == StopReason::Interrupted {
-                // The step is not taken: all is as before it.
+                // The step was not executed: the state is as before it.
                 self.write_checkpoint()?;
                 return Err(self.interrupted());
             }
@@ -179,7 +179,7 @@ impl<'a> Session<'a> {
         Failure::interrupted(&format!("in {}; --resume goes on from there", self.plan.output.display()))
     }
 
-    /// Reports violations and stops at fatal ones; holds a state without any.
+    /// Reports violations and stops at fatal ones; stores a state without violations.
     fn react(&mut self, alarms: &[Alarm], console: &Console) -> Result<(), Failure> {
         for alarm in alarms {
             if let Some(first) = self.progress.count(alarm) {
@@ -201,7 +201,7 @@ impl<'a> Session<'a> {
             return Err(Failure::Running(format!("{alarm}{left}")));
         }
         let every = u64::from(self.plan.scene.watch.every);
-        // A check has just found no violation.
+        // The preceding check found no violation.
         if alarms.is_empty() && every > 0 && self.progress.steps.is_multiple_of(every * HELD_EVERY.div_ceil(every)) {
             self.held = Some(Held {
                 simulation: self.simulation.checkpoint(),
@@ -228,13 +228,13 @@ impl<'a> Session<'a> {
         Ok(())
     }
 
-    /// Wall time of the phases over the whole run, s.
+    /// Returns the wall time of the phases over the whole run, s.
     fn phases(&self) -> [f64; 4] {
         let now = phases(&self.simulation);
         std::array::from_fn(|phase| self.progress.phases[phase] + now[phase] - self.phases_before[phase])
     }
 
-    /// Hands a frame to the writer.
+    /// Passes a frame to the writer.
     fn frame(&mut self, due: Due) -> Result<(), Failure> {
         let clock = Instant::now();
         self.writer.wait_for_room()?;
@@ -299,7 +299,7 @@ impl<'a> Session<'a> {
         let written = write_durably(&file, json(&summary).as_bytes());
         let ended = ended.and_then(|()| {
             written?;
-            // One that cannot be removed is out of date by the summary.
+            // A checkpoint that cannot be removed is out of date by the summary.
             checkpoint.clear();
             outputs.measured.clear();
             Ok(())

@@ -71,7 +71,7 @@ struct SolveSummary {
 }
 
 impl RunSummary {
-    /// The summary of a run that has come so far; `failure` is the reason that it is not complete.
+    /// Makes the summary of the run so far; `failure` is the reason for its incompleteness.
     pub fn new(
         plan: &Plan<'_>,
         simulation: &Simulation,
@@ -131,7 +131,7 @@ impl RunSummary {
         }
     }
 
-    /// Problems, observables, energy budget, then the computation and the files.
+    /// Formats problems, observables, energy budget, then the computation and the files.
     pub fn text(&self) -> String {
         let ended = if self.complete { "" } else { " (not complete)" };
         let mut text = self.violations();
@@ -169,7 +169,7 @@ impl RunSummary {
         text
     }
 
-    /// The observables, rounded by their standard errors.
+    /// Formats the observables, rounded by their standard errors.
     fn observables(&self) -> String {
         let Measurements { observables, not_measured, without_value } = &self.measurements;
         let measured = observables.iter();
@@ -184,7 +184,7 @@ impl RunSummary {
         text
     }
 
-    /// Steps, solves, time and memory.
+    /// Formats steps, solves, time and memory.
     fn computation(&self) -> String {
         let mut text = format!("steps            {} of {:e} s\n", self.steps, self.time_step);
         if let Some(solve) = &self.residuals {
@@ -235,7 +235,7 @@ fn ledger(balance: &Balance) -> String {
         line("potential", start.potential, end.potential),
         line("elastic", start.elastic, end.elastic),
     ];
-    // Rare terms are left out where they are zero.
+    // Rare terms are left out if they are zero.
     let term = |name: &str, amount: f64, unit: &str| match amount {
         0.0 => String::new(),
         amount => format!(", {name} {amount:.4e}{unit}"),

@@ -1,6 +1,6 @@
-//! The thread that measures and writes: frames, the table over time, the frames that are measured at the end.
+//! Thread for measurement and output: frames, the table over time, the frames measured at the end.
 //!
-//! The run hands over a frame and continues. One frame is on its way at a time, which bounds the memory; a run with the next one waits.
+//! The run passes a frame and continues. One frame is in progress at a time, which bounds the memory; a run with the next frame waits.
 //! A failure of the thread is reported with the next order.
 
 use super::measured::{Mark, MeasuredFrames};
@@ -38,7 +38,7 @@ impl Marks {
 }
 
 impl Outputs {
-    /// Writes a frame, or a row of the table (the given cells, then what is measured of the frame), or both.
+    /// Writes a frame, or a row of the table (the given cells, then the measurements of the frame), or both.
     fn take(
         &mut self,
         properties: &Properties<'_>,
@@ -84,29 +84,29 @@ impl Outputs {
     }
 }
 
-/// A frame on its way to the disk.
+/// Frame on its path to the disk.
 pub(super) struct FrameToWrite {
     pub frame: Snapshot,
     /// True for a frame of the store.
     pub written: bool,
-    /// First cells of its row of the table, if it is measured; values that are not finite stay empty.
+    /// First cells of the frame's row of the table, if it is measured; values that are not finite stay empty.
     pub row: Option<Vec<(String, f64)>>,
 }
 
 enum Order {
     Frame(Box<FrameToWrite>),
-    /// Answered once all frames before it are written, and on the disk if requested.
+    /// Request for the marks after all earlier frames are written, and on the disk if requested.
     Marks {
         on_disk: bool,
         answer: Sender<Marks>,
     },
 }
 
-/// Marks that come once all frames before them are written.
+/// Marks available once all earlier frames are written.
 pub(super) struct MarksToCome(Receiver<Marks>);
 
 impl MarksToCome {
-    /// Waits for them; `None` if writing has failed, which the writer reports.
+    /// Waits for the marks; `None` if writing has failed, which the writer reports.
     pub fn wait(self) -> Option<Marks> {
         self.0.recv().ok()
     }
@@ -114,15 +114,15 @@ impl MarksToCome {
 
 /// Handle of the thread.
 pub(super) struct Writer {
-    /// Absent once it has ended.
+    /// Absent after the end of the thread.
     working: Option<Working>,
-    /// Outputs that the thread has returned.
+    /// Outputs returned by the thread.
     ended: Option<Outputs>,
 }
 
 struct Working {
     orders: Sender<Order>,
-    /// Holds one token, that of the frame on its way.
+    /// Channel with one token, for the frame in progress.
     under_way: SyncSender<()>,
     thread: JoinHandle<(Outputs, Result<(), Failure>)>,
 }
@@ -135,7 +135,7 @@ impl Writer {
         Writer { working: Some(Working { orders, under_way, thread }), ended: None }
     }
 
-    /// Waits until the frame before is written.
+    /// Waits until the previous frame is written.
     pub fn wait_for_room(&mut self) -> Result<(), Failure> {
         match self.working.as_ref().is_some_and(|working| working.under_way.send(()).is_ok()) {
             true => Ok(()),
@@ -143,7 +143,7 @@ impl Writer {
         }
     }
 
-    /// Hands a frame over, after [`Writer::wait_for_room`].
+    /// Passes a frame to the thread, after [`Writer::wait_for_room`].
     pub fn write(&mut self, frame: FrameToWrite) -> Result<(), Failure> {
         self.order(Order::Frame(Box::new(frame)))
     }
@@ -175,7 +175,7 @@ impl Writer {
         }
     }
 
-    /// The failure that ended the thread.
+    /// Returns the failure that ended the thread.
     fn failure(&mut self) -> Failure {
         let unnamed = || Failure::Running("what the run leaves is no longer written".into());
         self.join().err().unwrap_or_else(unnamed)
@@ -191,7 +191,7 @@ impl Writer {
     }
 }
 
-/// Executes orders until there are no more, or one fails.
+/// Executes orders until none is left, or one fails.
 fn work(
     scene: &MeasuredScene,
     mut outputs: Outputs,
@@ -208,7 +208,7 @@ fn work(
             Order::Marks { on_disk, answer } => {
                 let synced = if on_disk { outputs.sync() } else { Ok(()) };
                 synced.map_err(Failure::from).inspect(|()| {
-                    // The receiver may be gone.
+                    // The receiver may have been dropped.
                     let _ = answer.send(outputs.marks());
                 })
             }

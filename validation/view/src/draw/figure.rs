@@ -1,13 +1,13 @@
-//! A finished figure of a page.
+//! Finished figure of a page.
 
 use serde::{Deserialize, Serialize};
 
-/// A finished figure.
+/// Finished figure.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Figure {
-    /// Name of its file, without the ending.
+    /// Name of its file, without the extension.
     pub name: String,
-    /// The drawing.
+    /// Drawing as SVG.
     pub svg: String,
     /// Caption.
     pub caption: String,

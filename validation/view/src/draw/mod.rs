@@ -14,8 +14,8 @@ pub mod svg;
 use self::numbers::{significant, with_error};
 use comfy_table::{ContentArrangement, Table, presets};
 
-/// Rows of equal length as lines, cells padded to the width of their column: words to the left, numbers to the right. Widths
-/// are counted in characters, so it wants a terminal that knows UTF-8.
+/// Formats rows of equal length as lines, cells padded to the width of their column: text to the left, numbers to the right. Widths
+/// are counted in characters, so the terminal must support UTF-8.
 pub fn columns<R: AsRef<[String]>>(rows: &[R], is_words: impl Fn(usize) -> bool) -> String {
     let length = rows.first().map_or(0, |row| row.as_ref().len());
     let width = |column: usize| rows.iter().map(|row| row.as_ref()[column].chars().count()).max().unwrap_or(0);
@@ -32,7 +32,7 @@ pub fn columns<R: AsRef<[String]>>(rows: &[R], is_words: impl Fn(usize) -> bool)
     text
 }
 
-/// Values by name with their standard errors and units, a line each, rounded by the errors.
+/// Formats values by name with their standard errors and units, one line each, rounded by the errors.
 pub fn values<'a>(rows: impl IntoIterator<Item = (&'a str, f64, Option<f64>, &'a str)>) -> String {
     let line = |(name, value, error, unit): (&str, f64, Option<f64>, &str)| {
         let value = error.map_or_else(|| significant(value), |error| with_error(value, error));
@@ -41,7 +41,7 @@ pub fn values<'a>(rows: impl IntoIterator<Item = (&'a str, f64, Option<f64>, &'a
     columns(&rows.into_iter().map(line).collect::<Vec<_>>(), |_| true)
 }
 
-/// Rows of words as columns of plain text; on a terminal, long cells go on in further lines of its width.
+/// Formats rows of text as columns; on a terminal, long cells continue in further lines of its width.
 pub fn wrapped(rows: &[Vec<String>]) -> String {
     let mut table = Table::new();
     table.load_style(presets::NOTHING).set_content_arrangement(ContentArrangement::Dynamic);

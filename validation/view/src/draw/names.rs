@@ -1,8 +1,8 @@
-//! Names and marks of observables, units and codes in tables and figures.
+//! Names and markers of observables, units and codes in tables and figures.
 
 use super::numbers::Rounding;
 
-/// A reader's name of an observable.
+/// Returns the display name of an observable.
 pub fn observable(name: &str) -> String {
     match name {
         "gini" => "Gini coefficient of normal forces".into(),
@@ -16,7 +16,7 @@ pub fn observable(name: &str) -> String {
     }
 }
 
-/// A unit as it stands beside a number.
+/// Returns a unit for display next to a number.
 pub fn unit(unit: &str) -> &str {
     match unit {
         "degree" | "degrees" | "deg" => "°",
@@ -29,7 +29,7 @@ pub fn unit(unit: &str) -> &str {
     }
 }
 
-/// An observable with its unit in brackets, and the power of ten that its values are multiples of.
+/// Returns an observable with its unit in brackets, and the common power of ten of its values.
 pub fn with_unit(name: &str, of: &str, rounding: Rounding) -> String {
     let symbol = if unit(of) == "°" { "degrees" } else { unit(of) };
     match [rounding.factor().as_str(), symbol].join(" ").trim() {
@@ -41,15 +41,15 @@ pub fn with_unit(name: &str, of: &str, rounding: Rounding) -> String {
 /// Shape of a code's marker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Marker {
-    /// A disc.
+    /// Disc.
     Circle,
-    /// A square.
+    /// Square.
     Square,
-    /// A triangle.
+    /// Triangle.
     Triangle,
-    /// A square on its corner.
+    /// Square on its corner.
     Diamond,
-    /// A triangle on its tip.
+    /// Triangle on its tip.
     Wedge,
     /// Two crossed lines.
     Cross,
@@ -58,9 +58,9 @@ pub enum Marker {
 /// Style of a code: colour, marker and kind of line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CodeStyle {
-    /// Style class that carries colour and dashes.
+    /// Style class with colour and dashes.
     pub class: &'static str,
-    /// Marker of its points.
+    /// Marker of the points.
     pub marker: Marker,
 }
 

@@ -1,20 +1,20 @@
-//! Numbers as a reader wants them: as many digits as the margin or the spread bears, a true minus sign.
+//! Number formats for readers: digits according to the margin or the spread, a true minus sign.
 
 /// Rounding of the values of one observable, the same in every column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rounding {
-    /// Decimals after the point.
+    /// Number of decimals.
     Decimals(usize),
-    /// Values in this power of ten, which stands beside the unit; two decimals.
+    /// Values in this power of ten, which is next to the unit; two decimals.
     PowerOfTen(i32),
 }
 
-/// Parts of a margin that are still seen.
+/// Resolution of values, in parts of the margin.
 const PARTS_OF_MARGIN: f64 = 20.0;
 
 impl Rounding {
-    /// Rounding of values up to `value`: to a twentieth of the margin; without a margin (0) to two digits of the largest spread; without
-    /// a spread (0) to three digits of the largest value.
+    /// Returns the rounding of values up to `value`: to a twentieth of the margin; without a margin (0) to two digits of the largest spread;
+    /// without a spread (0) to three digits of the largest value.
     pub fn for_values(margin: f64, spread: f64, value: f64) -> Rounding {
         // A spread far below the value is rounding noise of a deterministic quantity, not a reason for more digits.
         let resolution = if margin > 0.0 {
@@ -30,7 +30,7 @@ impl Rounding {
         Rounding::Decimals(decimals(resolution))
     }
 
-    /// Rounding that still shows a twentieth of a margin.
+    /// Returns the rounding that resolves a twentieth of a margin.
     pub fn to_margin(margin: f64) -> Rounding {
         Rounding::Decimals(decimals(margin / PARTS_OF_MARGIN))
     }
@@ -46,7 +46,7 @@ impl Rounding {
         }
     }
 
-    /// A margin of equivalence, without needless zeros.
+    /// Formats a margin of equivalence, without needless zeros.
     pub fn margin(self, margin: f64) -> String {
         format!("±{}", compact(margin / self.scale()))
     }
@@ -58,7 +58,7 @@ impl Rounding {
         }
     }
 
-    /// The factor that all values are multiples of, such as "10⁻⁴"; empty where it is one.
+    /// Returns the common factor of all values, such as "10⁻⁴"; empty if it is one.
     pub(crate) fn factor(self) -> String {
         match self {
             Rounding::Decimals(_) => String::new(),
@@ -66,20 +66,20 @@ impl Rounding {
         }
     }
 
-    /// A difference, with its sign; none if it rounds to zero.
+    /// Formats a difference, with its sign; without a sign if it rounds to zero.
     pub fn signed(self, value: f64) -> String {
         let text = self.value(value);
         let zero = text.chars().all(|c| matches!(c, '0' | '.'));
         if value > 0.0 && !zero { format!("+{text}") } else { text }
     }
 
-    /// An interval of differences.
+    /// Formats an interval of differences.
     pub fn interval(self, interval: [f64; 2]) -> String {
         format!("[{}, {}]", self.signed(interval[0]), self.signed(interval[1]))
     }
 }
 
-/// Fewest decimals that still show `resolution`.
+/// Returns the fewest decimals that resolve `resolution`.
 fn decimals(resolution: f64) -> usize {
     if !(resolution.is_finite() && resolution > 0.0) {
         return 3;
@@ -94,12 +94,12 @@ fn with_minus(text: String) -> String {
     text.replace('-', "−")
 }
 
-/// "1 test", "2 tests".
+/// Formats a count: "1 test", "2 tests".
 pub fn plural(count: usize, noun: &str) -> String {
     if count == 1 { format!("1 {noun}") } else { format!("{count} {noun}s") }
 }
 
-/// A whole number as superscript digits.
+/// Formats a whole number as superscript digits.
 pub(crate) fn superscript(exponent: i32) -> String {
     exponent
         .to_string()
@@ -114,14 +114,14 @@ pub(crate) fn superscript(exponent: i32) -> String {
         .collect()
 }
 
-/// A value to six significant digits.
+/// Rounds a value to six significant digits.
 pub fn significant(value: f64) -> String {
-    // Adding zero takes the sign of a negative zero away.
+    // Adding zero removes the sign of a negative zero.
     let rounded = format!("{value:.5e}").parse().unwrap_or(value) + 0.0;
     if rounded == 0.0 || (1e-4..1e7).contains(&rounded.abs()) { format!("{rounded}") } else { format!("{rounded:e}") }
 }
 
-/// A value to four digits or three decimals.
+/// Formats a value to four digits or three decimals.
 pub fn four_digits(value: f64) -> String {
     let size = value.abs();
     let decimals = match size {
@@ -135,7 +135,7 @@ pub fn four_digits(value: f64) -> String {
     }
 }
 
-/// A positive number to two significant digits, or to the unit above 100: 0.092, 3.1, 14, 230.
+/// Formats a positive number to two significant digits, or to the unit above 100: 0.092, 3.1, 14, 230.
 pub fn two_digits(value: f64) -> String {
     if !value.is_finite() {
         return "not finite".into();
@@ -156,12 +156,12 @@ pub fn two_digits(value: f64) -> String {
     with_minus(format!("{rounded:.decimals$}"))
 }
 
-/// A value with its error: the error to two significant digits, the value to the same place: 31.67 ± 0.38.
+/// Formats a value with its error: the error to two significant digits, the value to the same digit: 31.67 ± 0.38.
 pub fn with_error(value: f64, error: f64) -> String {
     if !(value.is_finite() && error.is_finite()) || error == 0.0 {
         return format!("{} ± {}", significant(value), two_digits(error));
     }
-    // The exponent of the error as it is rounded: 0.0996 is 0.10.
+    // Exponent of the rounded error: 0.0996 is 0.10.
     let rounded = format!("{:.1e}", error.abs());
     let exponent: i32 = rounded.split_once('e').and_then(|(_, exponent)| exponent.parse().ok()).unwrap_or(0);
     let size = value.abs().max(error.abs());
@@ -176,7 +176,7 @@ pub fn with_error(value: f64, error: f64) -> String {
     format!("({:.decimals$} ± {:.decimals$})e{power}", value / scale, error / scale)
 }
 
-/// A duration of computing: 0.31 s, 42 s, 3 min 20 s, 1 h 5 min.
+/// Formats a computing time: 0.31 s, 42 s, 3 min 20 s, 1 h 5 min.
 pub fn duration(seconds: f64) -> String {
     match seconds {
         s if !s.is_finite() => "not finite".into(),
@@ -186,7 +186,7 @@ pub fn duration(seconds: f64) -> String {
     }
 }
 
-/// A short time in the unit that suits it, with two digits.
+/// Formats a short time in a suitable unit, with two digits.
 pub fn short_time(seconds: f64) -> String {
     match seconds {
         s if s >= 1.0 => format!("{} s", two_digits(s)),
@@ -196,7 +196,7 @@ pub fn short_time(seconds: f64) -> String {
     }
 }
 
-/// A count with its thousands set apart by thin spaces.
+/// Formats a count with thin spaces between thousands.
 pub fn count(number: usize) -> String {
     let digits = number.to_string();
     let mut text = String::new();
@@ -209,7 +209,7 @@ pub fn count(number: usize) -> String {
     text
 }
 
-/// Bounds in words; none is an empty text.
+/// Formats bounds; an empty text without bounds.
 pub fn bounds(bounds: [Option<f64>; 2], number: impl Fn(f64) -> String) -> String {
     match bounds {
         [Some(low), Some(high)] => format!("{} to {}", number(low), number(high)),
@@ -219,7 +219,7 @@ pub fn bounds(bounds: [Option<f64>; 2], number: impl Fn(f64) -> String) -> Strin
     }
 }
 
-/// A small quantity as a reader writes it: 5×10⁻⁴, or 0.02.
+/// Formats a small quantity: 5×10⁻⁴, or 0.02.
 pub fn compact(value: f64) -> String {
     if value != 0.0 && !(1e-3..1e5).contains(&value.abs()) && value.is_finite() {
         let exponent = value.abs().log10().floor() as i32;
@@ -232,7 +232,7 @@ pub fn compact(value: f64) -> String {
     with_minus(text.to_string())
 }
 
-/// Evenly spaced round numbers that cover a range, about `count` of them, and the decimals that tell them apart.
+/// Returns about `count` evenly spaced round numbers that cover a range, and the decimals that distinguish them.
 pub(crate) fn round_ticks(low: f64, high: f64, count: usize) -> (Vec<f64>, usize) {
     let span = (high - low).max(f64::MIN_POSITIVE);
     let raw = span / count.max(1) as f64;

@@ -1,4 +1,4 @@
-//! The one kind of plot: a frame with two axes, a light grid, a legend above; words next to points.
+//! Plot: a frame with two axes, a light grid, a legend above; labels next to points.
 
 use super::names::{CodeStyle, code_style};
 use super::numbers::{compact, round_ticks, superscript};
@@ -18,33 +18,33 @@ const LEGEND_LINE: f64 = 18.0;
 const KEY_LINE: f64 = 15.0;
 /// Half the size of the largest marker.
 const MARKER: f64 = 6.5;
-/// Distance from a marker's middle from which on a line leads to its number.
+/// Smallest distance between a marker's middle and its number that requires a leader line.
 const LEADER: f64 = 11.0;
-/// Left end of the lines of a legend of several.
+/// Left end of the lines of a legend with several lines.
 const LEGEND_LEFT: f64 = 14.0;
 
-/// An entry of a legend.
+/// Entry of a legend.
 pub enum Key<'a> {
-    /// A code, drawn as a line with its marker.
+    /// Code, drawn as a line with its marker.
     Code(&'a str),
-    /// A line of another class.
+    /// Line of another class.
     Line(&'a str, &'a str),
-    /// A line of a style, with its marker, and what it stands for.
+    /// Line of a style, with its marker, and its label.
     Series(CodeStyle, &'a str),
-    /// A marker alone, and what it stands for.
+    /// Marker alone, and its label.
     Points(CodeStyle, &'a str),
 }
 
 impl Key<'_> {
-    /// Width in a legend, with a gap behind it.
+    /// Returns the width in a legend, with a gap after it.
     fn width(&self) -> f64 {
         let (Key::Code(label) | Key::Line(_, label) | Key::Series(_, label) | Key::Points(_, label)) = self;
-        // There is no measuring of text here; 7.6 pixels a character is on the wide side.
+        // Text is not measured here; 7.6 pixels per character is a generous width.
         50.0 + 7.6 * label.chars().count() as f64
     }
 }
 
-/// A plot that is being made.
+/// Plot under construction.
 pub struct Plot {
     drawing: Drawing,
     x: Axis,
@@ -57,7 +57,7 @@ pub struct Plot {
 }
 
 impl Plot {
-    /// A frame with its axes, and above it a legend of as many lines as it needs.
+    /// Makes a frame with its axes, and above it a legend with the necessary number of lines.
     pub fn with_legend(x: Axis, y: Axis, keys: &[Key<'_>]) -> Plot {
         let (mut lines, mut right) = (vec![Vec::new()], LEGEND_LEFT);
         for key in keys {
@@ -113,7 +113,7 @@ impl Plot {
         self.drawing.text_upwards("label", [13.0, (top + bottom) / 2.0], &y);
     }
 
-    /// Position of a point of the plane on the drawing.
+    /// Returns the position of a point of the plane on the drawing.
     fn at(&self, x: f64, y: f64) -> [f64; 2] {
         [LEFT + self.x.share(x) * (WIDTH - LEFT - RIGHT), self.bottom - self.y.share(y) * (self.bottom - self.top)]
     }
@@ -130,7 +130,7 @@ impl Plot {
         self.drawing.text("tick", [b[0] - 5.0, b[1] - 6.0], Anchor::End, label);
     }
 
-    /// A curve of a class, cut off at the frame.
+    /// Draws a curve of a class, cut off at the frame.
     pub fn curve(&mut self, class: &str, points: impl Iterator<Item = [f64; 2]>) {
         let points: Vec<[f64; 2]> = points.map(|[x, y]| self.at(x, y)).collect();
         self.drawing.begin_clip([LEFT, self.top], WIDTH - LEFT - RIGHT, self.bottom - self.top);
@@ -138,14 +138,14 @@ impl Plot {
         self.drawing.end_clip();
     }
 
-    /// A code's marker, if it lies inside the frame.
+    /// Draws a code's marker, if it lies inside the frame.
     pub fn marker(&mut self, style: CodeStyle, x: f64, y: f64, size: f64) {
         if self.contains(x, y) {
             self.mark(style, [x, y], size, false);
         }
     }
 
-    /// A code's open marker, if it lies inside the frame.
+    /// Draws a code's open marker, if it lies inside the frame.
     pub fn open_marker(&mut self, style: CodeStyle, x: f64, y: f64, size: f64) {
         if self.contains(x, y) {
             self.mark(style, [x, y], size, true);
@@ -154,12 +154,12 @@ impl Plot {
 
     fn mark(&mut self, style: CodeStyle, [x, y]: [f64; 2], size: f64, hollow: bool) {
         let at = self.at(x, y);
-        // The widest shape is 1.25 times as wide as its size says.
+        // The widest shape is 1.25 times as wide as its nominal size.
         self.room.take(Area::around(at, [1.3 * size; 2]));
         self.drawing.marker(style, at, size, hollow);
     }
 
-    /// A vertical bar of error, cut off at the frame.
+    /// Draws a vertical error bar, cut off at the frame.
     pub fn error_bar(&mut self, class: &str, x: f64, low: f64, high: f64) {
         let low = low.max(self.y.low);
         let high = high.min(self.y.high);
@@ -203,14 +203,14 @@ impl Plot {
         self.drawing.marker(style, [x + 13.0, y], 3.6, false);
     }
 
-    /// A few words beside a point, moved by so many pixels.
+    /// Draws a short text next to a point, at an offset in pixels.
     pub fn label(&mut self, [x, y]: [f64; 2], [right, down]: [f64; 2], anchor: Anchor, text: &str) {
         let [x, y] = self.at(x, y);
         self.drawing.text("tick", [x + right, y + down], anchor, text);
     }
 
-    /// A number beside a marker that is drawn already, where it hides neither markers nor other numbers; with a line to the marker where
-    /// it is not next to it. Markers and curves come first.
+    /// Draws a number next to an existing marker, where it hides neither markers nor other numbers, with a leader line to a distant marker.
+    /// Markers and curves must be drawn first.
     pub fn number(&mut self, [x, y]: [f64; 2], number: usize) {
         let (at, text) = (self.at(x, y), number.to_string());
         let Some(area) = self.room.place(at, [width_of(&text) + 2.0, TICK_HEIGHT]) else { return };
@@ -224,7 +224,7 @@ impl Plot {
         self.drawing.text("tick beside", [middle, area.high[1] - 2.0], Anchor::Middle, &text);
     }
 
-    /// Draws the key of numbers below the axis: lines of entries behind the marker of each style.
+    /// Draws the key of numbers below the axis: lines of entries after the marker of each style.
     pub fn key_of_numbers(&mut self, groups: &[(CodeStyle, Vec<(usize, &str)>)]) {
         let (mut y, first) = (self.bottom + BOTTOM + 4.0, LEGEND_LEFT + 14.0);
         for (style, entries) in groups {
@@ -247,19 +247,19 @@ impl Plot {
         self.drawing.grow(y + 6.0);
     }
 
-    /// A few words in the upper or the lower left corner.
+    /// Draws a short text in the upper or the lower left corner.
     pub fn remark(&mut self, upper: bool, text: &str) {
         let y = if upper { self.top + 18.0 } else { self.bottom - 10.0 };
         self.drawing.text("tick", [LEFT + 9.0, y], Anchor::Start, text);
     }
 
-    /// The plot, with a name for those who cannot see it.
+    /// Returns the plot, with a name for readers who cannot see it.
     pub fn finish(self, name: &str) -> String {
         self.drawing.finish(name)
     }
 }
 
-/// A text in lines that are no wider than so many pixels, unless a single word is.
+/// Breaks a text into lines of at most `width` pixels, unless a single word is wider.
 fn broken(text: &str, width: f64) -> Vec<String> {
     let mut lines = vec![String::new()];
     for word in text.split(' ') {
@@ -275,7 +275,7 @@ fn broken(text: &str, width: f64) -> Vec<String> {
     lines
 }
 
-/// Width of a tick label in pixels. There is no measuring of text here; 6.4 a character is on the wide side.
+/// Returns the width of a tick label in pixels. Text is not measured here; 6.4 per character is a generous width.
 fn width_of(text: &str) -> f64 {
     6.4 * text.chars().count() as f64
 }
@@ -291,28 +291,28 @@ pub struct Axis {
     scale: Scale,
 }
 
-/// Scale of an axis, and its marks.
+/// Scale of an axis, and its tick marks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Scale {
-    /// Evenly.
+    /// Linear.
     Linear,
-    /// By their logarithm; powers of ten are marked.
+    /// Logarithmic, with marks at powers of ten.
     Decades,
-    /// By their logarithm; 1, 2 and 5 of every power of ten are marked.
+    /// Logarithmic, with marks at 1, 2 and 5 times every power of ten.
     FineDecades,
-    /// By their logarithm; powers of two are marked.
+    /// Logarithmic, with marks at powers of two.
     Doublings,
 }
 
 impl Axis {
     /// Returns an axis over a range, in steps of round numbers.
     pub fn linear(label: &str, low: f64, high: f64) -> Axis {
-        // An axis of no length would divide by zero.
+        // An axis of zero length would divide by zero.
         let high = if high > low { high } else { low + 1.0 };
         Axis { label: label.into(), low, high, scale: Scale::Linear }
     }
 
-    /// A logarithmic axis; its ends are moved out to powers of ten.
+    /// Returns a logarithmic axis; its ends are moved out to powers of ten.
     pub fn logarithmic(label: &str, low: f64, high: f64) -> Axis {
         let [low, high] = positive(low, high);
         let low = 10f64.powf((low.log10() + 1e-9).floor());
@@ -320,7 +320,7 @@ impl Axis {
         Axis { label: label.into(), low, high, scale: Scale::Decades }
     }
 
-    /// A logarithmic axis that is marked in steps of 1, 2, 5; its ends are moved out to marks.
+    /// Returns a logarithmic axis with marks in steps of 1, 2, 5; its ends are moved out to marks.
     pub fn fine(label: &str, low: f64, high: f64) -> Axis {
         let [low, high] = positive(low, high);
         let mark = |value: f64, up: bool| {
@@ -336,13 +336,13 @@ impl Axis {
         Axis { label: label.into(), low, high: high.max(2.0 * low), scale: Scale::FineDecades }
     }
 
-    /// A logarithmic axis that is marked at powers of two.
+    /// Returns a logarithmic axis with marks at powers of two.
     pub fn doublings(label: &str, low: f64, high: f64) -> Axis {
         let [low, high] = positive(low, high);
         Axis { label: label.into(), low, high: high.max(2.0 * low), scale: Scale::Doublings }
     }
 
-    /// Position of a value, 0 at the lower end and 1 at the upper.
+    /// Returns the relative position of a value, 0 at the lower end and 1 at the upper.
     pub(crate) fn share(&self, value: f64) -> f64 {
         if self.scale != Scale::Linear {
             (value / self.low).ln() / (self.high / self.low).ln()
@@ -351,7 +351,7 @@ impl Axis {
         }
     }
 
-    /// Values that are marked, with their labels; on a linear axis about so many.
+    /// Returns the marked values with their labels; on a linear axis about `count` of them.
     pub(crate) fn ticks(&self, count: usize) -> Vec<(f64, String)> {
         let within = |value: &f64| (self.low * (1.0 - 1e-9)..=self.high * (1.0 + 1e-9)).contains(value);
         let decades = (self.low.log10() - 1e-9).floor() as i32..=(self.high.log10() + 1e-9).ceil() as i32;
@@ -374,7 +374,7 @@ impl Axis {
     }
 }
 
-/// The ends of a logarithmic axis: zero has no place on it, and would take marks without end.
+/// Returns positive ends for a logarithmic axis: zero is undefined on it, and would take marks without end.
 fn positive(low: f64, high: f64) -> [f64; 2] {
     const DECADES: f64 = 1e6;
     let high = if high > 0.0 && high.is_finite() { high } else { 1.0 };
@@ -391,7 +391,7 @@ fn power_of_ten(exponent: i32) -> String {
     }
 }
 
-/// A rectangle on a drawing, pixels; vertical coordinates point down.
+/// Rectangle on a drawing, pixels; vertical coordinates point down.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Area {
     /// Left and upper corner.
@@ -403,7 +403,7 @@ pub(crate) struct Area {
 /// Distance between the rings of candidates about a point, pixels.
 const STEP: f64 = 3.0;
 
-/// Candidates of a ring.
+/// Candidates per ring.
 const TURNS: u32 = 32;
 
 impl Area {
@@ -419,13 +419,13 @@ impl Area {
         (0..2).all(|axis| self.low[axis] <= other.low[axis] && other.high[axis] <= self.high[axis])
     }
 
-    /// Returns its point nearest to another.
+    /// Returns the point of the area nearest to another point.
     pub(crate) fn nearest(&self, to: [f64; 2]) -> [f64; 2] {
         std::array::from_fn(|axis| to[axis].clamp(self.low[axis], self.high[axis]))
     }
 }
 
-/// A frame with the areas that are occupied.
+/// Frame with the occupied areas.
 pub(crate) struct Room {
     frame: Area,
     taken: Vec<Area>,
@@ -436,12 +436,12 @@ impl Room {
         Room { frame, taken: Vec::new() }
     }
 
-    /// Occupies an area.
+    /// Marks an area as occupied.
     pub(crate) fn take(&mut self, area: Area) {
         self.taken.push(area);
     }
 
-    /// Occupies a free area of some size near a point; `None` where the frame is full.
+    /// Occupies a free area of some size near a point; `None` if the frame is full.
     pub(crate) fn place(&mut self, point: [f64; 2], size: [f64; 2]) -> Option<Area> {
         let reach = distance(self.frame.low, self.frame.high) / STEP;
         let candidates = (1..reach as u32).flat_map(|ring| (0..TURNS).map(move |turn| (ring, turn)));
@@ -457,7 +457,7 @@ impl Room {
     }
 }
 
-/// Distance of two points.
+/// Returns the distance of two points.
 pub(crate) fn distance(one: [f64; 2], other: [f64; 2]) -> f64 {
     (one[0] - other[0]).hypot(one[1] - other[1])
 }

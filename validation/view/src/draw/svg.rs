@@ -1,49 +1,49 @@
-//! A drawing as inline SVG. Colours come from style classes, so that it follows light, dark and print.
+//! Drawing as inline SVG. Style classes define the colours, which follow light mode, dark mode and print.
 
 use super::names::{CodeStyle, Marker};
 use std::fmt::Write as _;
 
-/// A drawing that is being made, in units of CSS pixels at its natural size.
+/// Drawing under construction, in units of CSS pixels at its natural size.
 pub struct Drawing {
     body: String,
     width: f64,
     height: f64,
 }
 
-/// Point of a text that lies at its place.
+/// Anchor point of a text.
 #[derive(Clone, Copy)]
 pub enum Anchor {
-    /// Its start.
+    /// Start of the text.
     Start,
-    /// Its middle.
+    /// Middle of the text.
     Middle,
-    /// Its end.
+    /// End of the text.
     End,
 }
 
 impl Drawing {
-    /// An empty drawing.
+    /// Makes an empty drawing.
     pub fn new(width: f64, height: f64) -> Drawing {
         Drawing { body: String::new(), width, height }
     }
 
-    /// Makes it higher.
+    /// Increases the height.
     pub(crate) fn grow(&mut self, height: f64) {
         self.height = self.height.max(height);
     }
 
-    /// An element of a class with attributes that are lengths.
+    /// Adds an element of a class with lengths as attributes.
     fn element(&mut self, name: &str, class: &str, lengths: &[(&str, f64)]) {
         let lengths: String = lengths.iter().map(|(key, length)| format!(r#" {key}="{}""#, short(*length))).collect();
         let _ = write!(self.body, r#"<{name} class="{class}"{lengths}/>"#);
     }
 
-    /// A straight line.
+    /// Adds a straight line.
     pub fn line(&mut self, class: &str, from: [f64; 2], to: [f64; 2]) {
         self.element("line", class, &[("x1", from[0]), ("y1", from[1]), ("x2", to[0]), ("y2", to[1])]);
     }
 
-    /// A rectangle by two opposite corners.
+    /// Adds a rectangle by two opposite corners.
     pub fn rectangle(&mut self, class: &str, a: [f64; 2], b: [f64; 2]) {
         let [x, y] = [0, 1].map(|axis| a[axis].min(b[axis]));
         let [width, height] = [0, 1].map(|axis| (a[axis] - b[axis]).abs());
@@ -54,7 +54,7 @@ impl Drawing {
         self.element("circle", class, &[("cx", centre[0]), ("cy", centre[1]), ("r", radius)]);
     }
 
-    /// An open curve through points; points that are not finite break it.
+    /// Adds an open curve through points; points that are not finite interrupt it.
     pub(crate) fn curve(&mut self, class: &str, points: impl Iterator<Item = [f64; 2]>) {
         let mut data = String::new();
         let mut pen_down = false;
@@ -71,7 +71,7 @@ impl Drawing {
         }
     }
 
-    /// Adds a text of a class at a place.
+    /// Adds a text of a class at a position.
     pub fn text(&mut self, class: &str, at: [f64; 2], anchor: Anchor, text: &str) {
         let anchor = match anchor {
             Anchor::Start => "start",
@@ -87,7 +87,7 @@ impl Drawing {
         );
     }
 
-    /// A text that reads upwards, for the label of a vertical axis.
+    /// Adds a text that reads upwards, for the label of a vertical axis.
     pub(crate) fn text_upwards(&mut self, class: &str, at: [f64; 2], text: &str) {
         let (x, y) = (short(at[0]), short(at[1]));
         let _ = write!(
@@ -97,7 +97,7 @@ impl Drawing {
         );
     }
 
-    /// The marker of a code; hollow ones mark what is not live.
+    /// Adds the marker of a code; hollow markers show results that are not live.
     pub fn marker(&mut self, style: CodeStyle, at: [f64; 2], size: f64, hollow: bool) {
         let class = format!("{} {}", style.class, if hollow { "hollow" } else { "marker" });
         let [x, y] = at;
@@ -116,7 +116,7 @@ impl Drawing {
                 &[[x, y + size * 1.2], [x + size * 1.1, y - size * 0.8], [x - size * 1.1, y - size * 0.8]],
             ),
             Marker::Cross => {
-                // Two bars across each other; `arm` is their half length along the axes, `half` their half width.
+                // Two crossed bars; `arm` is their half length along the axes, `half` their half width.
                 let (arm, half) = (size * 1.05, size * 0.38);
                 let quarter = [[half, 0.0], [arm, arm - half], [arm - half, arm], [0.0, half]];
                 let turns: [fn([f64; 2]) -> [f64; 2]; 4] =
@@ -132,13 +132,13 @@ impl Drawing {
         }
     }
 
-    /// A closed polygon.
+    /// Adds a closed polygon.
     pub fn polygon(&mut self, class: &str, points: &[[f64; 2]]) {
         let points: Vec<String> = points.iter().map(|p| format!("{},{}", short(p[0]), short(p[1]))).collect();
         let _ = write!(self.body, r#"<polygon class="{class}" points="{}"/>"#, points.join(" "));
     }
 
-    /// Cuts off drawing from here to [`Drawing::end_clip`] at a rectangle.
+    /// Clips the drawing from here to [`Drawing::end_clip`] at a rectangle.
     pub(crate) fn begin_clip(&mut self, corner: [f64; 2], width: f64, height: f64) {
         // A nested viewport clips without an id, which would have to be unique on the page.
         let _ = write!(
@@ -169,7 +169,7 @@ impl Drawing {
     }
 }
 
-/// A finished drawing as a file of its own, with the styles that a page would give it.
+/// Returns a finished drawing as a file of its own, with the styles of a page.
 pub fn standalone(drawing: &str) -> String {
     let head = r#"<svg xmlns="http://www.w3.org/2000/svg" "#;
     let style = format!(
@@ -181,7 +181,7 @@ pub fn standalone(drawing: &str) -> String {
     format!("{head}{}{style}{body}\n", open.trim_start_matches("<svg "))
 }
 
-/// A coordinate to a tenth of a pixel, without needless digits.
+/// Formats a coordinate to a tenth of a pixel, without needless digits.
 fn short(value: f64) -> String {
     let text = format!("{value:.1}");
     match text.strip_suffix(".0") {
@@ -191,7 +191,7 @@ fn short(value: f64) -> String {
     }
 }
 
-/// Text with the characters that mean something in XML replaced.
+/// Escapes a text for XML.
 pub fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

@@ -1,4 +1,4 @@
-//! From where a picture is taken: a camera with perspective, and how far away it stands.
+//! Perspective camera of a picture, and its distance.
 
 use makadam_frames::run_frames::{RunFrame, Walls};
 use nalgebra::Vector3;
@@ -9,25 +9,25 @@ type Vector = Vector3<f64>;
 /// Angle between the upper and the lower edge of a picture, rad.
 const OPENING: f64 = 0.42;
 
-/// Share of the picture that what is looked at may fill.
+/// Largest fraction of the picture that the subject fills.
 const FILLED: f64 = 0.94;
 
-/// Share of the grains on either side of each axis that may be strays, which are not waited for.
+/// Fraction of the grains on either side of each axis that may be ignored as strays.
 const STRAYS: f64 = 0.0025;
 
-/// Distance beyond the grains within which walls are looked at, over the size of the bed.
+/// Extension of the subject beyond the grains to include walls, over the size of the bed.
 const AROUND: f64 = 0.35;
 
-/// A direction to look along.
+/// View direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum View {
-    /// Along a turning drum and a little from above, or across a corner.
+    /// Along a rotating drum and slightly from above, or across a corner.
     Natural,
     /// Degrees to the right of the front and above it; the front is level, along the axis of a drum or along y.
     Angles([f64; 2]),
 }
 
-/// A camera with perspective.
+/// Camera with perspective.
 #[derive(Clone, Debug)]
 pub struct Camera {
     eye: Vector,
@@ -36,7 +36,7 @@ pub struct Camera {
     forward: Vector,
     /// Pixels per unit of tangent.
     focal: f64,
-    /// The pixel that is looked straight at.
+    /// Centre pixel, on the optical axis.
     middle: [f64; 2],
 }
 
@@ -47,8 +47,8 @@ pub struct Subject {
 }
 
 impl Subject {
-    /// The grains of frames but stray ones, and the walls about them. Grains that have left the walls far behind do not count, as where a
-    /// silo has emptied into nothing: then the walls are seen whole. `all` has every grain seen.
+    /// Returns the subject of frames: the grains except stray ones, and the walls about them. Grains far beyond the walls do not count, for
+    /// example after the discharge of a silo into the open: then the walls are shown whole. With `all`, every grain counts.
     pub fn of<'a>(frames: impl Iterator<Item = &'a RunFrame>, all: bool) -> Subject {
         let mut points = Vec::new();
         for frame in frames {
@@ -81,7 +81,7 @@ impl Subject {
                 let turning = |wall: usize| walls.axes.get(wall).is_some_and(|axis| Vector::from(*axis).norm() > 0.5);
                 for (corners, wall) in walls.triangles.iter().zip(&walls.wall) {
                     let corners = corners.map(|corner| Vector::from(walls.points[corner as usize]));
-                    // A drum is seen whole; of other walls what lies about the grains.
+                    // A drum is shown whole; of other walls, the part about the grains.
                     let whole = fled || turning(*wall as usize);
                     points
                         .extend(corners.into_iter().filter(|point| whole || is_inside(point, room)).map(|p| (p, 0.0)));
@@ -92,7 +92,7 @@ impl Subject {
     }
 }
 
-/// Ends of the box about walls that grains near them lie in, m; none without walls.
+/// Returns the ends of the box about walls and nearby grains, m; `None` without walls.
 fn neighbourhood(walls: &Walls) -> Option<[Vector; 2]> {
     let corners = || walls.points.iter().map(|point| Vector::from(*point));
     let low = corners().reduce(|low, point| low.inf(&point))?;
@@ -108,15 +108,15 @@ pub struct Outlook {
     up: [f64; 3],
     /// Unit vector from the viewer at the front to the scene.
     front: [f64; 3],
-    /// To the right of the front, rad.
+    /// Angle to the right of the front, rad.
     azimuth: f64,
-    /// Above it, rad.
+    /// Angle above the front, rad.
     elevation: f64,
-    /// The point that is looked at, m.
+    /// Target point of the view, m.
     target: [f64; 3],
-    /// Distance of the eye from it, m.
+    /// Distance of the eye from the target, m.
     away: f64,
-    /// Half the size of what is looked at, m.
+    /// Half the size of the subject, m.
     size: f64,
     /// Angle between the upper and the lower edge of the view, rad.
     opening: f64,
@@ -145,25 +145,25 @@ impl Subject {
     }
 }
 
-/// Direction of the vertical, up.
+/// Returns the upward vertical direction.
 fn vertical(frame: &RunFrame) -> Vector {
     let up = -Vector::from(frame.gravity);
     if up.norm() > 0.0 { up.normalize() } else { Vector::z() }
 }
 
-/// Direction of the axis of a wall that turns about a level axis, so that it turns clockwise when seen along it.
+/// Returns the direction of the axis of a wall with rotation about a level axis, such that the rotation is clockwise seen along it.
 fn level_axis(walls: Option<&Walls>, up: &Vector) -> Option<Vector> {
     let axes = walls?.axes.iter().map(|axis| Vector::from(*axis));
     axes.into_iter().find(|axis| axis.norm() > 0.5 && axis.dot(up).abs() < 0.3)
 }
 
-/// Directions to the front, and up; azimuth and elevation that show most.
+/// Returns the directions to the front and up, and the most informative azimuth and elevation.
 fn natural(frame: &RunFrame) -> (Vector, Vector, [f64; 2]) {
     let up = vertical(frame);
     match level_axis(frame.walls.as_ref(), &up) {
         Some(axis) => ((axis - up * up.dot(&axis)).normalize(), up, [14.0, 9.0]),
         None => {
-            // Along y, unless gravity points that way.
+            // Along y, unless gravity is parallel to it.
             let level = if up.y.abs() < 0.9 { Vector::y() } else { Vector::x() };
             ((level - up * up.dot(&level)).normalize(), up, [28.0, 20.0])
         }
@@ -171,7 +171,7 @@ fn natural(frame: &RunFrame) -> (Vector, Vector, [f64; 2]) {
 }
 
 impl Camera {
-    /// A camera that shows a subject, for pictures of a size (pixels) of which a strip on the right stays free.
+    /// Makes a camera that shows a subject, for pictures of a size (pixels) with a free strip on the right.
     pub fn looking_at(
         subject: &Subject,
         frame: &RunFrame,
@@ -203,7 +203,7 @@ impl Camera {
         let count = subject.points.len().max(1) as f64;
         let mut target = subject.points.iter().map(|(point, _)| point).sum::<Vector>() / count;
         let size = subject.points.iter().map(|(point, radius)| (point - target).norm() + radius).fold(1e-9, f64::max);
-        // Twice would do: the middle shifts with perspective.
+        // Two iterations would suffice: the middle shifts with perspective.
         for _ in 0..6 {
             let seen = |point: &Vector| {
                 let arm = point - target;
@@ -233,7 +233,7 @@ impl Camera {
         camera
     }
 
-    /// Place on the picture (pixels to the right and down) and distance along the line of sight (m) of a point (m).
+    /// Returns the position on the picture (pixels to the right and down) and the distance along the line of sight (m) of a point (m).
     pub fn project(&self, point: &[f64; 3]) -> [f64; 3] {
         let arm = Vector::from(*point) - self.eye;
         let depth = arm.dot(&self.forward);
@@ -241,23 +241,23 @@ impl Camera {
         [self.middle[0] + arm.dot(&self.right) * scale, self.middle[1] - arm.dot(&self.up) * scale, depth]
     }
 
-    /// Pixels of a length (m) at a distance (m).
+    /// Returns the size of a length (m) at a distance (m), in pixels.
     pub fn pixels(&self, length: f64, depth: f64) -> f64 {
         self.focal * length / depth
     }
 
-    /// The point at a distance along the line of sight (m) that a place on the picture shows: to the right of the eye, below it, before it.
+    /// Returns the point at a distance along the line of sight (m) for a position on the picture: to the right of the eye, below it, before it.
     pub(super) fn seen_at(&self, x: f64, y: f64, depth: f64) -> [f64; 3] {
         let share = depth / self.focal;
         [(x - self.middle[0]) * share, (y - self.middle[1]) * share, depth]
     }
 
-    /// A direction as [`Camera::seen_at`] has points.
+    /// Returns a direction in the coordinates of [`Camera::seen_at`].
     pub(super) fn turned(&self, direction: &Vector) -> [f64; 3] {
         [direction.dot(&self.right), -direction.dot(&self.up), direction.dot(&self.forward)]
     }
 
-    /// Vector from the eye through a place on the picture; its part along the line of sight is one.
+    /// Returns the vector from the eye through a position on the picture, with a component of one along the line of sight.
     pub(super) fn ray(&self, x: f64, y: f64) -> Vector {
         self.forward + (self.right * (x - self.middle[0]) - self.up * (y - self.middle[1])) / self.focal
     }
@@ -266,12 +266,12 @@ impl Camera {
         &self.eye
     }
 
-    /// Unit vector towards the light: over the left shoulder.
+    /// Returns the unit vector towards the light: over the left shoulder.
     pub(super) fn light(&self) -> Vector {
         (self.up * 0.75 - self.right * 0.45 - self.forward * 0.65).normalize()
     }
 
-    /// Scales the camera to a picture that is larger by a factor.
+    /// Returns the camera for a picture larger by a factor.
     pub(super) fn enlarged(&self, factor: f64) -> Camera {
         Camera { focal: factor * self.focal, middle: self.middle.map(|place| factor * place), ..self.clone() }
     }
@@ -298,12 +298,12 @@ impl std::str::FromStr for View {
     }
 }
 
-/// A plane in front of which nothing is shown.
+/// Clipping plane, with everything in front of it hidden.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cut {
     /// Axis, 0 to 2.
     pub axis: usize,
-    /// Place of the plane on the axis, m.
+    /// Position of the plane on the axis, m.
     pub at: f64,
 }
 
@@ -322,7 +322,7 @@ impl std::str::FromStr for Cut {
 }
 
 impl Cut {
-    /// Unit normal towards the side that is taken away, that of an eye, and the place of the plane along it, m.
+    /// Returns the unit normal towards the removed side, the side of an eye, and the position of the plane along it, m.
     pub(super) fn plane(self, eye: &Vector) -> (Vector, f64) {
         let side = if eye[self.axis] >= self.at { 1.0 } else { -1.0 };
         (Vector::ith(self.axis, side), side * self.at)

@@ -1,4 +1,4 @@
-//! Colours of grains: a scale for quantities, a palette for kinds; the words and the colour scale on a picture.
+//! Colours of grains: a scale for quantities, a palette for kinds; the text and the colour scale on a picture.
 
 use super::shade::{Colour, blend};
 use crate::draw::numbers::round_ticks;
@@ -6,8 +6,8 @@ use makadam_frames::run_frames::{Quantity, RunFrame};
 use nalgebra::Vector3;
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
 
-/// The scale `viridis` in equal steps from its second eighth on, since the first is too dark for light and shade: its order is seen in grey
-/// and by colour-blind readers.
+/// Scale `viridis` in equal steps from its second eighth, since the first is too dark for shading: its order is visible in grey
+/// and to colour-blind readers.
 pub const VIRIDIS: [[u8; 3]; 15] = [
     [71, 45, 123],
     [66, 64, 134],
@@ -26,7 +26,7 @@ pub const VIRIDIS: [[u8; 3]; 15] = [
     [253, 231, 37],
 ];
 
-/// Colours that are told apart by colour-blind readers: M. Okabe and K. Ito, Color universal design, 2008.
+/// Colours that colour-blind readers can distinguish: M. Okabe and K. Ito, Color universal design, 2008.
 pub const PALETTE: [[u8; 3]; 8] = [
     [86, 180, 233],
     [230, 159, 0],
@@ -38,23 +38,23 @@ pub const PALETTE: [[u8; 3]; 8] = [
     [150, 150, 150],
 ];
 
-/// Fields that count kinds of grains.
+/// Fields for kinds of grains.
 const KINDS: [&str; 2] = ["material", "population"];
 
-/// Most kinds that are told apart by colours.
+/// Largest number of kinds with different colours.
 pub const MOST_KINDS: usize = PALETTE.len();
 
 /// Map of values to colours.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Scale {
-    /// From one value to another.
+    /// Range from one value to another.
     Range([f64; 2]),
-    /// A colour for each kind, by the values in order.
+    /// One colour for each kind, by the values in order.
     Kinds(Vec<i64>),
 }
 
 impl Scale {
-    /// The scale of all values of some frames: kinds if they are few, otherwise from zero or the least value to one that hardly any exceeds.
+    /// Returns the scale for all values of some frames: kinds if few, otherwise from zero or the smallest value to a value that few exceed.
     pub fn of(title: &str, values: &[f64]) -> Scale {
         if KINDS.contains(&title) {
             let mut kinds: Vec<i64> = values.iter().map(|value| *value as i64).collect();
@@ -68,7 +68,7 @@ impl Scale {
         sorted.sort_by(f64::total_cmp);
         let (Some(&least), Some(&most)) = (sorted.first(), sorted.last()) else { return Scale::Range([0.0, 1.0]) };
         let nearly = sorted[(sorted.len() - 1) * 99 / 100];
-        // A narrow spread about a large value, such as diameters, is shown from its least value on.
+        // A narrow spread about a large value, such as diameters, is shown from its smallest value.
         let low = if least > 0.5 * most { least } else { 0.0 };
         let high = if low > 0.0 { most } else { nearly };
         if high <= low {
@@ -95,7 +95,7 @@ impl Scale {
     }
 }
 
-/// The colour at a share of the scale.
+/// Returns the colour at a fraction of the scale.
 pub(super) fn viridis(share: f64) -> Colour {
     let at = if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.0 } * (VIRIDIS.len() - 1) as f64;
     let below = (at as usize).min(VIRIDIS.len() - 2);
@@ -106,7 +106,7 @@ pub(super) fn viridis(share: f64) -> Colour {
     })
 }
 
-/// Chooses the field to colour a frame by: speed, or pressure where all grains are at rest, whichever there is.
+/// Chooses the field for colouring a frame: speed, or pressure if all grains are at rest, if available.
 pub fn telling(frame: &RunFrame) -> &'static str {
     let has = |name: &str| frame.quantity(name).map(|quantity| quantity.values);
     let diameter = 2.0 * frame.grains.radii.iter().copied().fold(0.0, f64::max);
@@ -130,19 +130,19 @@ pub fn telling(frame: &RunFrame) -> &'static str {
 const PREFIXES: [(i32, &str); 8] =
     [(-4, "p"), (-3, "n"), (-2, "\u{b5}"), (-1, "m"), (0, ""), (1, "k"), (2, "M"), (3, "G")];
 
-/// Fewest pixels of a line that are left for grains beside a colour scale.
+/// Smallest width left for grains next to a colour scale, pixels.
 const LEAST: usize = 32;
 
 const INK: Colour = [0.13, 0.15, 0.18];
 
-/// A picture that is written upon.
+/// Picture with text.
 pub(super) struct Sheet<'a> {
     pub colours: &'a mut [Colour],
     pub width: usize,
     pub height: usize,
 }
 
-/// Alignment of a text at its place.
+/// Alignment of a text at its position.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Anchor {
     Left,
@@ -159,17 +159,17 @@ impl Sheet<'_> {
         }
     }
 
-    /// Height of a line of text, pixels.
+    /// Returns the height of a line of text, pixels.
     pub fn line(&self) -> usize {
         self.font().val()
     }
 
-    /// Width of a letter, pixels.
+    /// Returns the width of a letter, pixels.
     pub fn letter(&self) -> usize {
         get_raster_width(FontWeight::Regular, self.font())
     }
 
-    /// Pixels on the right that the colour scale takes; none where it would leave too few for the grains.
+    /// Returns the width of the colour scale on the right, pixels; zero if too few pixels would remain for the grains.
     pub fn strip(&self) -> usize {
         let strip = 13 * self.letter();
         if self.width < strip + LEAST { 0 } else { strip }
@@ -181,7 +181,7 @@ impl Sheet<'_> {
         }
     }
 
-    /// Writes a text with its upper corner at a place; letters that the font has not are left out.
+    /// Writes a text with its upper corner at a position; letters missing from the font are left out.
     pub fn write(&mut self, text: &str, [x, y]: [i64; 2], anchor: Anchor) {
         let (font, letter) = (self.font(), self.letter() as i64);
         let start = x - if anchor == Anchor::Right { letter * text.chars().count() as i64 } else { 0 };
@@ -201,7 +201,7 @@ impl Sheet<'_> {
         }
     }
 
-    /// The colour scale on the right, with its ticks and the quantity's name; kinds have a colour and a name each.
+    /// Draws the colour scale on the right, with its ticks and the quantity's name; kinds have a colour and a name each.
     pub fn scale(&mut self, quantity: &Quantity, scale: &Scale) {
         if self.strip() == 0 {
             return;
@@ -251,7 +251,7 @@ pub(crate) fn kind_name(quantity: &Quantity, kind: i64) -> String {
     name.unwrap_or_else(|| if kind < 0 { "listed".into() } else { kind.to_string() })
 }
 
-/// The unit with its prefix, and the ticks of a scale: their values and what is written beside them.
+/// Returns the unit with its prefix, and the ticks of a scale: their values and their labels.
 pub(crate) fn ticks(unit: &str, [low, high]: [f64; 2]) -> (String, Vec<(f64, String)>) {
     let power = prefix_of(unit, low.abs().max(high.abs()));
     let factor = 1000_f64.powi(power);
@@ -261,12 +261,12 @@ pub(crate) fn ticks(unit: &str, [low, high]: [f64; 2]) -> (String, Vec<(f64, Str
     (format!("{}{unit}", prefix_name(power)), ticks.filter(|(at, _)| inside(at)).collect())
 }
 
-/// Power of a thousand by which values are divided, so that they are read easily; zero where a unit takes no prefix.
+/// Returns the power of a thousand that divides values for readability; zero if a unit takes no prefix.
 fn prefix_of(unit: &str, largest: f64) -> i32 {
     if unit.is_empty() || unit == "kg" || largest <= 0.0 || !largest.is_finite() {
         return 0;
     }
-    // Numbers up to a thousandth are as easily read as they are.
+    // Numbers down to a thousandth are readable without a prefix.
     let power = ((largest.log10() + 1e-9) / 3.0).floor() as i32;
     if (-0.5..3.0).contains(&largest.log10()) { 0 } else { power.clamp(-4, 3) }
 }
@@ -275,7 +275,7 @@ fn prefix_name(power: i32) -> &'static str {
     PREFIXES.iter().find(|(of, _)| *of == power).map_or("", |(_, name)| name)
 }
 
-/// A length in words: "10 mm".
+/// Formats a length: "10 mm".
 pub(super) fn length(metres: f64) -> String {
     let power = prefix_of("m", metres);
     let value = metres / 1000_f64.powi(power);

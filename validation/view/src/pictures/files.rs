@@ -1,4 +1,4 @@
-//! Pictures into files: PNG, and animations as GIF.
+//! Picture files: PNG, and animations as GIF.
 
 use super::Picture;
 use color_quant::NeuQuant;
@@ -8,27 +8,27 @@ use std::fs::File;
 use std::io::{BufWriter, Error, Write};
 use std::path::{Path, PathBuf};
 
-/// Colours of a GIF.
+/// Number of colours of a GIF.
 const COLOURS: usize = 256;
 
 /// Sampling of colours for a GIF, 1 (best) to 30.
 const THOROUGH: i32 = 10;
 
-/// Frames from which the colours of a GIF are chosen.
+/// Number of frames sampled for the colours of a GIF.
 const SAMPLES: usize = 3;
 
 /// Error of a picture that cannot be written.
 #[derive(Debug, thiserror::Error)]
 pub enum PictureError {
-    /// The system refuses.
+    /// Error of the system.
     #[error(transparent)]
     Write(#[from] WriteError),
-    /// A name that says nothing of the format.
+    /// File name without a known format.
     #[error("{file}: its name must end in {known}")]
     Format {
-        /// The file.
+        /// File.
         file: String,
-        /// The endings that are known.
+        /// Known extensions.
         known: &'static str,
     },
 }
@@ -59,7 +59,7 @@ pub fn png(picture: &Picture) -> Vec<u8> {
     bytes
 }
 
-/// Returns true if a file is named as an animation.
+/// Returns true if a file name is that of an animation.
 pub fn is_animation(path: &Path) -> bool {
     ending(path) == "gif"
 }
@@ -68,26 +68,26 @@ fn ending(path: &Path) -> String {
     path.extension().map_or(String::new(), |ending| ending.to_string_lossy().to_ascii_lowercase())
 }
 
-/// An animation that is written frame after frame, into a draft that takes its name when it is complete, and is removed if it never is.
+/// Animation written frame by frame into a temporary file, which is renamed when complete and removed if incomplete.
 pub struct Animation {
     path: PathBuf,
     draft: Draft,
     encoder: Encoder<BufWriter<File>>,
     colours: Box<NeuQuant>,
-    /// The colour of the GIF that is nearest to one of a picture, by the upper bits of its red, green and blue, as far as that was requested.
+    /// Cache of the nearest GIF colour for a colour of a picture, by the upper bits of its red, green and blue.
     known: Vec<Option<u8>>,
     /// Duration of a frame, hundredths of a second.
     delay: u16,
 }
 
-/// Bits of a share of a colour that the nearest one is chosen by: the chosen ones are further apart.
+/// Bits per colour component in the choice of the nearest colour: the chosen colours are further apart.
 const BITS: u32 = 6;
 
 impl Animation {
-    /// Begins a GIF with so many frames per second, whose colours are chosen from `samples`, at least one.
+    /// Begins a GIF with `rate` frames per second and colours chosen from `samples`, at least one.
     ///
     /// # Errors
-    /// [`PictureError`] if the name ends otherwise, or the system refuses.
+    /// [`PictureError`] if the name has another extension, or the system refuses.
     pub fn begin(path: &Path, samples: &[Picture], rate: f64) -> Result<Animation, PictureError> {
         let format = || PictureError::Format { file: path.display().to_string(), known: ".gif or .png" };
         let first = samples.first().filter(|_| is_animation(path)).ok_or_else(format)?;
@@ -102,14 +102,14 @@ impl Animation {
         Ok(Animation { path: path.to_path_buf(), draft, encoder, colours, known, delay })
     }
 
-    /// Frames whose pictures [`Animation::begin`] is best given, of so many.
+    /// Returns the best sample frames for [`Animation::begin`], out of `frames`.
     pub fn samples(frames: usize) -> Vec<usize> {
         let mut samples: Vec<usize> = (0..SAMPLES).map(|part| part * (frames - 1) / (SAMPLES - 1).max(1)).collect();
         samples.dedup();
         samples
     }
 
-    /// Returns the duration of a frame, s: the format's nearest to the requested one.
+    /// Returns the duration of a frame, s: the nearest that the format permits.
     pub fn seconds_per_frame(&self) -> f64 {
         0.01 * f64::from(self.delay)
     }
@@ -126,7 +126,7 @@ impl Animation {
         Ok(())
     }
 
-    /// Gives the file its name.
+    /// Renames the file to its final name.
     ///
     /// # Errors
     /// [`PictureError`] if the system refuses.
@@ -138,16 +138,16 @@ impl Animation {
     }
 }
 
-/// The colours of a GIF, chosen from pictures.
+/// Chooses the colours of a GIF from pictures.
 fn palette(samples: &[Picture]) -> NeuQuant {
-    // Each fourth pixel will do.
+    // Every fourth pixel suffices.
     let opaque = |pixel: &[u8]| [pixel[0], pixel[1], pixel[2], 255];
     let pixels: Vec<u8> =
         samples.iter().flat_map(|picture| picture.bytes.chunks_exact(3).step_by(4)).flat_map(opaque).collect();
     NeuQuant::new(THOROUGH, COLOURS, &pixels)
 }
 
-/// The nearest of the chosen colours for each pixel. Neighbours and frames are often alike, so that what was found is kept.
+/// Returns the nearest of the chosen colours for each pixel. Neighbours and frames are often alike, so results are cached.
 fn indices(picture: &Picture, colours: &NeuQuant, known: &mut [Option<u8>]) -> Vec<u8> {
     let nearest = |pixel: &[u8; 3]| {
         let place = pixel.iter().fold(0, |place, share| place << BITS | usize::from(share >> (8 - BITS)));

@@ -1,10 +1,10 @@
-//! Pictures of frames without a screen: grains with light and shade, walls of glass, a colour scale, PNG, APNG and GIF.
+//! Offscreen pictures of frames: shaded grains, glass walls, a colour scale, PNG, APNG and GIF.
 //!
 //! ```text
-//! RunFrame ─> Subject ─> Camera ─> raster (what is seen through a pixel) ─> shade ─> lettering ─> Picture ─> files
+//! RunFrame ─> Subject ─> Camera ─> raster (visible surface per pixel) ─> shade ─> lettering ─> Picture ─> files
 //! ```
 //!
-//! Grains are rays cut with spheres, exact at every pixel; each pixel of a picture is the mean of four.
+//! Grains are drawn by ray-sphere intersection, exact at every pixel; each pixel of a picture is the mean of four.
 
 mod camera;
 mod colours;
@@ -26,10 +26,10 @@ use std::collections::BTreeMap;
 
 type Vector = Vector3<f64>;
 
-/// Lines and columns that make one of a picture.
+/// Oversampling: lines and columns per line and column of a picture.
 const FINER: usize = 2;
 
-/// Cosine of the angle between two triangles from which on their common edge is drawn.
+/// Largest cosine of the angle between two triangles with a drawn common edge.
 const SHARP: f64 = 0.9;
 
 /// Style of a picture.
@@ -37,18 +37,18 @@ const SHARP: f64 = 0.9;
 pub struct Style {
     /// Width and height, pixels.
     pub size: [usize; 2],
-    /// From where it is seen.
+    /// View direction.
     pub view: View,
-    /// A plane in front of which nothing is shown.
+    /// Clipping plane, with everything in front of it hidden.
     pub cut: Option<Cut>,
     /// True if walls are drawn.
     pub walls: bool,
 }
 
-/// A picture: three bytes per pixel, line after line.
+/// Picture: three bytes per pixel, line after line.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
-    /// Pixels of a line.
+    /// Pixels per line.
     pub width: usize,
     /// Lines.
     pub height: usize,
@@ -57,7 +57,7 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// The colour of a pixel.
+    /// Returns the colour of a pixel.
     pub fn pixel(&self, column: usize, line: usize) -> [u8; 3] {
         let place = 3 * (line * self.width + column);
         [self.bytes[place], self.bytes[place + 1], self.bytes[place + 2]]
@@ -68,11 +68,11 @@ impl Picture {
 struct Sight<'a> {
     frame: &'a RunFrame,
     camera: &'a Camera,
-    /// Normal and place of the clipping plane.
+    /// Normal and position of the clipping plane.
     plane: Option<(Vector, f64)>,
 }
 
-/// A camera that shows a subject in a style.
+/// Returns a camera that shows a subject in a style.
 pub fn camera(subject: &Subject, frame: &RunFrame, style: &Style) -> Camera {
     let [width, height] = style.size;
     let strip = Sheet { colours: &mut [], width, height }.strip();
@@ -84,15 +84,15 @@ pub fn has_scale([width, height]: [usize; 2]) -> bool {
     Sheet { colours: &mut [], width, height }.strip() > 0
 }
 
-/// Most memory that drawing a picture of a size takes, bytes.
+/// Returns the peak memory for drawing a picture of a size, bytes.
 pub fn memory([width, height]: [usize; 2]) -> u64 {
     let fine = size_of::<raster::Pixel>() + size_of::<Colour>() + size_of::<f32>();
     let own = size_of::<Colour>() + 3;
     (width * height * (FINER * FINER * fine + own)) as u64
 }
 
-/// Draws a frame, its grains coloured by a quantity on a scale; the caption stands above it. Once the user has asked to stop, what is drawn
-/// is worth nothing.
+/// Draws a frame, its grains coloured by a quantity on a scale, with the caption above. After a stop request of the user, the result is
+/// invalid.
 pub fn draw(
     frame: &RunFrame,
     quantity: &Quantity,
@@ -127,7 +127,7 @@ pub fn draw(
     Picture { width, height, bytes: mixed.iter().flat_map(|colour| colour.map(byte)).collect() }
 }
 
-/// Grains in words: how many, how large.
+/// Formats number and sizes of the grains.
 pub(crate) fn sizes(frame: &RunFrame) -> String {
     let radii = &frame.grains.radii;
     let [least, most] =
@@ -141,7 +141,7 @@ pub(crate) fn sizes(frame: &RunFrame) -> String {
     }
 }
 
-/// Each pixel the mean of a square of finer ones.
+/// Averages each pixel over a square of finer ones.
 fn mean(fine: &[Colour], width: usize, height: usize) -> Vec<Colour> {
     let mut colours = vec![PAPER; width * height];
     for (place, colour) in colours.iter_mut().enumerate() {
@@ -153,7 +153,7 @@ fn mean(fine: &[Colour], width: usize, height: usize) -> Vec<Colour> {
     colours
 }
 
-/// The triangles of walls on a picture: those that hide what is behind them, and those that are looked through.
+/// Returns the triangles of walls on a picture: opaque ones and transparent ones.
 fn flats(walls: &Walls, sight: &Sight<'_>) -> (Vec<Flat>, Vec<Flat>) {
     let (mut stone, mut glass) = (Vec::new(), Vec::new());
     for (triangle, wall) in walls.triangles.iter().zip(&walls.wall) {
@@ -167,7 +167,7 @@ fn flats(walls: &Walls, sight: &Sight<'_>) -> (Vec<Flat>, Vec<Flat>) {
     (stone, glass)
 }
 
-/// Returns true for a wall that hides what is behind it.
+/// Returns true for an opaque wall.
 pub(crate) fn is_stone(walls: &Walls, wall: u32) -> bool {
     walls.shapes.get(wall as usize).is_some_and(|shape| *shape == "spheres")
 }
@@ -177,19 +177,19 @@ fn is_cut_away(corners: &[Vector], sight: &Sight<'_>) -> bool {
     sight.plane.is_some_and(|(normal, at)| corners.iter().all(|corner| normal.dot(corner) > at))
 }
 
-/// Edges of walls that are not hidden by the clipping plane.
+/// Returns the edges of walls that the clipping plane does not hide.
 fn edges(walls: &Walls, sight: &Sight<'_>) -> Vec<[Vector; 2]> {
     let ends = wall_edges(walls).into_iter().map(|ends| ends.map(Vector::from));
     ends.filter(|ends| !is_cut_away(ends, sight)).collect()
 }
 
-/// A side of a triangle: the number of its wall, and its ends, rounded.
+/// Side of a triangle: the number of its wall, and its ends, rounded.
 type Side = (u32, [[i64; 3]; 2]);
 
-/// Ends (m) of the edges of walls: where a surface ends or bends sharply. Walls of spheres have none.
+/// Returns the ends (m) of the edges of walls, at the ends and sharp bends of surfaces. Walls of spheres have none.
 pub(crate) fn wall_edges(walls: &Walls) -> Vec<[[f64; 3]; 2]> {
     let size = walls.points.iter().flatten().fold(0.0_f64, |size, place| size.max(place.abs())).max(1e-12);
-    // Faces of a box share no points, only places.
+    // Faces of a box share no points, only positions.
     let key = |point: &[f64; 3]| point.map(|place| (place / size * 1e6).round() as i64);
     let mut sides: BTreeMap<Side, (Vec<Vector>, [[f64; 3]; 2])> = BTreeMap::new();
     for (triangle, &wall) in walls.triangles.iter().zip(&walls.wall) {
@@ -210,19 +210,19 @@ pub(crate) fn wall_edges(walls: &Walls) -> Vec<[[f64; 3]; 2]> {
     edges.map(|(_, ends)| ends).collect()
 }
 
-/// Content of a picture, next to its [`Style`].
+/// Content of a picture, in addition to its [`Style`].
 #[derive(Clone, Debug, Default)]
 pub struct Content {
-    /// Field that grains are coloured by; [`telling`] chooses one, if absent.
+    /// Field for colouring grains; if absent, chosen by [`telling`].
     pub field: Option<String>,
-    /// Values at the ends of the colour scale, in the field's unit; taken from the frames, if absent.
+    /// Values at the ends of the colour scale, in the field's unit; if absent, from the frames.
     pub range: Option<[f64; 2]>,
     /// Shows grains far from the walls, too.
     pub all_grains: bool,
 }
 
 impl Content {
-    /// Returns the field that grains of a frame are coloured by.
+    /// Returns the field for colouring the grains of a frame.
     pub fn field_of(&self, frame: &RunFrame) -> String {
         self.field.clone().unwrap_or_else(|| telling(frame).into())
     }

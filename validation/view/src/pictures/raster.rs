@@ -1,4 +1,4 @@
-//! Visible surface of each pixel: the foremost grain, or the foremost of the walls that hide what is behind them.
+//! Visible surface of each pixel: the foremost grain, or the foremost opaque wall.
 
 use super::Sight;
 use super::camera::Camera;
@@ -8,13 +8,13 @@ use rayon::prelude::*;
 
 type Vector = Vector3<f64>;
 
-/// Lines of a picture that are filled by one task.
+/// Lines of a picture per task.
 const BAND: usize = 32;
 
 /// Visible surface of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Pixel {
-    /// Distance along the line of sight, m; infinite where there is nothing.
+    /// Distance along the line of sight, m; infinite for the background.
     pub depth: f32,
     /// Unit normal of the surface, towards the viewer.
     pub normal: [f32; 3],
@@ -22,19 +22,19 @@ pub(super) struct Pixel {
     pub what: u32,
 }
 
-/// Stands for a wall in place of a grain.
+/// Grain number of walls.
 pub(super) const WALL: u32 = u32::MAX;
 
 const NOTHING: Pixel = Pixel { depth: f32::INFINITY, normal: [0.0; 3], what: WALL };
 
-/// A picture's pixels, line after line.
+/// Pixels of a picture, line after line.
 pub(super) struct Raster {
     pub width: usize,
     pub height: usize,
     pub pixels: Vec<Pixel>,
 }
 
-/// A triangle on the picture.
+/// Triangle on the picture.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Flat {
     /// Corners: pixels to the right, pixels down, one over the distance.
@@ -45,7 +45,7 @@ pub(super) struct Flat {
     lines: [f64; 2],
 }
 
-/// A grain on the picture.
+/// Grain on the picture.
 struct Disc {
     number: u32,
     centre: Vector,
@@ -54,7 +54,7 @@ struct Disc {
     lines: [f64; 2],
 }
 
-/// Draws grains, and walls that hide what is behind them.
+/// Draws grains and opaque walls.
 pub(super) fn draw(sight: &Sight<'_>, [width, height]: [usize; 2], walls: &[Flat]) -> Raster {
     let discs: Vec<Disc> = discs(sight);
     let mut pixels = vec![NOTHING; width * height];
@@ -75,7 +75,7 @@ pub(super) fn draw(sight: &Sight<'_>, [width, height]: [usize; 2], walls: &[Flat
     Raster { width, height, pixels }
 }
 
-/// Fills a picture in bands of lines side by side: each is told its first line. Once the user has asked to stop, the others stay as they are.
+/// Fills a picture in parallel bands of lines, given their first line. After a stop request of the user, the remaining bands stay unchanged.
 pub(super) fn bands<T: Send>(all: &mut [T], width: usize, fill: impl Fn(usize, &mut [T]) + Sync) {
     all.par_chunks_mut(BAND * width).enumerate().filter(|_| !interrupt::requested()).for_each(|(band, part)| {
         fill(band * BAND, part);
@@ -92,7 +92,7 @@ fn discs(sight: &Sight<'_>) -> Vec<Disc> {
         if depth <= 1.01 * radius || cut_away {
             return None;
         }
-        // Away from the middle a sphere is seen as an ellipse that is a little longer.
+        // Away from the middle, the image of a sphere is a slightly elongated ellipse.
         let reach = 1.15 * camera.pixels(radius, (depth * depth - radius * radius).sqrt()) + 1.0;
         Some(Disc { number, centre, radius, columns: [x - reach, x + reach], lines: [y - reach, y + reach] })
     });
@@ -131,14 +131,14 @@ fn sphere(disc: &Disc, sight: &Sight<'_>, width: usize, first: usize, pixels: &m
     }
 }
 
-/// Whole numbers from `first` on, less it, that lie within bounds, at most `count`.
+/// Returns the whole numbers from `first` within bounds, at most `count`, relative to `first`.
 fn span([low, high]: [f64; 2], first: usize, count: usize) -> std::ops::Range<usize> {
     let place = |at: f64| (at - first as f64).clamp(0.0, count as f64);
     place(low.floor()) as usize..place(high.ceil()) as usize
 }
 
 impl Flat {
-    /// A triangle (m) on the picture; none if it is not all in front of the eye.
+    /// Projects a triangle (m) onto the picture; `None` unless all of it is in front of the eye.
     pub fn of(corners: [Vector; 3], camera: &Camera) -> Option<Flat> {
         let placed = corners.map(|corner| camera.project(&corner.into()));
         if placed.iter().any(|[_, _, depth]| *depth <= 1e-9) {
@@ -157,7 +157,7 @@ impl Flat {
         })
     }
 
-    /// Ends of what a line crosses of it, a pixel wider on either side: long triangles are thin.
+    /// Returns the ends of a line's part inside the triangle, one pixel wider on either side: long triangles are thin.
     fn columns(&self, y: f64) -> [f64; 2] {
         let [a, b, c] = self.corners;
         let crossings = [(a, b), (b, c), (c, a)].into_iter().filter_map(|(from, to)| {
@@ -168,7 +168,7 @@ impl Flat {
         crossings.fold(ends, |ends, at| [ends[0].min(at - 1.0), ends[1].max(at + 1.0)])
     }
 
-    /// Visits its pixels within some lines, with their places from the first line on and their distances.
+    /// Calls a function for the pixels within some lines, with their positions from the first line and their distances.
     pub fn each_pixel(&self, width: usize, first: usize, lines: usize, mut visit: impl FnMut(usize, f64)) {
         let [a, b, c] = self.corners;
         let area = (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]);
@@ -181,7 +181,7 @@ impl Flat {
                 let x = column as f64 + 0.5;
                 let share = |p: [f64; 3], q: [f64; 3]| ((p[0] - x) * (q[1] - y) - (q[0] - x) * (p[1] - y)) / area;
                 let (u, v, w) = (share(b, c), share(c, a), share(a, b));
-                // A corner that belongs to two triangles must not be drawn twice.
+                // A corner common to two triangles must not be drawn twice.
                 let inside = |share: f64, p: [f64; 3], q: [f64; 3]| {
                     share > 0.0 || (share == 0.0 && (q[1] - p[1], p[0] - q[0]) > (0.0, 0.0))
                 };

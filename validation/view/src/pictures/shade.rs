@@ -1,4 +1,4 @@
-//! From what is seen to colours: light, ambient occlusion, walls of glass, edges.
+//! Shading of visible surfaces: light, ambient occlusion, glass walls, edges.
 
 use super::camera::Camera;
 use super::raster::{Flat, Raster, WALL, bands};
@@ -7,23 +7,23 @@ use std::f64::consts::TAU;
 
 type Vector = Vector3<f64>;
 
-/// Colour as shares of red, green and blue.
+/// Fractions of red, green and blue.
 pub(super) type Colour = [f32; 3];
 
 pub(super) const PAPER: Colour = [1.0, 1.0, 1.0];
 
-/// Walls that hide what is behind them.
+/// Colour of opaque walls.
 const STONE: Colour = [0.66, 0.65, 0.63];
 
-/// Walls that are looked through, and how much of what is behind them they take away: in front of grains, and in front of nothing.
+/// Colour of transparent walls, and their opacity: in front of grains, and in front of the background.
 const GLASS: Colour = [0.50, 0.57, 0.64];
 const VEIL: [f32; 2] = [0.07, 0.17];
 
-/// Edges of walls, and how much they take away.
+/// Colour of the edges of walls, and their opacity.
 const EDGE: Colour = [0.25, 0.29, 0.34];
 const EDGE_VEIL: f32 = 0.75;
 
-/// Places about a pixel that may hide it from the sky.
+/// Number of sampling points about a pixel for ambient occlusion.
 const NEIGHBOURS: usize = 14;
 
 /// Pixels to shade.
@@ -32,13 +32,13 @@ pub(super) struct Surface<'a> {
     pub camera: &'a Camera,
     /// Colour of each grain.
     pub colours: &'a [Colour],
-    /// Distance within which surfaces hide each other from the sky, m.
+    /// Range of ambient occlusion, m.
     pub reach: f64,
-    /// [`places`].
+    /// Sampling points of [`places`].
     pub places: [[f64; 2]; NEIGHBOURS],
 }
 
-/// Places about a pixel at which it is seen what hides it, over how far that is looked for: on a spiral.
+/// Returns the sampling points for ambient occlusion about a pixel, over its range: on a spiral.
 pub(super) fn places() -> [[f64; 2]; NEIGHBOURS] {
     std::array::from_fn(|number| {
         let share = (number as f64 + 0.5) / NEIGHBOURS as f64;
@@ -48,7 +48,7 @@ pub(super) fn places() -> [[f64; 2]; NEIGHBOURS] {
 }
 
 impl Surface<'_> {
-    /// The colours of all pixels without walls that are looked through.
+    /// Returns the colours of all pixels without transparent walls.
     pub fn colours(&self) -> Vec<Colour> {
         let width = self.raster.width;
         let mut colours = vec![PAPER; self.raster.pixels.len()];
@@ -65,7 +65,7 @@ impl Surface<'_> {
         colours
     }
 
-    /// The point that a pixel shows, as the camera has it, m.
+    /// Returns the point that a pixel shows, in camera coordinates, m.
     fn point(&self, column: usize, line: usize, depth: f64) -> [f64; 3] {
         self.camera.seen_at(column as f64 + 0.5, line as f64 + 0.5, depth)
     }
@@ -76,7 +76,7 @@ impl Surface<'_> {
         let normal = Vector::from(pixel.normal.map(f64::from));
         let light = self.camera.light();
         let towards = -self.camera.ray(column as f64 + 0.5, line as f64 + 0.5).normalize();
-        // Light that wraps around leaves no side black.
+        // Wrap-around lighting leaves no side black.
         let lambert = (0.5 * normal.dot(&light) + 0.5).powi(2);
         let half = (light + towards).normalize();
         let gloss = 0.16 * normal.dot(&half).max(0.0).powi(40);
@@ -86,13 +86,13 @@ impl Surface<'_> {
         base.map(|share| (f64::from(share) * bright + gloss * open).clamp(0.0, 1.0) as f32)
     }
 
-    /// Share of the sky that a pixel sees, from what stands before it nearby: M. McGuire, B. Osman, M. Bukowski and P. Hennessy, The
+    /// Returns the unoccluded fraction of the sky at a pixel, from nearby surfaces: M. McGuire, B. Osman, M. Bukowski and P. Hennessy, The
     /// Alchemy screen-space ambient obscurance algorithm, High Performance Graphics 2011, 25-32.
     fn openness(&self, column: usize, line: usize, normal: &Vector) -> f64 {
         let depth = f64::from(self.raster.pixels[line * self.raster.width + column].depth);
         let (here, normal) = (self.point(column, line, depth), self.camera.turned(normal));
         let radius = self.camera.pixels(self.reach, depth).clamp(3.0, 160.0);
-        // Each pixel turns the places by its own angle, so that they do not show.
+        // Each pixel rotates the sampling points by its own angle, which hides their pattern.
         let turn = TAU * fraction(52.982_918_9 * fraction(0.067_110_56 * column as f64 + 0.005_837_15 * line as f64));
         let (sine, cosine) = turn.sin_cos();
         let mut hidden = 0.0;
@@ -103,7 +103,7 @@ impl Surface<'_> {
                 continue;
             }
             let (x, y) = (x as usize, y as usize);
-            // What is too far away along the line of sight alone hides nothing, nor does paper, which is infinitely far.
+            // Surfaces too far away along the line of sight do not occlude, nor does the background, which is infinitely far.
             let there = f64::from(self.raster.pixels[y * self.raster.width + x].depth);
             if (there - depth).abs() >= self.reach {
                 continue;
@@ -126,7 +126,7 @@ fn fraction(value: f64) -> f64 {
     value - value.floor()
 }
 
-/// Draws walls that are looked through over what there is. All have one colour, so that their order does not matter.
+/// Draws transparent walls over the picture. All have one colour, so their order does not matter.
 pub(super) fn glaze(colours: &mut [Colour], raster: &Raster, camera: &Camera, walls: &[Flat]) {
     let width = raster.width;
     bands(colours, width, |first, colours| {
@@ -137,7 +137,7 @@ pub(super) fn glaze(colours: &mut [Colour], raster: &Raster, camera: &Camera, wa
                     return;
                 }
                 let ray = camera.ray((place % width) as f64, (first + place / width) as f64).normalize();
-                // Glass that is looked along takes more away.
+                // Glass at grazing incidence is more opaque.
                 let grazing = (1.0 - flat.normal.dot(&ray).abs()).powi(3) as f32;
                 let veil = if behind.is_finite() { VEIL[0] } else { VEIL[1] };
                 blend(&mut colours[place], GLASS, veil * (1.0 + 1.6 * grazing));
@@ -152,7 +152,7 @@ pub(super) fn blend(colour: &mut Colour, over: Colour, share: f32) {
     }
 }
 
-/// Draws lines between points (m), as wide as so many pixels, where nothing hides them.
+/// Draws the visible parts of lines between points (m), at a width in pixels.
 pub(super) fn edges(colours: &mut [Colour], raster: &Raster, camera: &Camera, edges: &[[Vector; 2]], wide: f64) {
     let mut covered = vec![0.0_f32; colours.len()];
     for [from, to] in edges {
@@ -174,7 +174,7 @@ fn line(covered: &mut [f32], raster: &Raster, [from, to]: [[f64; 3]; 2], wide: f
     for step in 0..=steps as u64 {
         let share = if steps > 0.0 { step as f64 / steps } else { 0.0 };
         let (x, y) = (from[0] + share * way[0], from[1] + share * way[1]);
-        // One over the distance is linear on a picture.
+        // The inverse distance is linear on a picture.
         let depth = 1.0 / (1.0 / from[2] * (1.0 - share) + 1.0 / to[2] * share);
         for line in (y as i64 - reach)..=(y as i64 + reach) {
             for column in (x as i64 - reach)..=(x as i64 + reach) {

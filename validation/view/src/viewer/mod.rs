@@ -1,4 +1,4 @@
-//! A run as one HTML file: grains as spheres drawn by WebGL 2, walls, force chains, time. It needs no network.
+//! Run as one HTML file: grains as spheres drawn by WebGL 2, walls, force chains, time. The file needs no network.
 //!
 //! ```text
 //! RunFrames ─> payload (quantised, zlib, base64) ─> page.html + page.css + shaders.js + page.js + controls.js ─> one file
@@ -25,13 +25,13 @@ const SCRIPTS: [&str; 3] = [include_str!("shaders.js"), include_str!("page.js"),
 /// Level of zlib for the payload.
 const LEVEL: u32 = 4;
 
-/// Error of a page.
+/// Error during the writing of a page.
 #[derive(Debug, thiserror::Error)]
 pub enum ViewerError {
-    /// The frames cannot be read.
+    /// Unreadable frames.
     #[error(transparent)]
     Frames(#[from] RunFolderError),
-    /// The system refuses.
+    /// Error of the system.
     #[error(transparent)]
     Write(#[from] WriteError),
 }
@@ -43,11 +43,11 @@ pub struct Page {
     pub frames: usize,
     /// Size of the file, bytes.
     pub bytes: usize,
-    /// Note on content that was left out; empty if all is there.
+    /// Note on omitted content; empty if complete.
     pub note: String,
 }
 
-/// Writes the page of a run. `progress` is told the share that is done.
+/// Writes the page of a run. `progress` receives the fraction done.
 ///
 /// # Errors
 /// [`ViewerError`] if a frame cannot be read, or the system refuses.
@@ -61,7 +61,7 @@ pub fn write(path: &Path, run: &RunFrames, wishes: &Wishes, progress: &dyn Fn(f6
     let size = format!("{:.1} MB", packed.len().div_ceil(3) as f64 * 4e-6);
     let page = PAGE.replace("{{style}}", STYLE).replace("{{script}}", &SCRIPTS.concat()).replace("{{size}}", &size);
     let (before, after) = page.split_once("{{payload}}").expect("page.html has a place for it");
-    // Last, so that no title is searched for places of its own.
+    // Last, so that placeholders in a title are not replaced.
     let mut text = before.replace("{{title}}", &escape(run.scene()));
     STANDARD.encode_string(&packed, &mut text);
     text += after;

@@ -1,4 +1,4 @@
-//! Payload of a page: a head with the places of all arrays, and the arrays.
+//! Payload of a page: a head with the offsets of all arrays, and the arrays.
 //!
 //! ```text
 //! bytes of the head (u32), head (JSON), padding to 8 bytes, arrays (little endian), each from a multiple of 8 on
@@ -21,23 +21,23 @@ use std::collections::HashSet;
 /// Largest number of 16 bits.
 const FULL: f64 = 65_535.0;
 
-/// Share of the contacts that bear more than the force at the end of the scale.
+/// Fraction of the contacts with forces beyond the end of the scale.
 const STRONGEST: f64 = 0.005;
 
-/// Frames per second at which time runs.
+/// Playback rate, frames per second.
 const RATE: f64 = 20.0;
 
-/// Fields that do not change.
+/// Fields constant over time.
 const CONSTANT: [&str; 4] = ["diameter", "mass", "material", "population"];
 
 /// Options of a page.
 #[derive(Clone, Debug)]
 pub struct Wishes {
-    /// The fields that change by which grains can be coloured, the first one at once.
+    /// Time-dependent fields for colouring grains, the first one selected initially.
     pub fields: Vec<String>,
-    /// Each so many frames; as many as fit, if absent.
+    /// Interval of the shown frames; if absent, the smallest that fits.
     pub every: Option<usize>,
-    /// Most bytes of the payload before compression.
+    /// Size limit of the payload before compression, bytes.
     pub most_bytes: f64,
     /// True if force chains are shown.
     pub contacts: bool,
@@ -45,10 +45,10 @@ pub struct Wishes {
     pub all_grains: bool,
 }
 
-/// Fields that can be chosen on the page next to the one that is shown at once, where none are requested.
+/// Additional fields on the page, if none are requested.
 const BESIDE: [&str; 2] = ["speed", "pressure"];
 
-/// Returns the fields by which grains can be coloured: the requested ones, or those that tell most of a frame. None is there twice.
+/// Returns the fields for colouring grains: the requested ones, or the most informative ones. None is listed twice.
 pub fn fields_of(frame: &RunFrame, requested: Option<&[String]>) -> Vec<String> {
     let mut fields = requested.map_or_else(|| vec![telling(frame).to_string()], <[String]>::to_vec);
     if requested.is_none() {
@@ -68,18 +68,18 @@ pub struct Payload {
     pub bytes: Vec<u8>,
     /// Number of frames.
     pub frames: usize,
-    /// Note on content that was left out; empty if all is there.
+    /// Note on omitted content; empty if complete.
     pub note: String,
 }
 
-/// The arrays behind the head.
+/// Arrays after the head.
 #[derive(Default)]
 struct Arrays {
     bytes: Vec<u8>,
 }
 
 impl Arrays {
-    /// Adds numbers; where they lie and how many there are.
+    /// Adds numbers; returns their offset and count.
     fn add<const SIZE: usize>(&mut self, numbers: impl Iterator<Item = [u8; SIZE]>) -> Value {
         self.bytes.resize(self.bytes.len().next_multiple_of(8), 0);
         let offset = self.bytes.len();
@@ -101,14 +101,14 @@ impl Arrays {
 struct Survey {
     low: [f64; 3],
     span: [f64; 3],
-    /// Least and largest value of each field that changes.
+    /// Smallest and largest value of each time-dependent field.
     ranges: Vec<[f64; 2]>,
     /// Values of some frames, for the ends of the colour scale.
     samples: Vec<Vec<f64>>,
     grains: usize,
 }
 
-/// Reads the frames of a run and puts what is shown of them together. `progress` is told the share that is done.
+/// Reads the frames of a run and assembles their shown content. `progress` receives the fraction done.
 ///
 /// # Errors
 /// [`RunFolderError`] if a frame cannot be read or has none of the fields.
@@ -116,7 +116,7 @@ pub fn payload(run: &RunFrames, wishes: &Wishes, progress: &dyn Fn(f64)) -> Resu
     let last = run.read(run.count() - 1)?;
     let asked: Vec<String> = wishes.fields.iter().map(|name| name.replace('-', "_")).collect();
     asked.iter().try_for_each(|field| run.field(&last, field).map(|_| ()))?;
-    // What does not change is there without being asked for.
+    // Constant fields are always included.
     let fields: Vec<String> = asked.iter().filter(|name| !CONSTANT.contains(&name.as_str())).cloned().collect();
     let (numbers, contacts, note) = choose(run, &last, wishes, fields.len());
     let survey = survey(run, &numbers, &fields, contacts, &|share| progress(0.5 * share))?;
@@ -200,9 +200,9 @@ pub fn payload(run: &RunFrames, wishes: &Wishes, progress: &dyn Fn(f64)) -> Resu
     Ok(Payload { bytes: assemble(head, &arrays.bytes), frames: numbers.len(), note })
 }
 
-/// Head and arrays in one.
+/// Joins head and arrays.
 fn assemble(mut head: Value, arrays: &[u8]) -> Vec<u8> {
-    // Where the arrays begin stands in the head, as long as any such number.
+    // The head states the start of the arrays; the number has a fixed length.
     head["start"] = json!(0);
     let length = head.to_string().len() + 16;
     let start = (4 + length).next_multiple_of(8);
@@ -216,10 +216,10 @@ fn assemble(mut head: Value, arrays: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// The head and the arrays of a payload.
+/// Splits a payload into the head and the arrays.
 ///
 /// # Errors
-/// What is wrong with it.
+/// Message about the invalid payload.
 pub fn unpack(bytes: &[u8]) -> Result<(Value, &[u8]), String> {
     let length = bytes.first_chunk().map(|bytes| u32::from_le_bytes(*bytes) as usize).ok_or("it is empty")?;
     let head: Value = serde_json::from_slice(bytes.get(4..4 + length).ok_or("its head is cut off")?)
@@ -228,7 +228,7 @@ pub fn unpack(bytes: &[u8]) -> Result<(Value, &[u8]), String> {
     Ok((head, bytes.get(start..).ok_or("it has no arrays")?))
 }
 
-/// Which frames are shown, whether contacts are, and what was left out.
+/// Chooses the shown frames and whether to show contacts, and returns a note on omitted content.
 fn choose(run: &RunFrames, last: &RunFrame, wishes: &Wishes, fields: usize) -> (Vec<usize>, bool, String) {
     let grains = last.grains.radii.len() as f64 * (6 + 2 * fields.max(1)) as f64;
     let strong = last.contacts.as_ref().map_or(0.0, |lines| 0.5 * 14.0 * lines.len() as f64);
@@ -247,7 +247,7 @@ fn choose(run: &RunFrames, last: &RunFrame, wishes: &Wishes, fields: usize) -> (
     if every > 1 {
         note.push(format!("One frame in {every} is shown."));
     }
-    // The last frame is always there.
+    // The last frame is always included.
     let mut numbers: Vec<usize> = (0..run.count()).rev().step_by(every).collect();
     numbers.reverse();
     (numbers, contacts, note.join(" "))
@@ -303,20 +303,20 @@ fn survey(
 }
 
 impl Survey {
-    /// A place over the box of all frames.
+    /// Returns a position over the box of all frames.
     fn place(&self, position: &[f64; 3]) -> [u16; 3] {
         std::array::from_fn(|axis| share(position[axis], [self.low[axis], self.low[axis] + self.span[axis]]))
     }
 }
 
-/// Contacts that are parts of chains: those that bear at least the mean force of their frame (F. Radjai, D. E. Wolf, M. Jean and
+/// Returns the contacts of force chains: those with at least the mean force of their frame (F. Radjai, D. E. Wolf, M. Jean and
 /// J.-J. Moreau, Bimodal character of stress transmission in granular packings, Physical Review Letters 80 (1998), 61-64).
 fn strong(lines: &[ContactLine]) -> impl Iterator<Item = &ContactLine> {
     let mean = lines.iter().map(|line| line.normal_force).sum::<f64>() / lines.len().max(1) as f64;
     lines.iter().filter(move |line| line.normal_force >= mean && line.normal_force > 0.0)
 }
 
-/// The force that hardly any contact of a frame exceeds, N.
+/// Returns a force that nearly all contacts of a frame stay below, N.
 fn strongest(lines: &[ContactLine]) -> f64 {
     let mut sorted: Vec<f64> = lines.iter().map(|line| line.normal_force).collect();
     sorted.sort_by(f64::total_cmp);
@@ -324,7 +324,7 @@ fn strongest(lines: &[ContactLine]) -> f64 {
     sorted.get(place.min(sorted.len().saturating_sub(1))).copied().filter(|force| *force > 0.0).unwrap_or(1.0)
 }
 
-/// Returns the place of a value in a range, in 16 bits.
+/// Returns the relative position of a value in a range, in 16 bits.
 fn share(value: f64, [low, high]: [f64; 2]) -> u16 {
     let share = (value - low) / (high - low);
     if share.is_finite() { (FULL * share.clamp(0.0, 1.0)).round() as u16 } else { 0 }
@@ -341,7 +341,7 @@ fn range_of(values: &[f64]) -> [f64; 2] {
     }
 }
 
-/// A field as the page lists it: its name, its unit, the ends of its range and of its colour scale, ticks.
+/// Returns the page's entry of a field: its name, its unit, the ends of its range and of its colour scale, ticks.
 fn field(quantity: &Quantity, samples: &[f64], range: [f64; 2], mut listed: Value) -> Value {
     listed["title"] = json!(quantity.title);
     listed["range"] = json!(range);
