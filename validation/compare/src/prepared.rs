@@ -44,7 +44,7 @@ pub enum Start {
     Prepared(PathBuf),
 }
 
-/// Identity of the state of a run. It comes first in a file and its layout never changes, so that every build can read it.
+/// Identity of the state of a run. The label comes first in a file and its layout never changes, so that every build can read it.
 #[derive(Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Label {
     /// [`BUILD`] of the program that stored the state.

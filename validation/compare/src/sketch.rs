@@ -56,7 +56,7 @@ impl Sketch {
         self.with(|scene| scene.material.values_mut().for_each(change))
     }
 
-    /// Adds a material, a copy of "grain" that is then changed.
+    /// Adds a material, a changed copy of "grain".
     pub fn material(self, name: &str, change: impl FnOnce(&mut Material)) -> Sketch {
         self.with(|scene| {
             let mut material = scene.material["grain"].clone();
@@ -126,7 +126,7 @@ impl Sketch {
         self.plane([0.0; 3], [0.0, 0.0, 1.0])
     }
 
-    /// Adds a box whose top is open.
+    /// Adds a box with an open top.
     pub fn open_box(self, min: [f64; 3], max: [f64; 3]) -> Sketch {
         self.wall(Shape::Box { min, max, open: vec!["+z".into()] })
     }

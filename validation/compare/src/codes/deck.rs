@@ -20,7 +20,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 /// Effects that the decks of both codes express; a scene with any other effect is refused. Three effects of LIGGGHTS differ from the scene's:
-/// its servo wall has a controller instead of a mass, the attraction of its cohesion scales with the area of the overlap, and its twisting
+/// its servo wall has a controller instead of a mass; the attraction of its cohesion scales with the area of the overlap; its twisting
 /// resistance is tied to the rolling one.
 pub(super) const HAS: [&Effect; 10] = [
     &GRAVITY,
@@ -35,7 +35,7 @@ pub(super) const HAS: [&Effect; 10] = [
     &ROLLING,
 ];
 
-/// Skin of the neighbour list over the smallest radius; it affects speed alone. With the second value packing, drum and heap are fastest,
+/// Skin of the neighbour list over the smallest radius, which affects speed alone. With the second value packing, drum and heap are fastest,
 /// within 3%.
 const SKIN: f64 = 0.25;
 const FASTEST_SKIN: f64 = 0.5;

@@ -1,8 +1,8 @@
 //! Input of reference codes: the run as steps, numbered materials, walls as native surfaces of the codes, meshes.
 //!
 //! In codes that have them, planes across a coordinate axis and cylinders along one are endless. So a wall becomes one only where no grain can
-//! reach the part that the scene's wall lacks: a plane has no end, the faces of a box have none for grains inside, and a cylinder has
-//! none for grains between two lids that close it, nor has such a lid.
+//! reach the part that the scene's wall lacks. A plane has no end. The faces of a box have none for grains inside. A cylinder and its
+//! two lids have none for grains between the lids if these close the cylinder.
 
 use super::Job;
 use makadam::scene::{ContactCoefficients, Grain, Motion, Shape, Wall};

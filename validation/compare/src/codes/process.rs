@@ -1,7 +1,7 @@
 //! A code as a child process: started in its own group, watched, stopped as a group; the core fraction that it got.
 //!
-//! On a busy machine wall time depends on other processes. The time of a run is the processor time of its stepping on one core, for every code:
-//! the wall time of the stepping, without set-up and output, times the fraction of a core that the run got.
+//! On a busy machine wall time depends on other processes. The time of a run is the processor time of its stepping on one core, for every code.
+//! It is the wall time of the stepping, without set-up and output, times the fraction of a core that the run got.
 
 use super::CodeError;
 use makadam_frames::output::shown;
@@ -71,7 +71,7 @@ pub(super) fn variable_of(code: &str) -> String {
     format!("MAKADAM_{code}")
 }
 
-/// Reason for which a code's program is missing, and the remedy.
+/// Reason why a code's program is missing, and the remedy.
 pub fn absent(code: &str) -> String {
     let variable = variable_of(code);
     match std::env::var_os(&variable) {
@@ -204,8 +204,8 @@ pub(super) fn io(path: &Path, source: std::io::Error) -> CodeError {
     CodeError::Io { path: path.display().to_string(), source }
 }
 
-/// Returns a command that is killed if this program dies without warning, and that prints line by line; without `setpriv` and `stdbuf`
-/// it is a plain command.
+/// Returns a command that is killed if this program dies without warning, and that prints line by line. Without `setpriv` and `stdbuf`
+/// the command is a plain one.
 fn tied(program: &Path) -> Command {
     // Line by line: buffered output is lost when a program aborts, and with it the cause.
     let helpers = [("setpriv", &["--pdeathsig", "KILL", "--"][..]), ("stdbuf", &["--output=L"][..])];
@@ -222,7 +222,7 @@ fn tied(program: &Path) -> Command {
     command
 }
 
-/// Returns the file of a program: itself if it is a path, else the first match on PATH.
+/// Returns the file of a program: the path itself if `program` is one, else the first match on PATH.
 pub(super) fn locate(program: &OsStr) -> Option<PathBuf> {
     let as_path = Path::new(program);
     if as_path.components().count() > 1 {

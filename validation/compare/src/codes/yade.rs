@@ -37,7 +37,7 @@ pub(super) const HAS: [&Effect; 12] = [
 ];
 const DRIVER: &str = include_str!("yade_driver.py");
 
-/// Cutoff of YADE's candidate list over the smallest radius; it affects speed alone. With the second value packing and drum are
+/// Cutoff of YADE's candidate list over the smallest radius, which affects speed alone. With the second value packing and drum are
 /// fastest.
 const VERLET_DISTANCE: f64 = 0.2;
 const FASTEST_VERLET_DISTANCE: f64 = 0.3;
@@ -178,7 +178,7 @@ fn version_in(words: &str) -> Option<&str> {
 }
 
 /// Cohesion in YADE's terms: an attraction of `4 pi gamma R*` during contact (Derjaguin, Muller & Toporov), which is the pull-off force
-/// `3/2 pi w R*` for `gamma = 3 w / 8`: one number for all contacts, without a range.
+/// `3/2 pi w R*` for `gamma = 3 w / 8`. The value is one number for all contacts, without a range.
 fn surface_energy(palette: &Palette<'_>) -> Result<Option<f64>, String> {
     let mut all = palette.pairs().map(|(_, _, pair)| pair.cohesion);
     match all.next().flatten() {

@@ -6,8 +6,8 @@
 //! radius, so the mean radius there is 1.5 R and the effective one is R. (A `hertzian` facet has an infinite radius, which
 //! would lock rolling; without it contacts with facets have sqrt(2/3) of the stiffness of a flat wall.)
 //!
-//! Where the normal force is zero, as at the end of a damped impact, YADE treats a cap of zero as no cap, and the spring continues to turn:
-//! a grain that hits another at 1 m/s with a spin of 50 rad/s loses twice the amount that the cap allows. Permanent contacts are not
+//! Where the normal force is zero, as at the end of a damped impact, YADE treats a cap of zero as no cap, and the spring continues to turn.
+//! A grain that hits another at 1 m/s with a spin of 50 rad/s loses twice the amount that the cap allows. Permanent contacts are not
 //! affected.
 //!
 //! `eta` is one number for all contacts. So `eta = mu_r/2` holds for grains, and at walls only if their coefficient is three quarters

@@ -1,7 +1,7 @@
 //! From runs to rows: means, differences, verdicts, live runs against the recorded spread.
 //!
 //! The error probability of an interval holds for one test of the runs. Adding seeds until the interval lies inside the margin errs more
-//! often: with tests at 8, 12, 16, 24, 32 and 48 seeds, 8% of differences as large as the margin pass a test of 2.5%. So
+//! often. With tests at 8, 12, 16, 24, 32 and 48 seeds, 8% of differences as large as the margin pass a test of 2.5%. So
 //! the number of seeds is part of the scene (`measure.seeds`), and runs of any other number are exploratory.
 
 use super::comparison::{MAKADAM, at_odds};
@@ -236,7 +236,7 @@ impl<'a> Settled<'a> {
         })
     }
 
-    /// Seeds that are excluded, as a sentence; `None` where there are none.
+    /// Excluded seeds, as a sentence; `None` where there are none.
     pub fn note(&self, code: &str) -> Option<String> {
         let seeds: Vec<String> = self.moving.iter().map(u64::to_string).collect();
         (!seeds.is_empty()).then(|| {

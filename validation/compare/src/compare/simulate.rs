@@ -142,7 +142,7 @@ impl Runs<'_> {
         }
         let progress = (self.announce)(&format!("{} {} seed {seed}", scene.name, code.name()));
         let ended = code.simulate(&job(&*progress));
-        // The files of an interrupted run are of no use; those of a failed run are.
+        // The files of an interrupted run are removed; those of a failed run are not.
         if ended.as_ref().is_err_and(CodeError::is_interruption) {
             let _ = std::fs::remove_dir_all(&work_folder);
         }
@@ -196,7 +196,7 @@ impl Runs<'_> {
         Key::of_run(name, &scene, seed, &settings.each_ref().map(String::as_str)).apart()
     }
 
-    /// Times the code on one seed by a run for timing, alone on the machine, unless that is stored. Where its frames lack content, a run for
+    /// Times the code on one seed by a run for timing, alone on the machine, unless a time is stored. Where its frames lack content, a run for
     /// measuring supplies the measurements.
     ///
     /// # Errors

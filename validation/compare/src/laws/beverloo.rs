@@ -1,7 +1,7 @@
 //! Outflow from a silo: mass flow of grains through a round hole in its flat floor.
 //!
-//! The mass flow does not depend on the filling, and goes as `W = C rho_b sqrt(g) (D - k d)^(5/2)` with the hole's diameter `D`:
-//! grains fall freely from an arch of the hole's width, and their centres stay at a distance from its rim.
+//! The mass flow does not depend on the filling, and goes as `W = C rho_b sqrt(g) (D - k d)^(5/2)` with the hole's diameter `D`.
+//! Grains fall freely from an arch of the hole's width, and their centres stay at a distance from its rim.
 
 use super::campaign::values;
 use super::results::line;
@@ -21,7 +21,7 @@ const FRICTION: f64 = 0.5;
 const SILO: [f64; 2] = [2.5, 20.0];
 /// Filling at the start, and the minimum while the flow is measured, over the silo's diameter.
 const FILLING: [f64; 2] = [1.6, 1.2];
-/// Time from the opening until the flow is steady, and longest time for which it is measured, s.
+/// Time from the opening until the flow is steady, and longest time of measurement, s.
 const TIMES: [f64; 2] = [0.3, 1.2];
 /// Time between two measured frames, s.
 const INTERVAL: f64 = 0.02;

@@ -1,7 +1,7 @@
 //! Weight of grains in a tube: the part that the floor carries.
 //!
 //! Grains fill a tube on a floor. In the experiments a slowly sinking piston mobilises friction at the wall, here a slowly rising
-//! wall does. The floor then carries the apparent mass `M_a = M_s (1 - exp(-M/M_s))` of the filled mass `M`. It
+//! wall does. The floor then carries the apparent mass `M_a = M_s (1 - exp(-M/M_s))` of the filled mass `M`. This mass
 //! saturates at `M_s = rho_b pi R^3 / (2 K mu_w)`, with the bulk density, the tube's radius, the ratio `K` of horizontal to
 //! vertical stress and the friction at the wall.
 

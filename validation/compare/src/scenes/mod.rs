@@ -1,6 +1,6 @@
 //! Sources of scenes: files, or the reference scenes inside the program.
 //!
-//! A folder `reference-scenes` in the current folder or above takes precedence over the program's own scenes. These are the scenes and their
+//! A folder `reference-scenes` in the current folder or above takes precedence over the program's own scenes. The latter are the scenes and their
 //! recorded references at the time of the build; no path of the build machine is read.
 
 mod change;
@@ -168,7 +168,7 @@ type Held = (&'static str, &'static [u8]);
 
 include!(concat!(env!("OUT_DIR"), "/scenes.rs"));
 
-/// Texts given at the start, by paths without a file; each with the file of which it is a change.
+/// Texts given at the start, by paths without a file; each with the file of the original scene.
 static GIVEN: Mutex<BTreeMap<PathBuf, (String, Option<PathBuf>)>> = Mutex::new(BTreeMap::new());
 
 /// Names of the program's own scenes.

@@ -138,7 +138,7 @@ fn description(schema: &Map<String, Value>) -> String {
     without_links(&text.split_whitespace().collect::<Vec<_>>().join(" ")).replace('|', "\\|")
 }
 
-/// Replaces links to items of the library by their text: they have no target outside it.
+/// Replaces links to items of the library by their text: the links have no target outside it.
 fn without_links(text: &str) -> String {
     let mut plain = String::new();
     let mut rest = text;

@@ -190,7 +190,7 @@ impl RunCache {
         sealed.kept.map(Some).map_err(RunError::Invalid)
     }
 
-    /// Stores a run. JSON has no number that is not finite: a run with such a number is not stored, and the next start repeats it.
+    /// Stores a run. JSON represents only finite numbers: a run with another number is not stored, and the next start repeats it.
     ///
     /// # Errors
     /// [`WriteError`] if the system refuses.

@@ -171,7 +171,7 @@ pub struct Finding {
     pub high: Option<f64>,
 }
 
-/// Reads a value that may be `null`: JSON has no number that is not finite.
+/// Reads a value that may be `null`: JSON represents only finite numbers.
 fn or_nan<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
     Ok(Option::deserialize(deserializer)?.unwrap_or(f64::NAN))
 }
@@ -203,7 +203,7 @@ impl Finding {
         Finding { unit: unit.into(), ..self }
     }
 
-    /// Returns true within the bounds; false for a value that is not a number.
+    /// Returns true within the bounds; false for NaN.
     pub fn holds(&self) -> bool {
         !self.value.is_nan()
             && self.low.is_none_or(|low| self.value >= low)

@@ -142,7 +142,7 @@ impl Table {
         self
     }
 
-    /// Adds a group of rows, the first of which begins with its name.
+    /// Adds a group of rows; the first one begins with the group's name.
     pub fn group<T>(&mut self, name: &str, items: impl IntoIterator<Item = T>, cells: impl Fn(T) -> Vec<Cell>) {
         for (place, item) in items.into_iter().enumerate() {
             let name = if place == 0 { name } else { "" };

@@ -27,7 +27,7 @@ use std::time::{Duration, Instant};
 use studies::{Part, Place};
 pub use tier::{Ablated, Extent, Study, Tier};
 
-/// Seed of the live runs. It is never recorded: a value always lies within a set that contains it.
+/// Seed of the live runs. This seed is never recorded: a value always lies within a set that contains it.
 const LIVE_SEED: u64 = 1001;
 
 /// Settings of a qualification.

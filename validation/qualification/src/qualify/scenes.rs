@@ -134,7 +134,7 @@ impl Case {
         harvests.sort_by_key(|harvest| harvest.run.seed);
         let own = CodeRuns::live("Makadam", threads, harvests);
         let codes: Vec<CodeRuns> = std::iter::once(own).chain(self.recorded).collect();
-        // The table of tiers is what a qualification registers. The scene of the runs remains that of its file, which identifies them in the cache.
+        // A qualification registers the table of tiers. The scene of the runs remains that of its file, which identifies them in the cache.
         let mut registered = self.scene;
         registered.measure.seeds = Some(self.seeds);
         let mut comparison = comparison(&registered, &codes, self.notes);

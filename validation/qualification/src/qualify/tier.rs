@@ -46,7 +46,7 @@ pub enum Study {
     Tradeoff(&'static [(&'static str, u64)]),
 }
 
-/// Scene with each of its effects off, or on.
+/// Scene with each of its effects off or on.
 #[derive(Clone, Copy, Debug)]
 pub struct Ablated {
     /// Scene.

@@ -36,7 +36,7 @@ pub struct Test {
     /// Margin of equivalence, in the unit of the observable.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub margin: Option<f64>,
-    /// Runs of the code under test and of the reference code, those that are excluded because they are not at rest included.
+    /// Runs of the code under test and of the reference code, including those excluded because they are not at rest.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub runs: Option<[usize; 2]>,
     /// Hash of the scene as given to every code, 16 hexadecimal digits.

@@ -1,4 +1,4 @@
-//! Figures 5.1 to 5.6 of the thesis: wall time per step and speed-up against threads, in pairs, for the schedulers on this machine, on
+//! Figures 5.1 to 5.6 of the thesis: wall time per step and speed-up against threads, in pairs. Curves for schedulers on this machine, on
 //! the model of the thesis's machine, and for the instruction sets. Points are measured, lines replayed.
 
 use super::replay::{Machine, ReplayedRow};

@@ -12,7 +12,7 @@ use makadam_measure::statistics::median;
 use serde::Serialize;
 use std::time::Instant;
 
-/// Steps before the timed ones: they fill caches and buffers.
+/// Steps before the timed ones, which fill caches and buffers.
 pub(super) const WARM_UP: u64 = 3;
 
 /// Configurations, steps and repetitions of a measurement.

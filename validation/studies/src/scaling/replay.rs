@@ -1,5 +1,5 @@
-//! Replay: duration of traced steps on P cores of a modelled machine, from the assignment of tasks to workers over time; and the costs of
-//! scheduling, measured apart from the solver, so that a replay predicts a measurement and is not fitted to it.
+//! Replay: duration of traced steps on P cores of a modelled machine, from the assignment of tasks to workers over time. The costs of
+//! scheduling are measured apart from the solver, so that a replay predicts a measurement and is not fitted to it.
 //!
 //! ```text
 //! region  |--wake--| worker 0: pop task     pop task          |  a region ends with its last task,
@@ -9,7 +9,7 @@
 //!
 //! - A region of one task is serial work: it runs on one worker alone on its core, at no further cost.
 //! - One worker runs all tasks in turn; only the central queue costs time, one pop per task.
-//! - Several workers pay [`Costs::region`] for a region of several tasks. They arrive by stealing, so worker i begins
+//! - Several workers pay [`Costs::region`] for a region of several tasks. Workers arrive by stealing, so worker i begins
 //!   after log2(i + 1) steals, rounded up. Workers beyond the number of tasks stay idle and leave their core to others.
 //! - **Central queue:** a free worker takes the lock, first come first served, for one pop, and runs the task.
 //! - **Work stealing:** the tasks are split among the workers as ranges, down to single tasks. A worker without tasks
@@ -112,7 +112,7 @@ impl Machine {
 
     /// Returns the coprocessor of the thesis, 57 cores of four threads, from costs and clock of the machine of the trace.
     ///
-    /// The core issues in order, and one thread can issue only every other cycle: two threads do twice the work of one
+    /// The core issues in order, and one thread can issue only every other cycle. Two threads do twice the work of one
     /// and more than two add nothing (the latency that they hide is ignored). A task takes longer by the ratio of
     /// the clocks, and twice as long for the missing cycles. In-order stalls cost nothing, so the model is a fast Phi.
     pub fn xeon_phi_3120(here: &Costs, clock_here: f64) -> Machine {

@@ -52,7 +52,7 @@ struct Series<'a> {
     name: &'a str,
     style: CodeStyle,
     members: Vec<Member<'a>>,
-    /// Members joined by its line; they may belong to another series, since a code has one front, whatever its settings.
+    /// Members joined by its line, also of other series: a code has one front, whatever its settings.
     front: Vec<Member<'a>>,
 }
 

@@ -12,7 +12,7 @@
 //!
 //! Runs are timed one after the other on one core, reference codes by the inputs from which they are fastest
 //! ([`Purpose::Timing`](makadam_compare::codes::Purpose::Timing)). A time is the processor time of the stepping, without set-up and output. A
-//! run of another code that exceeds the time limit is stopped, and its setting listed: it has neither a time nor an error.
+//! run of another code that exceeds the time limit is stopped, and its setting listed. The setting then has neither a time nor an error.
 
 mod campaign;
 mod figures;

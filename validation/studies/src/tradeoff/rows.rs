@@ -149,7 +149,7 @@ pub struct Fastest {
     pub intervals_within_bounds: Option<bool>,
     /// Wall time over that of Makadam's fastest setting at the same stiffness.
     pub ratio_to_makadam: Option<f64>,
-    /// Lower end of the 90% interval of this ratio, each setting being the fastest of a sample of the seeds; absent for Makadam, for
+    /// Lower end of the 90% interval of this ratio, with the fastest settings of each sample of the seeds. Absent for Makadam, for
     /// a single seed, and where the code meets the bounds in no sample.
     pub ratio_low: Option<f64>,
     /// Upper end; absent also where the code meets the bounds in fewer than 95% of the samples.

@@ -6,8 +6,8 @@
 //! plane      plane, endless                                       one side
 //! box        a plane a closed face, endless                       one side
 //! cylinder   cylinder, both ends open: a thin shell with rims     two sides
-//! disc       cylinder from outside, too short to be seen          two sides
 //! disc       cylinder from outside, too short for a contact       two sides
+//! ```
 //!
 //! `fix wall/gran/region` reports one contact per grain, so that a box is not a `block`: its six surfaces would share that one. Cylinders
 //! and discs lie along x, y or z; others are refused.
@@ -154,14 +154,14 @@ impl<'a> Laws<'a> {
     /// Poisson's ratio takes one of each for a pair. Damping is that of LIGGGHTS, whose force may attract at the end of an impact: a limited
     /// force changes restitution.
     ///
-    /// The tangential spring stores a force, as in YADE. With a displacement, which LIGGGHTS stores, a contact that slides keeps a damped
-    /// fraction of the cap, and falls short of the cap during unloading: in `packing` friction mobilisation is then 0.368 ± 0.002 instead
+    /// The tangential spring stores a force, as in YADE. With a displacement, which LIGGGHTS stores, a sliding contact retains a damped
+    /// fraction of the cap, and falls short of the cap during unloading. In `packing` friction mobilisation is then 0.368 ± 0.002 instead
     /// of 0.397 ± 0.003 with a force and 0.401 ± 0.003 in LIGGGHTS.
     fn of(&self, a: usize, b: usize, pair: &ContactCoefficients) -> String {
         let (normal, shear) = (self.effective(a, b, softness), self.effective(a, b, shear_softness));
         let (stiffness, tangential) = (4.0 / 3.0 * normal, 8.0 * shear);
-        // As in the other codes, the damping is that of the normal spring at the tangential stiffness: over the coefficient of the normal spring
-        // 2 E* a, the root of the ratio of both springs.
+        // As in the other codes, the damping is that of the normal spring at the tangential stiffness. Over the coefficient of the normal spring
+        // 2 E* a, it is the root of the ratio of both springs.
         let damping = (4.0 * shear / normal).sqrt();
         let ContactCoefficients { friction, restitution, rolling_friction, .. } = pair;
         let mut law = format!(

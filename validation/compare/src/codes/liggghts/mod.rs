@@ -138,8 +138,8 @@ fn deck(
     Ok(render(include_str!("deck.in"), context! { ..own, ..values(scene, grains, plan, walls.purpose) }))
 }
 
-/// Returns the dumps: grains; contacts between grains, with three ids, force on the first grain and contact point; contacts with walls, with
-/// point on the wall, centre of the grain, three ids and force on the grain (the keyword `contactPoint` gives zeros there).
+/// Returns the dumps: grains; contacts between grains, with three ids, force on the first grain and contact point; contacts with walls. The
+/// latter have point on the wall, centre of the grain, three ids and force on the grain (the keyword `contactPoint` gives zeros there).
 fn tables(walls: bool) -> Vec<Value> {
     let local = |name: &str, count: usize| {
         let columns = (1..=count).map(|at| format!(" c_{name}[{at}]")).collect::<String>();

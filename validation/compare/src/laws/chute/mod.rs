@@ -1,12 +1,12 @@
 //! Layer that flows down a rough, endless chute: Bagnold's velocity profile, and the friction law mu(I).
 //!
 //! In a steady, uniform flow the stresses at a depth D are those of the weight above it, `P = rho phi g D cos(angle)` and
-//! `tau = P tan(angle)`, so the friction `mu = tau/P` is the same everywhere. So is the inertial number
+//! `tau = P tan(angle)`. So the friction `mu = tau/P` is the same everywhere. So is the inertial number
 //! `I = (dv/dz) d sqrt(rho/P)` if friction depends on it alone. Then `dv/dz` goes as `sqrt(D)` and the velocity as
 //! `v = v_s - A D^(3/2)`: Bagnold's profile. Depth is the amount of solid above a point, so that it needs no surface.
 //!
 //! Two pressures are in use. On a chute `P` is the normal stress on planes along it, as above. For evenly sheared spheres,
-//! Chialvo, Sun & Sundaresan use the mean of the three normal stresses. They differ, since the stress across the chute is less
+//! Chialvo, Sun & Sundaresan use the mean of the three normal stresses. The two differ, since the stress across the chute is less
 //! than the other two. So friction and inertial number are measured with either, and tested with that of the law.
 
 mod profile;
@@ -27,12 +27,12 @@ use std::f64::consts::PI;
 /// Friction and restitution of grains and bed: those of Silbert et al. (2001).
 const FRICTION: f64 = 0.5;
 const RESTITUTION: f64 = 0.88;
-/// Young's modulus, Pa: a ten thousandth of it is more than the pressure at the bed.
+/// Young's modulus, Pa: a ten thousandth of the modulus exceeds the pressure at the bed.
 const MODULUS: f64 = 1e8;
 /// Periods along the chute and across it, in diameters.
 const PERIOD: [f64; 2] = [12.0, 8.0];
 /// Time step, s, and sweeps per step. Twice the step lets the lower half of a fast layer shear too readily, and the more so at higher
-/// shear rates, which bends the profile: the steepest case is repeated with twice the step, and reported.
+/// shear rates, which bends the profile. The steepest case is repeated with twice the step, and reported.
 const SOLVE: (f64, u32) = (1.25e-4, 10);
 /// Time between frames, s.
 const INTERVAL: f64 = 0.02;

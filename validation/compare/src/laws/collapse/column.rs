@@ -26,7 +26,7 @@ const SOLID: f64 = 0.6;
 /// Longest time until rest, over `sqrt(h0/g)`.
 const PATIENCE: f64 = 12.0;
 
-/// Part of a column that is simulated.
+/// Simulated part of a column.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Part {
     Whole,

@@ -10,7 +10,7 @@
 //! deposits are less than three grains thick in the mean. Where fewer than three widths are left, as in quick runs, there is no
 //! such line, and the widest column itself is tested.
 //!
-//! The experiments were made with sand, salt, sugar, rice and couscous. Rolling friction of spheres models the angularity; it
+//! The experiments were made with sand, salt, sugar, rice and couscous. Rolling friction of spheres models the angularity. The coefficient
 //! is chosen by the angle of repose of a heap, not by run-outs. The heap is run first, and its angle reported.
 //!
 //! Wide columns are run as a quarter of the column between two smooth planes without friction, planes of symmetry in the mean;
