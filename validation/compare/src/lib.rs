@@ -1,5 +1,5 @@
-//! Comparison of codes: one scene in Makadam, YADE, LIGGGHTS and LAMMPS, one measurement code, and a verdict; published laws and stress tests
-//! besides.
+//! Comparison of codes: one scene in Makadam, YADE, LIGGGHTS and LAMMPS, one measurement code, and a verdict; also published laws and stress
+//! tests.
 
 pub mod codes;
 pub mod compare;
@@ -10,5 +10,5 @@ pub mod sketch;
 pub mod stability;
 pub mod study;
 
-/// Key of the sources that measure and compare: results of builds with another key may have been measured in another way.
+/// Key of the sources that measure and compare: builds with another key may measure differently.
 pub const BUILD: &str = env!("MAKADAM_COMPARE_KEY");

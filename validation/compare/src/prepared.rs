@@ -21,16 +21,16 @@ pub enum StartError {
     /// The cache cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),
-    /// The state cannot be kept or read back.
+    /// The state cannot be stored or read back.
     #[error(transparent)]
     Checkpoint(#[from] CheckpointError),
-    /// The machine cannot run it as asked.
+    /// The machine cannot run the requested settings.
     #[error(transparent)]
     Execution(#[from] makadam::SettingError),
-    /// The state that was prepared is worth nothing.
+    /// The prepared state is invalid.
     #[error("while the flowing state was prepared: {0}")]
     InvalidState(Alarm),
-    /// The user asked to stop while the state was prepared.
+    /// The user asked to stop during the preparation.
     #[error("interrupted while the flowing state was prepared")]
     Interrupted,
 }
@@ -38,13 +38,13 @@ pub enum StartError {
 /// Source of the start.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Start {
-    /// From the jittered lattice.
+    /// Jittered lattice.
     Fresh,
-    /// From a flowing state in this file.
+    /// Flowing state in this file.
     Prepared(PathBuf),
 }
 
-/// Identity of the state of a run. It comes first in a file and its layout stays, so that every build can read it.
+/// Identity of the state of a run. The label comes first in a file and its layout never changes, so that every build can read it.
 #[derive(Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Label {
     /// [`BUILD`] of the program that stored the state.
@@ -58,14 +58,14 @@ pub struct Label {
 }
 
 impl Label {
-    /// The label of this build for a scene and a seed.
+    /// Returns the label of this build for a scene and a seed.
     pub fn of(scene: &MeasuredScene, seed: u64) -> Label {
         Label { build: BUILD.into(), scene: scene.name.clone(), scene_hash: scene_hash(scene), seed }
     }
 }
 
-/// The simulation at the start of its run. A scene with `[prepare]` is simulated for that time first, unless a state of
-/// the same scene, seed and build is in the cache; `progress` is told the share that is done.
+/// Returns the simulation at the start of its run. A scene with `[prepare]` is simulated for that time first, unless a state of
+/// the same scene, seed and build is in the cache; `progress` receives the completed fraction.
 pub fn start(
     scene: &MeasuredScene,
     seed: u64,
@@ -79,7 +79,7 @@ pub fn start(
         return Ok((simulation, Start::Fresh));
     };
     let file = state_file(scene, seed)?;
-    // A state that is missing or damaged is prepared.
+    // A missing or damaged state is prepared again.
     if let Some(mut simulation) = std::fs::read(&file).ok().and_then(|state| Simulation::start_from(scene, &state).ok())
     {
         execution.apply(&mut simulation)?;
@@ -106,7 +106,7 @@ pub fn start(
     Ok((simulation, Start::Prepared(file)))
 }
 
-/// Returns true if a run can start at once: the scene prepares no flowing state, or it is in the cache.
+/// Returns true if a run can start at once: the scene prepares no flowing state, or the state is in the cache.
 pub fn is_ready(scene: &MeasuredScene, seed: u64) -> bool {
     scene.prepare.is_none() || state_file(scene, seed).is_ok_and(|file| file.is_file())
 }

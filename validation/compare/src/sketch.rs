@@ -3,13 +3,13 @@
 use makadam::scene::{Domain, GrainEntry, Material, Motion, Population, RadiusDistribution, Region, Shape, Stop, Wall};
 use makadam_frames::plan::{Measure, MeasuredScene};
 
-/// Radius of a grain where a case says nothing else, m.
+/// Default radius of a grain, m.
 pub const RADIUS: f64 = 0.005;
 
 /// Acceleration of gravity, m/s2.
 pub const GRAVITY: f64 = 9.81;
 
-/// Density of a grain where a case says nothing else, kg/m3.
+/// Default density of a grain, kg/m3.
 pub(crate) const DENSITY: f64 = 2500.0;
 
 /// Pitch of the lattice of polydisperse grains, over the largest grain's diameter.
@@ -18,11 +18,11 @@ pub(crate) const SPACING: f64 = 1.04;
 /// Poisson's ratio of all materials.
 const POISSON_RATIO: f64 = 0.3;
 
-/// A scene under construction. Grains are of "grain" and walls of "wall", unless stated otherwise.
+/// Scene under construction. Grains are of "grain" and walls of "wall", unless stated otherwise.
 pub struct Sketch(MeasuredScene);
 
 impl Sketch {
-    /// A scene without grains and walls, in which every step is solved well; frames are taken at 50 times.
+    /// Returns a scene without grains and walls, in which every step is solved accurately; frames are taken at 50 times.
     pub fn new(name: impl Into<String>, duration: f64) -> Sketch {
         let material = Material {
             density: DENSITY,
@@ -45,7 +45,7 @@ impl Sketch {
         Sketch(scene)
     }
 
-    /// Lets the scene be changed at will.
+    /// Applies any change to the scene.
     pub fn with(mut self, change: impl FnOnce(&mut MeasuredScene)) -> Sketch {
         change(&mut self.0);
         self
@@ -56,7 +56,7 @@ impl Sketch {
         self.with(|scene| scene.material.values_mut().for_each(change))
     }
 
-    /// Adds a material, a copy of "grain" that is then changed.
+    /// Adds a material, a changed copy of "grain".
     pub fn material(self, name: &str, change: impl FnOnce(&mut Material)) -> Sketch {
         self.with(|scene| {
             let mut material = scene.material["grain"].clone();
@@ -95,7 +95,7 @@ impl Sketch {
         self.with(|scene| scene.solver.step = step)
     }
 
-    /// A fixed number of sweeps a step.
+    /// Fixed number of sweeps per step.
     pub fn sweeps(self, sweeps: u32) -> Sketch {
         self.with(|scene| scene.solver.stop = Stop::Sweeps { sweeps })
     }
@@ -105,7 +105,7 @@ impl Sketch {
         self.with(|scene| scene.measure.interval = interval)
     }
 
-    /// Adds a wall that stands still.
+    /// Adds a wall at rest.
     pub fn wall(self, shape: Shape) -> Sketch {
         self.moving_wall(shape, Motion::Fixed)
     }
@@ -126,7 +126,7 @@ impl Sketch {
         self.plane([0.0; 3], [0.0, 0.0, 1.0])
     }
 
-    /// Adds a box whose top is open.
+    /// Adds a box with an open top.
     pub fn open_box(self, min: [f64; 3], max: [f64; 3]) -> Sketch {
         self.wall(Shape::Box { min, max, open: vec!["+z".into()] })
     }
@@ -157,7 +157,7 @@ impl Sketch {
         self.grains(count, RadiusDistribution::Fixed { value }, region, 1.1, 0.0)
     }
 
-    /// Adds grains with radii between (1 - spread) and (1 + spread) times the mean, a little off the lowest sites of a region.
+    /// Adds grains with radii between (1 - spread) and (1 + spread) times the mean, slightly off the lowest sites of a region.
     pub fn polydisperse(self, count: usize, [mean, spread]: [f64; 2], region: Region, agitation: f64) -> Sketch {
         self.grains(count, RadiusDistribution::Uniform { mean, spread }, region, SPACING, agitation)
     }
@@ -177,22 +177,22 @@ impl Sketch {
         self.with(|scene| change(scene.material.get_mut(name).expect("a declared material")))
     }
 
-    /// The scene, checked as one from a file.
+    /// Returns the scene, checked like one from a file.
     ///
     /// # Panics
-    /// The scene breaks a rule that scenes from files have to keep: the catalogue is wrong then.
+    /// The scene breaks a rule for scenes from files: the catalogue has an error then.
     pub fn scene(self) -> MeasuredScene {
         self.0.check().unwrap_or_else(|error| panic!("{}: {error}", self.0.name));
         self.0
     }
 }
 
-/// A motion about the y axis, rad/s, that stops or turns back at a time, s.
+/// Returns a rotation about the y axis, rad/s, that stops or reverses at a time, s.
 pub fn turning(rate: f64, stop: Option<f64>, reverse: Option<f64>) -> Motion {
     Motion::Rotating { point: [0.0; 3], axis: [0.0, 1.0, 0.0], rate, start: 0.0, stop, reverse }
 }
 
-/// Mass of a grain of the usual density, kg.
+/// Mass of a grain of the default density, kg.
 pub fn mass(radius: f64) -> f64 {
     4.0 / 3.0 * std::f64::consts::PI * radius.powi(3) * DENSITY
 }

@@ -1,4 +1,4 @@
-//! Codes that take a deck and leave dumps, LIGGGHTS and LAMMPS: grains and values of the decks, a run, and the frames in its dumps.
+//! Codes with a deck and dumps, LIGGGHTS and LAMMPS: grains and values of the decks, a run, and the frames in its dumps.
 
 use super::input::{Palette, Plan};
 use super::process::{Program, Run, disk_has_room, ending, io};
@@ -19,8 +19,8 @@ use std::ffi::OsString;
 use std::fmt::Write;
 use std::path::Path;
 
-/// Effects that the decks of both codes express; a scene with any other effect is refused. Three that LIGGGHTS has differ from the scene's:
-/// its servo wall has a controller in place of a mass, the pull of its cohesion goes with the area of the overlap, and its twisting
+/// Effects that the decks of both codes express; a scene with any other effect is refused. Three effects of LIGGGHTS differ from the scene's:
+/// its servo wall has a controller instead of a mass; the attraction of its cohesion scales with the area of the overlap; its twisting
 /// resistance is tied to the rolling one.
 pub(super) const HAS: [&Effect; 10] = [
     &GRAVITY,
@@ -35,7 +35,7 @@ pub(super) const HAS: [&Effect; 10] = [
     &ROLLING,
 ];
 
-/// Skin of the neighbour list over the smallest radius; it affects speed alone. With the second one packing, drum and heap are fastest,
+/// Skin of the neighbour list over the smallest radius, which affects speed alone. With the second value packing, drum and heap are fastest,
 /// within 3%.
 const SKIN: f64 = 0.25;
 const FASTEST_SKIN: f64 = 0.5;
@@ -44,10 +44,10 @@ const FASTEST_SKIN: f64 = 0.5;
 /// its own size.
 const MOST_BINS: f64 = 100.0;
 
-/// Lines of progress in the log.
+/// Number of progress lines in the log.
 const REPORTS: u64 = 100;
 
-/// File that states what the dumps of a run do not.
+/// File that states the data that the dumps of a run lack.
 const MANIFEST: &str = "frames.toml";
 
 /// Renders a deck. Filters print numbers: `e` with the fewest digits, `full` and `row` with 17, `row` a list of them.
@@ -63,7 +63,7 @@ pub(super) fn render(template: &str, values: Value) -> String {
     engine.render_str(template, values).expect("a deck has all values that its template names")
 }
 
-/// Values that both decks take.
+/// Values of both decks.
 pub(super) fn values(scene: &MeasuredScene, grains: &[Grain], plan: &Plan, purpose: Purpose) -> Value {
     let smallest = grains.iter().map(|grain| grain.radius).fold(f64::INFINITY, f64::min);
     let skin = smallest
@@ -97,7 +97,7 @@ fn wide_bins(scene: &MeasuredScene, grains: &[Grain], skin: f64) -> Option<f64> 
     (sparing > usual).then_some(sparing)
 }
 
-/// Grains as atoms of `kinds` types. The simulation box holds whatever walls extend into.
+/// Grains as atoms of `kinds` types. The simulation box contains all walls.
 pub(super) fn data(scene: &MeasuredScene, grains: &[Grain], palette: &Palette<'_>, kinds: usize) -> String {
     let limits = reach(&scene.domain);
     let mut text = format!("Initial grains\n\n{} atoms\n{kinds} atom types\n", grains.len());
@@ -131,7 +131,7 @@ pub(super) fn manifest(seed: u64, plan: &Plan, contacts: &[String], further: &st
     (MANIFEST.into(), text)
 }
 
-/// A code with its program and its log.
+/// Run of a code, with its program and its log.
 pub(super) struct DeckRun<'a> {
     pub code: &'static str,
     pub program: &'a Program,
@@ -142,10 +142,10 @@ pub(super) struct DeckRun<'a> {
 }
 
 impl DeckRun<'_> {
-    /// Runs `deck.in` in the job's folder and reads its dumps, which are removed then.
+    /// Runs `deck.in` in the job's folder, reads its dumps and removes them.
     ///
     /// # Errors
-    /// [`CodeError`]; what the code wrote stays in the job's folder.
+    /// [`CodeError`]; files of the code stay in the job's folder.
     pub fn execute(&self, job: &Job<'_>, version: String, plan: &Plan) -> Result<Recording, CodeError> {
         let folder = job.work_folder;
         let refused = |ImportError { file, line, problem }| CodeError::Output { code: self.code, file, line, problem };
@@ -204,7 +204,7 @@ impl DeckRun<'_> {
 /// Reads the frames that a manifest names.
 fn frames(scene: &MeasuredScene, manifest: &Manifest) -> Result<Vec<Snapshot>, ImportError> {
     let mut tables = Tables::read(manifest)?;
-    // These lists are complete, as those of Makadam are, and name a grain on the edge of two triangles once for each.
+    // These lists are complete, as those of Makadam are, and list a grain on the edge of two triangles once per triangle.
     tables.grains.iter_mut().chain(&mut tables.contacts).for_each(|table| table.first_id = manifest.first_id);
     Ok(assemble(scene, manifest, &tables)?.frames)
 }

@@ -1,4 +1,4 @@
-//! Any code before the judge: a command that is told where the scene is and leaves frames as files.
+//! Any code under test: a command that receives the folder of the scene and writes frames as files.
 //!
 //! ```text
 //! code.toml ─> folder with scene.json, grains.csv, frames.csv, wall0.stl ... ─> the command ─> files of frames ─> import ─> Recording
@@ -22,7 +22,7 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// A code that is described by a file.
+/// Code that a file describes.
 pub struct External {
     name: &'static str,
     version: String,
@@ -38,7 +38,7 @@ pub struct External {
 #[derive(Debug, thiserror::Error)]
 #[error("{}: {problem}", file.display())]
 pub struct DescriptionError {
-    /// The file.
+    /// File.
     pub file: PathBuf,
     /// Fault and remedy.
     pub problem: String,
@@ -66,8 +66,8 @@ impl External {
         Ok(External::new(description, here, None))
     }
 
-    /// Frames in folders that `patterns` name, one folder a seed, whose number ends the folder's name. `file` describes the code; its
-    /// command is not run. Without it a folder is that of a run of Makadam, or each of its files holds grains.
+    /// Reads frames in folders that `patterns` name, one folder per seed, whose number ends the folder's name. `file` describes the code; its
+    /// command is not run. Without `file`, a folder is that of a run of Makadam, or each of its files holds grains.
     ///
     /// # Errors
     /// [`DescriptionError`].
@@ -102,14 +102,14 @@ impl External {
     }
 
     fn new(description: Manifest, here: PathBuf, folders: Option<BTreeMap<u64, PathBuf>>) -> External {
-        // Codes are known by names that live as long as the program; one is judged at a time.
+        // Names of codes live as long as the program; one program tests one code.
         let name = description.name.as_deref().unwrap_or("frames");
         let name = Box::leak(shown(name, false).into_owned().into_boxed_str());
         let version = description.version.clone().unwrap_or_else(|| "unknown".into());
         External { name, version, description, here, folders }
     }
 
-    /// A word of the command with what stands in braces filled in.
+    /// Returns an argument of the command with the braces filled in.
     fn word(&self, word: &str, job: &Job<'_>) -> OsString {
         let text = |path: &Path| path.display().to_string();
         word.replace("{seed}", &job.seed.to_string())
@@ -123,7 +123,7 @@ impl External {
         self.folders.as_ref().and_then(|folders| folders.get(&job.seed)).map_or(job.work_folder, PathBuf::as_path)
     }
 
-    /// The times at which a frame is due, in words that follow "at each time".
+    /// Returns the times at which a frame is due, as text that follows "at each time".
     fn times(&self) -> &'static str {
         match self.folders {
             None => "of frames.csv",
@@ -139,7 +139,7 @@ impl External {
         CodeError::Output { code: self.name, file, line, problem }
     }
 
-    /// Empties the folder of a run, or makes it, and writes the input. The description must name none of its files as frames.
+    /// Empties or creates the folder of a run, and writes the input. The description must name none of the input files as frames.
     fn prepare(&self, job: &Job<'_>, input: Vec<(String, Vec<u8>)>) -> Result<(), CodeError> {
         let folder = job.work_folder;
         match std::fs::remove_dir_all(folder) {
@@ -159,12 +159,12 @@ impl External {
         }
     }
 
-    /// Reads the frames of a run that the description names; `grains` are those that it was started from, where they are known.
+    /// Reads the frames of a run that the description names; `grains` are the initial grains, where known.
     fn recording(&self, job: &Job<'_>, grains: Option<&[Grain]>, wall_seconds: f64) -> Result<Recording, CodeError> {
         let manifest = Manifest {
             name: Some(self.name.into()),
             version: Some(self.version.clone()),
-            // What is run is told to number grains as grains.csv does.
+            // A code that is run must number grains as grains.csv does.
             first_id: self.description.first_id.or(self.folders.is_none().then_some(0)),
             seed: Some(job.seed),
             folder: self.place(job).into(),
@@ -216,7 +216,7 @@ impl External {
                     particle.id, particle.radius, grain.radius
                 ));
             }
-            // A scene may let grains escape: those of Makadam are measured outside, too.
+            // A scene may let grains escape: escaped grains of Makadam are measured, too.
             let stops = job.scene.watch.on_escape == Reaction::Stop;
             if let Some(problem) = outside_domain(frame, job.scene).filter(|_| stops) {
                 return refused(problem);
@@ -225,7 +225,7 @@ impl External {
         Ok(())
     }
 
-    /// Refuses a run of which other frames would be measured than those of frames.csv: a mean over others is another number.
+    /// Refuses a run whose measured frames differ from those of frames.csv: a mean over other frames is another number.
     fn check_times(&self, job: &Job<'_>, recording: &Recording) -> Result<(), CodeError> {
         let refused = |problem: String| Err(self.output(self.place(job), 1, problem));
         let (slack, asked, times) = (job.scene.measure.slack(), asked(job.scene), self.times());
@@ -248,7 +248,7 @@ impl External {
     }
 }
 
-/// Times of the frames that are measured, s: whole intervals from `measure.from` on, and the end of the run.
+/// Times of the measured frames, s: whole intervals from `measure.from` on, and the end of the run.
 fn asked(scene: &MeasuredScene) -> Vec<f64> {
     let Measure { interval, from, .. } = scene.measure;
     let slack = scene.measure.slack();
@@ -312,12 +312,12 @@ impl Code for External {
     }
 }
 
-/// The program, with the folder of the description filled in.
+/// Returns the program, with the folder of the description filled in.
 fn program_of(description: &Manifest, here: &Path) -> String {
     description.command[0].replace("{here}", &here.display().to_string())
 }
 
-/// Reads and checks the file of a description; gives its folder from the root, too.
+/// Reads and checks the file of a description; also returns its folder from the root.
 ///
 /// # Errors
 /// [`DescriptionError`].
@@ -339,14 +339,14 @@ fn read_description(file: &Path) -> Result<(Manifest, PathBuf), DescriptionError
     Ok((description, here.parent().unwrap_or(Path::new("/")).to_path_buf()))
 }
 
-/// The number that ends the name of a folder.
+/// Returns the number that ends the name of a folder.
 fn seed_of(folder: &Path) -> Option<u64> {
     let name = folder.file_name()?.to_str()?;
     let digits = name.len() - name.trim_end_matches(|letter: char| letter.is_ascii_digit()).len();
     name[name.len() - digits..].parse().ok()
 }
 
-/// Names and contents of the files that a code is given.
+/// Names and contents of the input files of a code.
 fn input(job: &Job<'_>, grains: &[Grain]) -> Vec<(String, Vec<u8>)> {
     let scene = job.scene;
     let smallest = grains.iter().map(|grain| grain.radius).fold(f64::INFINITY, f64::min);

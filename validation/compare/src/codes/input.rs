@@ -1,8 +1,8 @@
-//! Input of reference codes: the run as steps, numbered materials, walls as surfaces that codes have of their own, meshes.
+//! Input of reference codes: the run as steps, numbered materials, walls as native surfaces of the codes, meshes.
 //!
-//! Planes across an axis of coordinates and cylinders along one are endless in codes that have them. So a wall is one only where no grain can
-//! come to where the scene's wall has ended: a plane has no end, the faces of a box have none for grains that are inside, and a cylinder has
-//! none for grains between two lids that close it, nor has such a lid.
+//! In codes that have them, planes across a coordinate axis and cylinders along one are endless. So a wall becomes one only where no grain can
+//! reach the part that the scene's wall lacks. A plane has no end. The faces of a box have none for grains inside. A cylinder and its
+//! two lids have none for grains between the lids if these close the cylinder.
 
 use super::Job;
 use makadam::scene::{ContactCoefficients, Grain, Motion, Shape, Wall};
@@ -30,14 +30,14 @@ pub(super) struct Plan {
     pub fine_from: u64,
 }
 
-/// A part of a wall's motion that a code can be told at once: at one velocity, or a vibration.
+/// Part of a wall's motion at one velocity, or a vibration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct MotionPhase {
-    /// Step at which it begins.
+    /// First step of the phase.
     pub first: u64,
-    /// Step at which it ends.
+    /// Last step of the phase.
     pub last: u64,
-    /// 1 as the scene says, -1 the other way.
+    /// 1 for the direction of the scene, -1 for the opposite.
     pub direction: f64,
 }
 
@@ -46,7 +46,7 @@ impl Plan {
     pub fn new(scene: &MeasuredScene, largest_step: f64) -> Plan {
         let interval = scene.measure.interval;
         let fine = (interval / largest_step - 1e-9).ceil().max(1.0);
-        // An interval below the step does not shrink the step further than to itself.
+        // An interval below the step shrinks the step to the interval, not further.
         let time_step = interval / fine;
         let step_at = |time: f64| (time / time_step).round() as u64;
         let steps = step_at(scene.duration).max(1);
@@ -59,7 +59,7 @@ impl Plan {
         Plan { time_step, steps, fine, coarse, fine_from }
     }
 
-    /// The frames of a run of this plan by an explicit code, on one core, with where they came from.
+    /// Returns the frames of a run of this plan by an explicit code, on one core, with their provenance.
     pub fn recording(
         &self,
         code: &str,
@@ -85,12 +85,12 @@ impl Plan {
         coarse.chain(fine).chain([self.steps]).collect()
     }
 
-    /// The step of the run that begins nearest to a time (s).
+    /// Returns the step of the run that begins nearest to a time (s).
     pub fn step_at(&self, time: f64) -> u64 {
         ((time / self.time_step).round() as u64).min(self.steps)
     }
 
-    /// The phases of a wall's motion within the run, in their order; a driven wall has none.
+    /// Returns the phases of a wall's motion within the run, in their order; a dynamic wall has none.
     pub fn phases(&self, motion: &Motion) -> Vec<MotionPhase> {
         let (start, stop, reverse) = match motion {
             Motion::Fixed | Motion::ForceDriven { .. } | Motion::TorqueDriven { .. } => return Vec::new(),
@@ -120,7 +120,7 @@ impl Plan {
     }
 }
 
-/// The numbered materials of a scene. One that both grains and walls use appears twice, since friction and
+/// Numbered materials of a scene. A material of both grains and walls has two entries, since friction and
 /// restitution follow other rules at walls.
 pub(super) struct Palette<'a> {
     scene: &'a MeasuredScene,
@@ -148,7 +148,7 @@ impl<'a> Palette<'a> {
         self.entries.len()
     }
 
-    /// Every pair of entries that can touch, the first not behind the second.
+    /// Returns every pair of entries that may have a contact, in ascending order of the entries.
     pub fn pairs(&self) -> impl Iterator<Item = (usize, usize, ContactCoefficients)> + '_ {
         let pairs = (0..self.len()).flat_map(|a| (a..self.len()).map(move |b| (a, b)));
         pairs.filter_map(|(a, b)| self.coefficients(a, b).map(|coefficients| (a, b, coefficients)))
@@ -159,17 +159,17 @@ impl<'a> Palette<'a> {
         self.entries[entry].1
     }
 
-    /// Place of a material, from 0.
+    /// Index of a material, from 0.
     pub fn index(&self, material: &str, wall: bool) -> usize {
         self.entries.iter().position(|entry| *entry == (material, wall)).unwrap_or_default()
     }
 
-    /// The materials in order.
+    /// Returns the materials in order.
     pub fn materials(&self) -> impl Iterator<Item = &'a makadam::scene::Material> + '_ {
         self.entries.iter().map(|(name, _)| &self.scene.material[*name])
     }
 
-    /// Coefficients of two entries; `None` for two walls, which never touch.
+    /// Returns the coefficients of two entries; `None` for two walls, which have no contacts.
     pub fn coefficients(&self, first: usize, second: usize) -> Option<ContactCoefficients> {
         let ((a, a_wall), (b, b_wall)) = (self.entries[first], self.entries[second]);
         match (a_wall, b_wall) {
@@ -180,22 +180,22 @@ impl<'a> Palette<'a> {
     }
 }
 
-/// Slack of directions and places, over one and over the radius of a cylinder.
+/// Tolerance of directions and positions, relative to one and to the radius of a cylinder.
 const SLACK: f64 = 1e-9;
 
 /// A surface without an end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Primitive {
-    /// Across an axis.
+    /// Plane across an axis.
     Plane {
-        /// The axis, 0 to 2.
+        /// Axis, 0 to 2.
         axis: usize,
-        /// Place on the axis, m.
+        /// Position on the axis, m.
         at: f64,
     },
-    /// Along an axis, seen from inside.
+    /// Cylinder along an axis; grains are inside.
     Cylinder {
-        /// The axis, 0 to 2.
+        /// Axis, 0 to 2.
         axis: usize,
         /// A point of the centre line, m.
         centre: [f64; 3],
@@ -206,7 +206,7 @@ pub(super) enum Primitive {
     },
 }
 
-/// The primitives that each wall of a scene is; empty where it is none.
+/// Returns the primitives of each wall of a scene; empty where a wall has none.
 pub(super) fn primitives(scene: &MeasuredScene, grains: &[Grain]) -> Vec<Vec<Primitive>> {
     let closed = scene.wall.iter().filter_map(|wall| Tube::of(wall, scene, grains)).collect::<Vec<_>>();
     scene.wall.iter().map(|wall| of_wall(wall, &closed, scene, grains)).collect()
@@ -240,22 +240,22 @@ pub(super) const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// A face across an axis.
 pub(super) struct Face {
-    /// The axis, 0 to 2.
+    /// Axis, 0 to 2.
     pub axis: usize,
     /// 1 if grains are above it, -1 if they are below.
     pub inwards: f64,
-    /// Place on the axis, m.
+    /// Position on the axis, m.
     pub at: f64,
 }
 
-/// The faces of a box that are not open.
+/// Returns the faces of a box that are not open.
 pub(super) fn closed_faces(min: &[f64; 3], max: &[f64; 3], open: &[String]) -> Vec<Face> {
     let ends = (0..3).flat_map(|axis| [(axis, "-", 1.0, min[axis]), (axis, "+", -1.0, max[axis])]);
     let closed = ends.filter(|(axis, end, ..)| !open.contains(&format!("{end}{}", AXES[*axis])));
     closed.map(|(axis, _, inwards, at)| Face { axis, inwards, at }).collect()
 }
 
-/// The axis of coordinates along which a direction lies, and its sign.
+/// Returns the coordinate axis along which a direction lies, and its sign.
 pub(super) fn along(direction: &[f64; 3]) -> Option<(usize, f64)> {
     let unit = Vector3::from(*direction).try_normalize(0.0)?;
     let axis = unit.iamax();
@@ -263,12 +263,12 @@ pub(super) fn along(direction: &[f64; 3]) -> Option<(usize, f64)> {
     across.then(|| (axis, unit[axis].signum()))
 }
 
-/// A cylinder along an axis of coordinates, closed at both ends, that holds all grains.
+/// Cylinder along a coordinate axis, closed at both ends, with all grains inside.
 struct Tube {
     axis: usize,
     centre: [f64; 3],
     radius: f64,
-    /// Places of its ends on the axis.
+    /// Positions of its ends on the axis.
     ends: [f64; 2],
     rate: f64,
 }
@@ -287,7 +287,7 @@ impl Tube {
         (grains.iter().all(|grain| tube.holds(grain.position)) && is_closed(0) && is_closed(1)).then_some(tube)
     }
 
-    /// Angular velocity of a cylinder that stays where it is and turns all the time or not at all.
+    /// Returns the angular velocity of a cylinder that does not move and turns all the time or not at all.
     fn rate(motion: &Motion, axis: usize, base: &[f64; 3], duration: f64) -> Option<f64> {
         match motion {
             Motion::Fixed => Some(0.0),
@@ -313,7 +313,7 @@ impl Tube {
         (0..3).all(|at| at == self.axis || (point[at] - self.centre[at]).abs() <= SLACK * self.radius)
     }
 
-    /// Returns true if a disc lies across it from side to side, at one of its ends or between them.
+    /// Returns true if a disc covers the cross-section, at one of the ends or between them.
     fn has_lid(&self, shape: &Shape) -> bool {
         let Shape::Disc { centre, normal, radius, hole } = shape else { return false };
         let slack = SLACK * self.radius;
@@ -326,11 +326,11 @@ impl Tube {
             && *radius >= self.radius - slack
     }
 
-    /// Returns true if a wall that does not leave its place closes an end, 0 the lower one.
+    /// Returns true if a wall that does not move closes an end, 0 the lower one.
     fn is_closed_by(&self, wall: &Wall, end: usize) -> bool {
         let inwards = [1.0, -1.0][end];
         let faces = |normal: &[f64; 3]| along(normal) == Some((self.axis, inwards));
-        // Between the end and the middle, so that the cylinder goes at least as far as the lid.
+        // Between the end and the middle, so that the cylinder extends at least as far as the lid.
         let before = |at: f64| inwards * (at - self.ends[end]) >= -SLACK * self.radius;
         match (&wall.shape, &wall.motion) {
             (Shape::Disc { normal, .. }, Motion::Fixed) => faces(normal) && self.has_lid(&wall.shape),
@@ -348,7 +348,7 @@ impl Tube {
     }
 }
 
-/// The text of a file: as many digits as decide on which side of a face a grain lies.
+/// Text of a file: enough digits to decide on which side of a face a grain lies.
 pub(super) fn stl(mesh: &Mesh) -> String {
     let mut text = String::from("solid wall\n");
     for [a, b, c] in &mesh.triangles {

@@ -51,7 +51,7 @@ impl Code for Makadam {
     }
 }
 
-/// The simulation at the start of a job's run, on one thread: at the jittered lattice, or at the state that the scene prepares.
+/// Returns the simulation at the start of a job's run, on one thread: the jittered lattice, or the state that the scene prepares.
 fn started(job: &Job<'_>) -> Result<Simulation, CodeError> {
     let (simulation, _) =
         start(job.scene, job.seed, job.scene_file, &Execution::serial(), &|_| {}).map_err(|error| match error {
@@ -65,16 +65,16 @@ fn started(job: &Job<'_>) -> Result<Simulation, CodeError> {
     Ok(simulation)
 }
 
-/// The grains at the start of a job's run. A scene that prepares a state is prepared by Makadam, and every code starts from the same one.
+/// Returns the grains at the start of a job's run. Makadam prepares the state of a scene that requires one; all codes start from the same state.
 ///
 /// # Errors
-/// [`CodeError`] where the scene cannot be populated, or its state not be prepared.
+/// [`CodeError`] if the scene cannot be populated or its state not prepared.
 pub fn starting_grains(job: &Job<'_>) -> Result<Vec<Grain>, CodeError> {
     starting_grains_if(job, |_| Ok(()))
 }
 
-/// Grains at the start of a job's run, once `check` has accepted the grains as they are placed: a refusal does not wait until preparing a
-/// state takes.
+/// Grains at the start of a job's run, after `check` has accepted the grains as placed: a refusal does not wait for the preparation of a
+/// state.
 pub(super) fn starting_grains_if(
     job: &Job<'_>,
     check: impl FnOnce(&[Grain]) -> Result<(), CodeError>,

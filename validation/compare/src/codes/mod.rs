@@ -1,4 +1,4 @@
-//! The codes that are compared: one trait, one file a code, and one table of their names.
+//! Compared codes: one trait, one file per code, and one table of their names.
 
 mod deck;
 pub mod external;
@@ -25,46 +25,46 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 pub use yade::Yade;
 
-/// Hertz's spring and Mindlin's, both damped for the restitution of the scene: what explicit codes do where nothing else is said.
+/// Hertz's spring and Mindlin's, both damped for the restitution of the scene: the default law of explicit codes.
 pub const HERTZ_MINDLIN: &str = "Hertz-Mindlin, damped";
 
-/// Purpose of a run. Scene and time step are the same either way.
+/// Purpose of a run. Scene and time step do not depend on it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Purpose {
-    /// Measuring: the frames tell of all contacts, and curved walls are fine meshes where the code has no others.
+    /// Measuring: the frames list all contacts, and curved walls are fine meshes where the code has no others.
     #[default]
     Measuring,
-    /// Timing: the input from which the code is fastest with the same physics. Its frames may lack contacts with walls.
+    /// Timing: the fastest input of the code with the same physics. Its frames may lack contacts with walls.
     Timing,
 }
 
-/// One run that is asked of a code.
+/// One requested run of a code.
 pub struct Job<'a> {
-    /// The scene, its stiffness already scaled by `stiffness_factor`.
+    /// Scene, its stiffness already scaled by `stiffness_factor`.
     pub scene: &'a MeasuredScene,
-    /// File that the scene came from, named in errors.
+    /// File of the scene, named in errors.
     pub scene_file: &'a Path,
-    /// Its purpose.
+    /// Purpose.
     pub purpose: Purpose,
     /// Seed of the initial positions.
     pub seed: u64,
-    /// Factor that has been applied to every Young's modulus of the scene; recorded.
+    /// Factor applied to every Young's modulus of the scene; recorded.
     pub stiffness_factor: f64,
     /// Time step of explicit codes over the Rayleigh step.
     pub rayleigh_fraction: f64,
-    /// Folder for scripts, decks, logs and raw output; kept after a failure.
+    /// Folder for scripts, decks, logs and raw output; not removed after a failure.
     pub work_folder: &'a Path,
     /// Wall time after which the run is stopped.
     pub time_limit: Duration,
-    /// Told the share of the run that is done, 0 to 1, now and then.
+    /// Receives the completed fraction of the run, 0 to 1, at intervals.
     pub progress: &'a (dyn Fn(f64) + Sync),
 }
 
-/// A code that can simulate a scene.
+/// Code that can simulate a scene.
 pub trait Code: Sync {
-    /// Its name, such as "Makadam" or "YADE".
+    /// Name, such as "Makadam" or "YADE".
     fn name(&self) -> &'static str;
-    /// Its version, or `None` if it is not installed.
+    /// Version, or `None` if the code is not installed.
     fn version(&self) -> Option<String>;
     /// Contact law in the input of the code; empty where the code has a single law. Runs with different laws are never mixed.
     fn contact_law(&self) -> &'static str {
@@ -74,14 +74,14 @@ pub trait Code: Sync {
     fn timing_input(&self) -> Option<&'static str> {
         None
     }
-    /// Seeds of the runs that exist, where the code is not run; `None` where it runs any seed.
+    /// Seeds of the available runs, where the code is not run; `None` where any seed can be run.
     fn seeds(&self) -> Option<Vec<u64>> {
         None
     }
-    /// Writes the files from which it runs the scene into the job's folder, and returns the command that runs it there.
+    /// Writes the input files of the scene into the job's folder, and returns the command that runs the scene there.
     ///
     /// # Errors
-    /// [`CodeError`], also where it needs no files.
+    /// [`CodeError`], also where the code needs no files.
     fn write_input(&self, job: &Job<'_>) -> Result<String, CodeError> {
         let _ = job;
         Err(CodeError::Unsupported { code: self.name(), reason: "there are no files to be exported".into() })
@@ -89,53 +89,53 @@ pub trait Code: Sync {
     /// Runs the scene on one core and returns its frames.
     ///
     /// # Errors
-    /// [`CodeError`]; what the code wrote stays in the job's folder.
+    /// [`CodeError`]; files of the code stay in the job's folder.
     fn simulate(&self, job: &Job<'_>) -> Result<Recording, CodeError>;
 }
 
-/// Error of a code that gave no recording.
+/// Error of a code that returned no recording.
 #[derive(Debug, thiserror::Error)]
 pub enum CodeError {
-    /// It is not on this machine.
+    /// The code is not on this machine.
     #[error("{}, or leave out --live to use the recorded references", absent(code))]
     Missing {
-        /// The code.
+        /// Code.
         code: &'static str,
     },
-    /// It cannot express the scene.
+    /// The code cannot express the scene.
     #[error("{code} cannot express this scene: {reason}; change the scene, or leave this code out")]
     Unsupported {
-        /// The code.
+        /// Code.
         code: &'static str,
         /// Missing capability.
         reason: String,
     },
-    /// It ended with an error.
+    /// The code ended with an error.
     #[error("{code} failed ({status}); its log is {}; its last words: {tail}", log.display())]
     Crashed {
-        /// The code.
+        /// Code.
         code: &'static str,
         /// Exit status or signal.
         status: String,
-        /// Log file, kept.
+        /// Log file, not removed.
         log: PathBuf,
         /// End of the log.
         tail: String,
     },
-    /// It ran past its time limit and was stopped.
+    /// The code exceeded its time limit and was stopped.
     #[error("{code} was stopped after {seconds:.0} s of wall time; its log is {}; raise --time-limit", log.display())]
     TimedOut {
-        /// The code.
+        /// Code.
         code: &'static str,
         /// Limit, s.
         seconds: f64,
-        /// Log file, kept.
+        /// Log file, not removed.
         log: PathBuf,
     },
-    /// It came to a state that makes its numbers invalid.
+    /// The code reached a state that invalidates its numbers.
     #[error("{code} came to a state that makes its numbers invalid: {alarm}")]
     InvalidState {
-        /// The code.
+        /// Code.
         code: &'static str,
         /// Diagnostic.
         alarm: ::makadam::watch::Alarm,
@@ -143,15 +143,15 @@ pub enum CodeError {
     /// The user asked to stop.
     #[error("{code} was interrupted")]
     Interrupted {
-        /// The code.
+        /// Code.
         code: &'static str,
     },
-    /// Its output is not what was expected.
+    /// The output is invalid.
     #[error("{code}: {}: line {line}: {problem}; the run folder is kept for a look", file.display())]
     Output {
-        /// The code.
+        /// Code.
         code: &'static str,
-        /// File that was read.
+        /// Output file.
         file: PathBuf,
         /// Line, from 1.
         line: usize,
@@ -161,13 +161,13 @@ pub enum CodeError {
     /// The scene cannot be populated.
     #[error(transparent)]
     Scene(#[from] crate::scenes::SceneError),
-    /// The recording cannot be kept or read back.
+    /// The recording cannot be stored or read back.
     #[error(transparent)]
     Recording(#[from] makadam_frames::recording::RecordingError),
-    /// It cannot be carried out as asked.
+    /// The run cannot be executed with the requested settings.
     #[error(transparent)]
     Execution(#[from] ::makadam::SettingError),
-    /// The state that the scene starts from cannot be kept.
+    /// The initial state of the scene cannot be stored.
     #[error(transparent)]
     State(#[from] ::makadam::checkpoint::CheckpointError),
     /// The system refused.
@@ -186,14 +186,14 @@ impl CodeError {
         matches!(self, CodeError::Interrupted { .. })
     }
 
-    /// The one of several failures that is told: that the user asked to stop, else the first.
+    /// Returns the failure to report: the interruption by the user, else the first.
     pub fn foremost(mut failures: Vec<CodeError>) -> Option<CodeError> {
         let place = failures.iter().position(CodeError::is_interruption).unwrap_or(0);
         (place < failures.len()).then(|| failures.swap_remove(place))
     }
 }
 
-/// Remedy for a file that the system refused.
+/// Returns the remedy for a file that the system refused.
 fn remedy(source: &std::io::Error) -> &'static str {
     match source.kind() {
         std::io::ErrorKind::NotFound => "nothing has written it: see the logs beside it",
@@ -201,7 +201,7 @@ fn remedy(source: &std::io::Error) -> &'static str {
     }
 }
 
-/// Writes files into a folder, which is made.
+/// Creates a folder and writes files into it.
 fn write_files(
     folder: &Path,
     files: impl IntoIterator<Item = (impl AsRef<Path>, impl AsRef<[u8]>)>,
@@ -214,11 +214,11 @@ fn write_files(
     Ok(())
 }
 
-/// Refuses a scene with an effect that is not among those that a code has, as far as grains and walls that are there have it. An effect
-/// that a code does not list is refused, so that no input leaves one out.
+/// Refuses a scene with an effect that a code lacks, if present grains and walls have the effect. An effect
+/// that a code does not list is refused, so that no input omits one.
 ///
 /// # Errors
-/// [`CodeError::Unsupported`] with the first effect, in the catalogue's order, and what calls for it.
+/// [`CodeError::Unsupported`] with the first effect, in the catalogue's order, and the setting that enables it.
 pub fn refuse_effects(
     code: &'static str,
     has: &[&'static Effect],
@@ -239,7 +239,7 @@ pub fn refuse_effects(
     Ok(())
 }
 
-/// The grains that a soft reference code starts from, or what it cannot do with the scene; `has` are the effects that it has.
+/// Returns the initial grains of a soft reference code, or the unsupported part of the scene; `has` are the effects of the code.
 fn supported_start(code: &'static str, has: &[&'static Effect], job: &Job<'_>) -> Result<Vec<Grain>, CodeError> {
     makadam::starting_grains_if(job, |grains| refuse_unsupported(code, has, job.scene, grains))
 }
@@ -264,12 +264,12 @@ fn refuse_unsupported(
     refuse_effects(code, has, scene, grains)
 }
 
-/// A name that this program gives to no code.
+/// Name without a code in this program.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("no code '{0}': give makadam, yade, liggghts or lammps")]
 pub struct UnknownCode(String);
 
-/// A code that this program drives.
+/// Code that this program can run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum CodeName {
     /// Makadam.
@@ -283,21 +283,21 @@ pub enum CodeName {
 }
 
 impl CodeName {
-    /// The codes that Makadam is held against, live or recorded.
+    /// Codes that Makadam is compared with, live or recorded.
     pub const REFEREES: [CodeName; 2] = [CodeName::Yade, CodeName::Liggghts];
 
-    /// The codes that count where their numbers are on record, and are not asked to run.
+    /// Codes that count where their numbers are recorded, and are not run by default.
     pub const FURTHER_REFEREES: [CodeName; 1] = [CodeName::Lammps];
 
-    /// The code of a name, in capitals or not.
+    /// Returns the code of a name, in any case of letters.
     ///
     /// # Errors
-    /// [`UnknownCode`] for a name that this program gives to no code.
+    /// [`UnknownCode`] for a name without a code in this program.
     pub fn of(name: &str) -> Result<CodeName, UnknownCode> {
         CodeName::from_str(name, true).map_err(|_| UnknownCode(name.into()))
     }
 
-    /// The code.
+    /// Returns the code.
     pub fn code(self) -> Box<dyn Code + Send> {
         match self {
             CodeName::Makadam => Box::new(Makadam),
@@ -308,7 +308,7 @@ impl CodeName {
     }
 }
 
-/// The codes of these names, each once, Makadam first.
+/// Returns the codes of these names, each once, Makadam first.
 pub fn codes_of(names: &[CodeName]) -> Vec<Box<dyn Code>> {
     let asked = CodeName::value_variants().iter().filter(|name| names.contains(name));
     asked.map(|name| -> Box<dyn Code> { name.code() }).collect()

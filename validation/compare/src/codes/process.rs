@@ -1,7 +1,7 @@
-//! A code as a child process: started in its own group, watched, stopped whole; its share of a core.
+//! A code as a child process: started in its own group, watched, stopped as a group; the core fraction that it got.
 //!
-//! On a busy machine wall time depends on other processes. The time of a run is the processor time of its stepping on one core, for every code:
-//! the wall time of the stepping, without set-up and output, times the share of a core that the run got.
+//! On a busy machine wall time depends on other processes. The time of a run is the processor time of its stepping on one core, for every code.
+//! It is the wall time of the stepping, without set-up and output, times the fraction of a core that the run got.
 
 use super::CodeError;
 use makadam_frames::output::shown;
@@ -21,17 +21,17 @@ const TAIL: usize = 600;
 /// Bytes of the end of a log that are searched for the reason of a failure.
 const SEARCHED: u64 = 1 << 16;
 
-/// Free bytes below which a failure is put down to a full disk.
+/// Free bytes below which a failure is attributed to a full disk.
 const FULL_DISK: u64 = 1 << 20;
 
-/// A reference code's program, and its version once that was asked for.
+/// Program of a reference code, and its version after the first request.
 pub(super) struct Program {
     pub(super) path: OsString,
     pub(super) version: OnceLock<Option<String>>,
 }
 
 impl Program {
-    /// Its version as `version_in` finds it in what it prints with these arguments, else "unknown"; none if it is not there.
+    /// Returns the version that `version_in` finds in the output for these arguments, else "unknown"; none if the program is missing.
     pub fn version(&self, arguments: &[&str], version_in: impl Fn(&str) -> Option<&str>) -> Option<String> {
         let ask = || {
             let words = first_words(&self.path, arguments)?;
@@ -41,7 +41,7 @@ impl Program {
     }
 }
 
-/// Declares a code with its program, whose name on `PATH` is given.
+/// Declares a code with its program, given the program's name on `PATH`.
 macro_rules! installed {
     ($(#[$about:meta])* $code:ident, $program:literal) => {
         $(#[$about])*
@@ -50,14 +50,14 @@ macro_rules! installed {
         }
 
         impl Default for $code {
-            /// The program that the code's environment variable names, else the one on `PATH`.
+            /// Returns the program that the code's environment variable names, else the one on `PATH`.
             fn default() -> Self {
                 Self::new(std::env::var_os($crate::codes::process::variable_of(NAME)).unwrap_or_else(|| $program.into()))
             }
         }
 
         impl $code {
-            /// The code under another name or path of its program.
+            /// Returns the code under another name or path of its program.
             pub fn new(program: impl Into<std::ffi::OsString>) -> Self {
                 Self { program: Program { path: program.into(), version: Default::default() } }
             }
@@ -66,12 +66,12 @@ macro_rules! installed {
 }
 pub(super) use installed;
 
-/// The environment variable that names a code's program.
+/// Environment variable that names a code's program.
 pub(super) fn variable_of(code: &str) -> String {
     format!("MAKADAM_{code}")
 }
 
-/// Reason for which a code's program is missing, and the remedy.
+/// Reason why a code's program is missing, and the remedy.
 pub fn absent(code: &str) -> String {
     let variable = variable_of(code);
     match std::env::var_os(&variable) {
@@ -87,23 +87,23 @@ pub fn absent(code: &str) -> String {
 pub struct Run<'a> {
     /// Name of the code, for errors.
     pub code: &'static str,
-    /// The program.
+    /// Program.
     pub program: &'a OsStr,
-    /// Its arguments.
+    /// Arguments.
     pub arguments: &'a [OsString],
-    /// Folder in which it runs.
+    /// Working folder.
     pub folder: &'a Path,
-    /// File for what it prints.
+    /// File for printed output.
     pub log: PathBuf,
-    /// Files in which it may say itself why it fails; that is added to the log.
+    /// Log files of the program itself that may state the cause of a failure; that cause is added to the log.
     pub own_logs: &'a [PathBuf],
-    /// Wall time after which it is stopped.
+    /// Wall time after which the run is stopped.
     pub limit: Duration,
-    /// Called now and then while it runs.
+    /// Called at intervals during the run.
     pub watch: &'a dyn Fn(),
 }
 
-/// Stops the whole group when dropped, so that nothing outlives an early return or a panic.
+/// Stops the whole group when dropped, so that no process outlives an early return or a panic.
 struct Group(Child);
 
 impl Drop for Group {
@@ -114,7 +114,7 @@ impl Drop for Group {
 }
 
 impl Run<'_> {
-    /// Runs the program to its end. Gives the share of a core that it got, 0 to 1, if it ran long enough for the system to tell.
+    /// Runs the program to its end. Returns the fraction of a core that it got, 0 to 1, if the run was long enough for the system to report one.
     pub fn execute(&self) -> Result<Option<f64>, CodeError> {
         let Some(program) = locate(self.program) else { return Err(CodeError::Missing { code: self.code }) };
         let log = File::create(&self.log).map_err(|source| io(&self.log, source))?;
@@ -144,7 +144,7 @@ impl Run<'_> {
                 let seconds = self.limit.as_secs_f64();
                 return Err(CodeError::TimedOut { code: self.code, seconds, log: self.log.clone() });
             }
-            // Both times of the same moment: one that has ended tells no more.
+            // Both times at the same moment: an ended process reports no more times.
             core_share = share_of(group.0.id(), start).or(core_share);
             std::thread::sleep(pause);
             pause = (pause * 2).min(Duration::from_millis(200));
@@ -161,7 +161,7 @@ impl Run<'_> {
         Err(CodeError::Crashed { code: self.code, status: status.to_string(), log: self.log.clone(), tail })
     }
 
-    /// Returns the program's own reason of its failure; the log named to the user holds all of its output.
+    /// Returns the program's own cause of its failure; the log named to the user holds all of its output.
     fn last_words(&self) -> String {
         let printed = ending(&self.log);
         let own: Vec<String> = self.own_logs.iter().map(|log| ending(log)).collect();
@@ -172,14 +172,14 @@ impl Run<'_> {
             }
             Ok(())
         };
-        // A log that cannot be added to is still the one that the program wrote.
+        // If the log cannot be extended, the output of the program is still in it.
         let _ = appended();
         last_words(&printed, &own)
     }
 }
 
-/// The last line that tells of an error, in what a program printed or in its own logs, before the end of what it printed. Programs
-/// that are aborted end with words of whoever aborts them.
+/// Returns the last line that reports an error, in the printed output or in the program's own logs, before the end of the printed output.
+/// Output of an aborted program ends with messages of the process that aborted it.
 fn last_words(printed: &str, own_logs: &[String]) -> String {
     let texts = || std::iter::once(printed).chain(own_logs.iter().map(String::as_str));
     let tells = |line: &&str| line.contains("ERROR") || line.contains("Error:");
@@ -189,7 +189,7 @@ fn last_words(printed: &str, own_logs: &[String]) -> String {
     shown(&words.collect::<Vec<_>>().join(" "), false).into_owned()
 }
 
-/// An error if the disk under `folder` is full: programs that do not check their writes leave torn files then.
+/// Returns an error if the disk under `folder` is full: programs that do not check their writes leave truncated files then.
 pub(super) fn disk_has_room(folder: &Path) -> Result<(), CodeError> {
     match rustix::fs::statvfs(folder) {
         Ok(room) if room.f_bavail.saturating_mul(room.f_frsize) < FULL_DISK => {
@@ -204,10 +204,10 @@ pub(super) fn io(path: &Path, source: std::io::Error) -> CodeError {
     CodeError::Io { path: path.display().to_string(), source }
 }
 
-/// A command that is killed should this program die without a word, and that prints line by line; without `setpriv` and `stdbuf` it
-/// is a plain one.
+/// Returns a command that is killed if this program dies without warning, and that prints line by line. Without `setpriv` and `stdbuf`
+/// the command is a plain one.
 fn tied(program: &Path) -> Command {
-    // Line by line: what a program holds back is lost when it aborts, and its reason with it.
+    // Line by line: buffered output is lost when a program aborts, and with it the cause.
     let helpers = [("setpriv", &["--pdeathsig", "KILL", "--"][..]), ("stdbuf", &["--output=L"][..])];
     let mut words: Vec<OsString> = Vec::new();
     for (name, arguments) in helpers {
@@ -222,7 +222,7 @@ fn tied(program: &Path) -> Command {
     command
 }
 
-/// The file of a program: itself if it is a path, else the first match on PATH.
+/// Returns the file of a program: the path itself if `program` is one, else the first match on PATH.
 pub(super) fn locate(program: &OsStr) -> Option<PathBuf> {
     let as_path = Path::new(program);
     if as_path.components().count() > 1 {
@@ -231,8 +231,8 @@ pub(super) fn locate(program: &OsStr) -> Option<PathBuf> {
     std::env::split_paths(&std::env::var_os("PATH")?).map(|folder| folder.join(program)).find(|file| file.is_file())
 }
 
-/// Reads a program's answer about its version; none if it is not there, empty if it cannot be started. Why it cannot be started is told by
-/// the run that follows.
+/// Reads a program's output about its version; none if the program is missing, empty if it cannot be started. The run that follows
+/// reports why.
 fn first_words(program: &OsStr, arguments: &[&str]) -> Option<String> {
     let mut command = Command::new(locate(program)?);
     let answer = command.args(arguments).stdin(Stdio::null()).stderr(Stdio::null()).output();
@@ -252,32 +252,32 @@ pub(super) fn ending(log: &Path) -> String {
     String::from_utf8_lossy(&read().unwrap_or_default()).into_owned()
 }
 
-/// Clock ticks a second in the files of `/proc`: Linux shows 100 on every machine, whatever it counts in.
+/// Clock ticks per second in the files of `/proc`: Linux reports 100 on every machine, whatever its internal tick.
 const TICKS: f64 = 100.0;
 
-/// Processor time that a stepping takes of this thread, from its start on.
+/// Processor time of a stepping on this thread, from its start.
 pub(super) struct ThreadClock {
     started: Instant,
     processor: f64,
 }
 
 impl ThreadClock {
-    /// Starts watching.
+    /// Starts the clock.
     pub(super) fn start() -> ThreadClock {
         ThreadClock { started: Instant::now(), processor: own_seconds() }
     }
 
-    /// Processor time of a part of what the thread has done since the start, s: its wall time times the share of a core; absent where no
-    /// time has passed.
+    /// Processor time of a part of the thread's work since the start, s: its wall time times the core fraction; absent if no time has
+    /// passed.
     pub(super) fn core_seconds(&self, wall: Duration) -> Option<f64> {
         Some(wall.as_secs_f64() * share(own_seconds() - self.processor, self.started.elapsed())?)
     }
 }
 
-/// Wall time below which ticks are too coarse to tell a share.
+/// Wall time below which ticks are too coarse for a fraction.
 const SHORTEST: Duration = Duration::from_millis(300);
 
-/// Share of a core that a process has got since its start, 0 to 1; absent in its first moments and where the system does not tell.
+/// Fraction of a core that a process has got since its start, 0 to 1; absent in its first moments and where the system does not report it.
 pub(super) fn share_of(process: u32, started: Instant) -> Option<f64> {
     let elapsed = started.elapsed();
     let text = std::fs::read_to_string(format!("/proc/{process}/stat")).ok()?;
@@ -292,17 +292,17 @@ fn share(processor: f64, elapsed: Duration) -> Option<f64> {
 
 /// Processor time of this thread, s.
 fn own_seconds() -> f64 {
-    // The files of /proc show a running thread as it was at its last tick, which is long for a run of milliseconds.
+    // The files of /proc show a running thread as of its last tick, which is too coarse for a run of milliseconds.
     let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
     time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
 }
 
-/// Place of user time in a line of `stat` behind the program's name; system time is the next one.
+/// Index of user time in a line of `stat` behind the program's name; system time follows.
 const OWN: usize = 11;
 
 /// User and system time in a line of `stat`, s.
 fn seconds_in(line: &str) -> Option<f64> {
-    // The program's name, in brackets, may hold blanks.
+    // The program's name, in parentheses, may contain spaces.
     let fields: Vec<&str> = line.rsplit_once(')')?.1.split_whitespace().collect();
     let ticks = |field: usize| fields.get(field)?.parse::<f64>().ok();
     Some((ticks(OWN)? + ticks(OWN + 1)?) / TICKS)
@@ -311,7 +311,7 @@ fn seconds_in(line: &str) -> Option<f64> {
 /// Checks that a pattern names files below the folder of a run.
 ///
 /// # Errors
-/// A sentence with the reason and the remedy, if it leads out of the folder or is no pattern.
+/// Message with reason and remedy, if the pattern leads out of the folder or is invalid.
 pub(super) fn check_pattern(pattern: &str) -> Result<(), String> {
     let remedy = "name files below the folder in which the command runs, such as out/*.csv";
     let leads_out =

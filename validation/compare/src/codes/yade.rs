@@ -1,4 +1,4 @@
-//! YADE: a job file for `yade_driver.py`, which runs inside it, and the frames that come back.
+//! YADE: a job file for `yade_driver.py`, which runs inside YADE, and the frames that it writes.
 
 use super::input::{MotionPhase, Palette, Plan, Primitive, primitives};
 use super::process::{self, Program, Run, installed, io};
@@ -37,7 +37,7 @@ pub(super) const HAS: [&Effect; 12] = [
 ];
 const DRIVER: &str = include_str!("yade_driver.py");
 
-/// Reach of YADE's candidate list over the smallest radius; a matter of speed alone. The second one is that at which packing and drum are
+/// Cutoff of YADE's candidate list over the smallest radius, which affects speed alone. With the second value packing and drum are
 /// fastest.
 const VERLET_DISTANCE: f64 = 0.2;
 const FASTEST_VERLET_DISTANCE: f64 = 0.3;
@@ -47,7 +47,7 @@ const HEADER: usize = 3;
 const GRAIN_ROW: usize = 9;
 const CONTACT_ROW: usize = 12;
 
-/// Doubles that tell of a driven wall in a frame.
+/// Doubles of a dynamic wall in a frame.
 const DRIVEN_ROW: usize = 2;
 
 installed!(
@@ -71,7 +71,7 @@ pub struct RunResult {
 /// Reads the driver's `result.json`; any bytes are either a result or an error.
 ///
 /// # Errors
-/// What is wrong, in words.
+/// Message with the fault.
 pub fn read_result(bytes: &[u8]) -> Result<RunResult, String> {
     let result: RunResult = serde_json::from_slice(bytes).map_err(|error| error.to_string())?;
     match [result.seconds].into_iter().chain(result.core_seconds).find(|time| !time.is_finite() || *time < 0.0) {
@@ -172,13 +172,13 @@ fn write_input(job: &Job<'_>) -> Result<(Vec<Grain>, Plan), CodeError> {
     Ok((grains, plan))
 }
 
-/// The version in the words "Yade version: 2023.02a".
+/// Finds the version in "Yade version: 2023.02a".
 fn version_in(words: &str) -> Option<&str> {
     words.split_once("ersion:")?.1.split_whitespace().next()
 }
 
-/// Cohesion in YADE's terms: a pull of `4 pi gamma R*` while two touch (Derjaguin, Muller & Toporov), which is the pull-off force
-/// `3/2 pi w R*` for `gamma = 3 w / 8`, one number for all contacts, without a range.
+/// Cohesion in YADE's terms: an attraction of `4 pi gamma R*` during contact (Derjaguin, Muller & Toporov), which is the pull-off force
+/// `3/2 pi w R*` for `gamma = 3 w / 8`. The value is one number for all contacts, without a range.
 fn surface_energy(palette: &Palette<'_>) -> Result<Option<f64>, String> {
     let mut all = palette.pairs().map(|(_, _, pair)| pair.cohesion);
     match all.next().flatten() {
@@ -190,7 +190,7 @@ fn surface_energy(palette: &Palette<'_>) -> Result<Option<f64>, String> {
     }
 }
 
-/// The job as the driver reads it.
+/// Returns the job file of the driver.
 fn job_file(
     job: &Job<'_>,
     grains: &[Grain],
@@ -246,11 +246,11 @@ fn job_file(
     })
 }
 
-/// Triangles of a wall, and its endless planes across an axis: the axis, 0 to 2, and their place on it, m.
+/// Triangles of a wall, and its endless planes across an axis: the axis, 0 to 2, and their position on it, m.
 type Surfaces = (Mesh, Vec<(usize, f64)>);
 
-/// The surfaces of each wall: triangles, and for timing planes in their place where a wall is some. Planes resist rolling otherwise than
-/// facets do, which the coefficient stands for.
+/// Surfaces of each wall: triangles; for timing, planes instead where a wall consists of planes. Planes resist rolling otherwise than
+/// facets do; the coefficient accounts for the difference.
 fn surfaces(job: &Job<'_>, grains: &[Grain], rolls: bool) -> Vec<Surfaces> {
     let Job { scene, purpose, .. } = job;
     let smallest = grains.iter().map(|grain| grain.radius).fold(f64::INFINITY, f64::min);
@@ -270,7 +270,7 @@ fn surfaces(job: &Job<'_>, grains: &[Grain], rolls: bool) -> Vec<Surfaces> {
     scene.wall.iter().zip(&found).map(of).collect()
 }
 
-/// Unit vector of the axis, force along it (N), mass (kg) and first step of a wall that a force drives.
+/// Unit vector of the axis, force along it (N), mass (kg) and first step of a dynamic wall.
 fn drive_entry(motion: &Motion, plan: &Plan) -> Option<Value> {
     let Motion::ForceDriven { axis, force, mass, start } = *motion else { return None };
     let axis: [f64; 3] = Vector3::from(axis).normalize().into();
@@ -299,7 +299,7 @@ fn motion_entry(motion: &Motion, phase: &MotionPhase) -> Option<Value> {
 /// Reads the driver's frames; any bytes are either frames or an error.
 ///
 /// # Errors
-/// What is wrong, in words.
+/// Message with the fault.
 pub fn read_frames(bytes: &[u8], radii: &[f64], walls: usize) -> Result<Vec<Snapshot>, String> {
     let mut rest = bytes.chunks_exact(8).map(|eight| f64::from_le_bytes(eight.try_into().unwrap_or_default()));
     if !bytes.len().is_multiple_of(8) {
@@ -352,10 +352,10 @@ pub fn read_frames(bytes: &[u8], radii: &[f64], walls: usize) -> Result<Vec<Snap
     Ok(frames)
 }
 
-/// Reads displacement (m or rad) and rate of each driven wall, frame after frame.
+/// Reads displacement (m or rad) and rate of each dynamic wall, frame after frame.
 ///
 /// # Errors
-/// The problem: a wrong number of bytes, or a number that is not finite.
+/// Message: a wrong number of bytes, or a number that is not finite.
 pub fn read_driven_walls(bytes: &[u8], walls: &[u32], frames: &mut [Snapshot]) -> Result<(), String> {
     let row = 8 * DRIVEN_ROW * walls.len();
     if bytes.len() != row * frames.len() {

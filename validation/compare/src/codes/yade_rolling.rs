@@ -1,21 +1,21 @@
 //! Rolling resistance in YADE's terms.
 //!
-//! `Law2_ScGeom_MindlinPhys_Mindlin(includeMoment=True)` bears a moment by an elastic spring `krot` (N m) up to `eta` times the mean
-//! radius of the two times the normal force, where Makadam (and LIGGGHTS's epsd2) have `mu_r` times the effective radius. For
+//! `Law2_ScGeom_MindlinPhys_Mindlin(includeMoment=True)` carries a moment by an elastic spring `krot` (N m) up to `eta` times the mean
+//! radius of the pair times the normal force. In Makadam (and LIGGGHTS's epsd2) the limit is `mu_r` times the effective radius. For
 //! two grains of radius R the mean radius is R and the effective one R/2. A facet counts as a sphere of twice the grain's
-//! radius, so the mean radius there is 1.5 R where the effective one is R. (A `hertzian` facet has an endless radius, which
+//! radius, so the mean radius there is 1.5 R and the effective one is R. (A `hertzian` facet has an infinite radius, which
 //! would lock rolling; without it contacts with facets have sqrt(2/3) of the stiffness of a flat wall.)
 //!
-//! Where the normal force is zero, as at the end of a damped impact, YADE takes a cap of zero for none, and the spring turns on:
-//! a grain that hits another at 1 m/s spinning at 50 rad/s loses twice what the cap allows. Grains that stay in touch are not
-//! concerned.
+//! Where the normal force is zero, as at the end of a damped impact, YADE treats a cap of zero as no cap, and the spring continues to turn.
+//! A grain that hits another at 1 m/s with a spin of 50 rad/s loses twice the amount that the cap allows. Permanent contacts are not
+//! affected.
 //!
 //! `eta` is one number for all contacts. So `eta = mu_r/2` holds for grains, and at walls only if their coefficient is three quarters
 //! of the grains'.
 //!
-//! `krot` is one number for all contacts too, where epsd2's stiffness grows with the overlap: the tangential spring's times the effective
-//! radius squared. The driver sets each contact's own stiffness (`kr`) to that every few steps; `krot` is what a contact has until then. A
-//! heap's angle depends on it: with springs as stiff everywhere as at an overlap of 1% it is a degree steeper.
+//! `krot` is one number for all contacts too. In epsd2 the stiffness grows with the overlap: the tangential spring's times the effective
+//! radius squared. The driver sets each contact's own stiffness (`kr`) to that value every few steps; `krot` applies until then. A
+//! heap's angle depends on it: with springs everywhere as stiff as at an overlap of 1% the heap is one degree steeper.
 
 use super::input::Palette;
 use makadam::scene::{Grain, Material};
@@ -24,10 +24,10 @@ use serde::Serialize;
 /// Mean radius over the grain's radius at a facet.
 const FACET: f64 = 1.5;
 
-/// Overlap, over the radius, at which a new contact's spring has its stiffness: the largest of an impact with 0.1 m/s at 10 MPa.
+/// Overlap, over the radius, that sets the spring stiffness of a new contact: the largest of an impact with 0.1 m/s at 10 MPa.
 const OVERLAP: f64 = 0.01;
 
-/// Largest radius over smallest up to which the effective radius is, within 4%, half the mean one for every pair.
+/// Largest ratio of radii for which the effective radius is half the mean one for every pair, within 4%.
 const LARGEST_RATIO: f64 = 1.5;
 
 /// Rolling resistance of all contacts.

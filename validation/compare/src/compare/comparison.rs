@@ -70,14 +70,14 @@ pub struct Row {
 }
 
 impl Row {
-    /// The interval of the difference that is shown: the one that the verdict rests on, or that of 90% where there is no margin.
+    /// Returns the displayed interval of the difference: that of the verdict, or that of 90% where there is no margin.
     pub fn shown_interval(&self) -> Option<[f64; 2]> {
         self.interval_of_verdict.filter(|_| self.margin.is_some()).or(self.interval90)
     }
 }
 
 impl Comparison {
-    /// Returns true if the references differ from each other by more than the margin of a row of the code under test: then it proves nothing.
+    /// Returns true if the references differ from each other by more than the margin of a row of the code under test: the row proves nothing then.
     pub fn references_at_odds(&self, row: &Row) -> bool {
         at_odds(&self.rows, &self.judged, row)
     }
@@ -139,7 +139,7 @@ pub struct FinalState {
     pub particles: Vec<Particle>,
 }
 
-/// Who is judged where nobody else is named.
+/// Default code under test.
 pub(crate) const MAKADAM: &str = "Makadam";
 
 fn makadam() -> String {

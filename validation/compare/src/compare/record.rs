@@ -1,4 +1,4 @@
-//! Recording: runs of reference codes are measured and replace what a scene's references hold of them.
+//! Recording: runs of reference codes are measured and replace those in a scene's references.
 
 use super::{CodeRuns, Reference, ReferenceError, Runs, distinct};
 use crate::codes::{Code, CodeError};
@@ -8,7 +8,7 @@ use makadam_measure::statistics::Ensemble;
 use rayon::prelude::*;
 use std::path::PathBuf;
 
-/// Seeds where nothing is recorded and none are asked for.
+/// Default number of seeds without recorded runs.
 pub const FEW_SEEDS: u64 = 3;
 
 /// Result of a recording.
@@ -16,11 +16,11 @@ pub struct Recorded {
     /// Folder of the references.
     pub folder: PathBuf,
     pub changed: bool,
-    /// True if every recorded run has a value of all that is compared.
+    /// True if every recorded run has a value of every compared observable.
     pub whole: bool,
     /// Recorded values, one line per code and observable.
     pub lines: Vec<String>,
-    /// That the user asked to stop, else the first failure of a run, else the reason for which recorded runs stayed.
+    /// Interruption by the user, else the first failure of a run, else the reason why recorded runs were not replaced.
     pub failure: Option<RecordError>,
 }
 
@@ -30,7 +30,7 @@ pub enum RecordError {
     /// The references cannot be read.
     #[error(transparent)]
     Reference(#[from] ReferenceError),
-    /// They cannot be written.
+    /// The references cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),
     /// A run failed.
@@ -41,9 +41,9 @@ pub enum RecordError {
     Refused(String),
 }
 
-/// Replaces the recorded runs of some codes by runs of today: of raw recordings where there are some, else made now. Fewer runs than are
-/// recorded replace none. `runs` are for measuring, with the folder of raw recordings; their seeds are 1 to `seeds` or, if absent, those that
-/// the scene registers, else as many as are recorded, and [`FEW_SEEDS`] at least. `warn` receives a sentence per run that failed.
+/// Replaces the recorded runs of some codes by new ones: from raw recordings where available, else from new runs. Fewer runs than are
+/// recorded replace none. `runs` are for measuring, with the folder of raw recordings; their seeds are 1 to `seeds`. Without `seeds`, the
+/// scene's registered seeds count, else as many as are recorded, and at least [`FEW_SEEDS`]. `warn` receives a sentence per failed run.
 ///
 /// # Errors
 /// [`RecordError::Reference`] or [`RecordError::Write`] if the references cannot be read or written.
@@ -79,7 +79,7 @@ pub fn record(
     Ok(recorded)
 }
 
-/// Adds mean and standard deviation of what is recorded of a code; whether every run has a value of all that is compared.
+/// Adds mean and standard deviation of a code's recorded values; returns true if every run has a value of every compared observable.
 fn describe(reference: &Reference, scene: &MeasuredScene, code: &str, lines: &mut Vec<String>) -> bool {
     let runs = reference.of(code).count();
     let mut whole = true;
@@ -104,7 +104,7 @@ fn describe(reference: &Reference, scene: &MeasuredScene, code: &str, lines: &mu
     whole
 }
 
-/// Reason for which new runs of a code do not replace the recorded ones.
+/// Reason why new runs of a code do not replace the recorded ones.
 fn refusal(new: &CodeRuns, recorded: usize) -> Option<String> {
     let (code, ended) = (&new.code, new.runs.len());
     let versions = distinct(new.runs.iter().map(|run| run.version.as_str()));

@@ -1,7 +1,7 @@
 //! From runs to rows: means, differences, verdicts, live runs against the recorded spread.
 //!
-//! An interval of the difference errs with the probability that it states for one look at the runs. Who adds seeds until it lies inside the
-//! margin errs more often: with looks at 8, 12, 16, 24, 32 and 48 seeds, 8% of differences as large as the margin pass a test of 2.5%. So
+//! The error probability of an interval holds for one test of the runs. Adding seeds until the interval lies inside the margin errs more
+//! often. With tests at 8, 12, 16, 24, 32 and 48 seeds, 8% of differences as large as the margin pass a test of 2.5%. So
 //! the number of seeds is part of the scene (`measure.seeds`), and runs of any other number are exploratory.
 
 use super::comparison::{MAKADAM, at_odds};
@@ -10,7 +10,7 @@ use makadam_frames::plan::{Expectation, MeasuredScene};
 use makadam_measure::statistics::{Ensemble, Outcome, equivalence, prediction_interval};
 use makadam_view::draw::numbers::plural;
 
-/// Puts together what was measured of several codes, the code under test first. Its agreement counts for the seeds alone that the scene
+/// Compares the measurements of several codes, the code under test first. Agreement counts only for the seeds that the scene
 /// has registered.
 pub fn comparison(scene: &MeasuredScene, codes: &[CodeRuns], mut notes: Vec<String>) -> Comparison {
     let moving = |code: &CodeRuns| Settled::of(scene, &code.runs).note(&code.code);
@@ -27,8 +27,8 @@ pub fn comparison(scene: &MeasuredScene, codes: &[CodeRuns], mut notes: Vec<Stri
     }
 }
 
-/// Rows of one observable: each code against each one after it, then the last code by itself. A code that lacks a value of a
-/// seed that it was run with has no test: its rows say what is missing.
+/// Rows of one observable: each code against each one after it, then the last code by itself. A code that lacks a value for a
+/// seed of its runs has no test: its rows state the missing values.
 fn rows(scene: &MeasuredScene, expectation: &Expectation, codes: &[CodeRuns]) -> Vec<Row> {
     let name = &expectation.observable;
     let asked: Vec<Asked<'_>> = codes.iter().map(|code| Asked::of(scene, code, name)).collect();
@@ -48,15 +48,15 @@ fn rows(scene: &MeasuredScene, expectation: &Expectation, codes: &[CodeRuns]) ->
     rows
 }
 
-/// Reports whether a code was run with the seeds that the scene has registered.
+/// Returns true if a code was run with the seeds that the scene has registered.
 fn is_registered(scene: &MeasuredScene, judged: &CodeRuns) -> bool {
     let seeds = judged.runs.iter().map(|run| run.seed).chain(judged.failed.iter().copied());
     unregistered(scene, seeds).is_none()
 }
 
-/// Takes back what rows of the judged code do not prove. Agreement is exploratory where its seeds are not registered; where they are, no number
-/// of further seeds is named: runs are not added to until they agree. Agreement is undecided where the references differ from each other by more
-/// than the margin, and more seeds decide nothing. `rows`: those of one observable, the judged code's first.
+/// Withdraws verdicts that rows of the code under test do not prove. Agreement is exploratory where its seeds are not registered. Where they
+/// are, no further number of seeds is named: runs are not added until they agree. Agreement is undecided where the references differ by more
+/// than the margin, and more seeds decide nothing. `rows`: those of one observable, the code under test first.
 fn take_back(rows: &mut [Row], is_registered: bool) {
     let Some(judged) = rows.first().map(|row| row.code.clone()) else { return };
     for place in (0..rows.len()).filter(|&place| rows[place].code == judged).collect::<Vec<_>>() {
@@ -83,7 +83,7 @@ struct Asked<'a> {
 }
 
 impl<'a> Asked<'a> {
-    /// Values of the runs of a code that are at rest, where the scene asks for that.
+    /// Returns the values of the runs of a code that are at rest, where the scene requires rest.
     fn of(scene: &MeasuredScene, code_runs: &'a CodeRuns, observable: &str) -> Asked<'a> {
         let CodeRuns { code, runs, failed, discarded, .. } = code_runs;
         let settled = Settled::of(scene, runs);
@@ -100,7 +100,7 @@ impl<'a> Asked<'a> {
         Asked { code, unit: found().next().map_or("", |found| &found.unit), ensemble: Ensemble::of(&values), missing }
     }
 
-    /// A row that stands alone.
+    /// Row of one code.
     fn row(&self, scene: &MeasuredScene, observable: &str) -> Row {
         Row {
             scene: scene.name.clone(),
@@ -114,13 +114,13 @@ impl<'a> Asked<'a> {
         }
     }
 
-    /// The row that stands alone, with what it lacks.
+    /// Row of one code, with its missing values.
     fn judged(&self, alone: Row) -> Row {
         let outcome = self.missing.as_ref().map(|_| Outcome::NotMeasured);
         Row { outcome, missing: self.missing.clone(), ..alone }
     }
 
-    /// The row of the difference from another code, `codes` codes being compared in all.
+    /// Row of the difference from another code, with `codes` codes compared in all.
     fn against(&self, other: &Asked<'_>, alone: &Row, expectation: &Expectation, codes: usize) -> Row {
         let pair = Row { reference_code: Some(other.code.into()), ..alone.clone() };
         let missing: Vec<&str> = [self, other].iter().filter_map(|asked| asked.missing.as_deref()).collect();
@@ -141,7 +141,7 @@ impl<'a> Asked<'a> {
     }
 }
 
-/// A live value of an observable, and the interval that the recorded runs predict.
+/// Live value of an observable, and the interval that the recorded runs predict.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LiveCheck {
     pub observable: String,
@@ -158,8 +158,8 @@ impl LiveCheck {
     }
 }
 
-/// Checks every observable that has a margin, each with `confidence`. The seed of the live run is none of the recorded ones: a value
-/// always lies among values that include it.
+/// Checks every observable that has a margin, each with `confidence`. The seed of the live run is not among the recorded ones: a value
+/// always lies within a set that contains it.
 pub fn live_checks(scene: &MeasuredScene, live: &MeasuredRun, recorded: &CodeRuns, confidence: f64) -> Vec<LiveCheck> {
     let check = |expectation: &Expectation| {
         let values = recorded.values(&expectation.observable);
@@ -174,10 +174,10 @@ pub fn live_checks(scene: &MeasuredScene, live: &MeasuredRun, recorded: &CodeRun
     scene.compare.iter().filter(|expectation| expectation.margin.is_some()).map(check).collect()
 }
 
-/// Largest fraction of the runs of a code that may be left out because they are not at rest.
+/// Largest fraction of the runs of a code that may be excluded because they are not at rest.
 const MOST_MOVING: f64 = 0.2;
 
-/// Reason for which runs of these seeds are none that the scene has registered, as a clause; `None` for seeds 1 to the registered number.
+/// Reason why runs of these seeds are not those registered by the scene, as a clause; `None` for seeds 1 to the registered number.
 pub(super) fn unregistered(scene: &MeasuredScene, seeds: impl Iterator<Item = u64>) -> Option<String> {
     let mut seeds: Vec<u64> = seeds.collect();
     seeds.sort_unstable();
@@ -198,24 +198,24 @@ pub(super) fn unregistered(scene: &MeasuredScene, seeds: impl Iterator<Item = u6
 }
 
 impl Comparison {
-    /// Reason for which the runs of the code under test are none that the scene has registered, as a clause; `None` where they are.
+    /// Reason why the runs of the code under test are not those registered by the scene, as a clause; `None` where they are.
     pub fn unregistered(&self) -> Option<String> {
         let judged = self.codes.iter().find(|code| code.code == self.judged)?;
         unregistered(&self.scene, judged.seeds.iter().copied())
     }
 }
 
-/// Runs of a code by whether they are at rest at their end.
+/// Runs of a code, divided by rest at their end.
 pub(super) struct Settled<'a> {
     /// Runs that count.
     pub at_rest: Vec<&'a MeasuredRun>,
-    /// Seeds of the others.
+    /// Seeds of the other runs.
     pub moving: Vec<u64>,
 }
 
 impl<'a> Settled<'a> {
-    /// Tells runs at rest from others by their kinetic energy per grain; where a scene states no largest one, all runs count. A run without
-    /// a kinetic energy is not known to be at rest.
+    /// Separates runs at rest from others by their kinetic energy per grain; where a scene states no maximum, all runs count. A run without
+    /// a kinetic energy counts as moving.
     pub fn of(scene: &MeasuredScene, runs: &'a [MeasuredRun]) -> Settled<'a> {
         let largest = scene.measure.rest_energy.map(|energy| energy * scene.grain_count() as f64);
         let is_at_rest = |run: &&MeasuredRun| match (largest, run.value("kinetic_energy")) {
@@ -227,7 +227,7 @@ impl<'a> Settled<'a> {
         Settled { at_rest, moving: moving.into_iter().map(|run| run.seed).collect() }
     }
 
-    /// Reason for which none of the runs counts: more of them move than may be left out.
+    /// Reason why none of the runs counts: more of them move than may be excluded.
     pub fn refusal(&self, code: &str) -> Option<String> {
         let all = self.at_rest.len() + self.moving.len();
         let too_many = self.moving.len() as f64 > MOST_MOVING * all as f64;
@@ -236,7 +236,7 @@ impl<'a> Settled<'a> {
         })
     }
 
-    /// Seeds that are left out, in a sentence; `None` where there are none.
+    /// Excluded seeds, as a sentence; `None` where there are none.
     pub fn note(&self, code: &str) -> Option<String> {
         let seeds: Vec<String> = self.moving.iter().map(u64::to_string).collect();
         (!seeds.is_empty()).then(|| {

@@ -1,4 +1,4 @@
-//! Measured runs: the stored result of one, and all runs of one code on one scene.
+//! Measured runs: the stored result of one run, and all runs of one code on one scene.
 
 use super::{CodeSummary, FinalState, Source, Timing};
 use makadam_frames::plan::MeasuredScene;
@@ -7,36 +7,36 @@ use makadam_frames::recording::{Content, Noticed, Recording};
 use makadam_measure::observables::{ForceDistribution, ForcePool, Measurement, Series, measure, series};
 use serde::{Deserialize, Serialize};
 
-/// One run of one code, measured.
+/// Measured run of one code.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MeasuredRun {
-    /// The code.
+    /// Code.
     pub code: String,
-    /// Its version.
+    /// Version.
     pub version: String,
     /// Seed of the initial positions.
     pub seed: u64,
-    /// The law of its contacts ([`Code::contact_law`](crate::codes::Code::contact_law)).
+    /// Law of its contacts ([`Code::contact_law`](crate::codes::Code::contact_law)).
     pub contact_law: String,
-    /// Time step, s; 0 where the code does not tell.
+    /// Time step, s; 0 where the code does not report it.
     pub time_step: f64,
     /// Time step over the Rayleigh step, for explicit codes.
     pub rayleigh_fraction: Option<f64>,
     /// Wall time of the time stepping, s.
     pub wall_seconds: f64,
-    /// Processor time of the time stepping on one core, s; absent where the code does not tell, and of recorded runs: a line of `runs.csv`
-    /// does not say it.
+    /// Processor time of the time stepping on one core, s; absent where the code does not report it, and for recorded runs: `runs.csv`
+    /// lacks it.
     #[serde(default)]
     pub core_seconds: Option<f64>,
     /// Simulated time, s.
     pub simulated_seconds: f64,
-    /// Processor that it ran on.
+    /// Processor of the run.
     pub processor: String,
-    /// When it ended, ISO 8601.
+    /// Date of its end, ISO 8601.
     pub date: String,
-    /// Hash of the scene that was run ([`physics_hash`](makadam_frames::plan::physics_hash)); empty until the run is recorded.
+    /// Hash of the scene of the run ([`physics_hash`](makadam_frames::plan::physics_hash)); empty until the run is recorded.
     pub scene_hash: String,
-    /// Measurements; a line of `runs.csv` does not hold them.
+    /// Measurements; a line of `runs.csv` lacks them.
     #[serde(default)]
     pub measurements: Vec<Measurement>,
 }
@@ -47,26 +47,26 @@ impl MeasuredRun {
         self.measurements.iter().find(|measurement| measurement.observable == observable).map(|found| found.value)
     }
 
-    /// Time of the stepping over simulated time: processor time, or wall time where nothing else is known.
+    /// Time of the stepping over simulated time: processor time, or wall time where that is absent.
     pub fn pace(&self) -> f64 {
         self.core_seconds.unwrap_or(self.wall_seconds) / self.simulated_seconds
     }
 }
 
-/// A measured run, and what pictures and distributions are made from.
+/// Measured run, and the data of its pictures and distributions.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Harvest {
-    /// The run.
+    /// Measured run.
     pub run: MeasuredRun,
-    /// Its normal forces.
+    /// Normal forces.
     pub forces: ForcePool,
-    /// Its observables over time.
+    /// Observables over time.
     pub series: Vec<Series>,
-    /// Its grains at the end.
+    /// Grains at the end.
     pub final_state: Option<FinalState>,
     /// Violations that a watchdog found.
     pub alarms: Vec<Noticed>,
-    /// Content that its frames lack; observables that need it were not measured.
+    /// Content that its frames lack; observables that need the content were not measured.
     pub lacks: Vec<Content>,
     /// Notes on its frames, one sentence each.
     #[serde(default)]
@@ -74,7 +74,7 @@ pub struct Harvest {
 }
 
 impl Harvest {
-    /// Measures a recording under a law of contacts that ended at `date` on this machine.
+    /// Measures a recording that ended at `date` on this machine, under a contact law.
     pub fn of(scene: &MeasuredScene, recording: &Recording, contact_law: &str, date: String) -> Harvest {
         let mut forces = ForcePool::new(&recording.code);
         forces.add_recording(scene, recording);
@@ -109,8 +109,8 @@ impl Harvest {
     }
 }
 
-/// In sentences, what watchdogs noticed on the runs of a code, and what had to be assumed of their frames: each assumption once, with the
-/// seeds that it is of.
+/// Returns sentences on the watchdog violations in the runs of a code, and on assumptions about their frames: each assumption once, with
+/// its seeds.
 pub fn noticed(code: &str, harvests: &[Harvest]) -> Vec<String> {
     let alarms_of = |harvest: &Harvest| {
         let seed = harvest.run.seed;
@@ -139,22 +139,22 @@ pub fn noticed(code: &str, harvests: &[Harvest]) -> Vec<String> {
 /// Bins of a force distribution and their width in mean forces.
 const FORCE_BINS: (usize, f64) = (32, 0.25);
 
-/// The runs of one code, in the order of their seeds.
+/// Runs of one code, in the order of their seeds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CodeRuns {
-    /// The code.
+    /// Code.
     pub code: String,
     /// Live or recorded.
     pub source: Source,
     /// Timing of the runs.
     pub timing: Timing,
-    /// In a sentence, where the numbers came from.
+    /// Provenance of the numbers, as a sentence.
     pub provenance: String,
-    /// Its runs that ended well.
+    /// Successful runs.
     pub runs: Vec<MeasuredRun>,
-    /// Seeds that were asked for and whose runs failed: what a code is measured by lacks their values.
+    /// Requested seeds whose runs failed: the measurements of the code lack their values.
     pub failed: Vec<u64>,
-    /// Reason for which none of the runs counts; absent where they do.
+    /// Reason why none of the runs counts; absent where they do.
     pub discarded: Option<String>,
     /// Normal forces of all runs.
     pub forces: Option<ForceDistribution>,
@@ -165,7 +165,7 @@ pub struct CodeRuns {
 }
 
 impl CodeRuns {
-    /// The runs for measuring made here and now, up to `side_by_side` of them at a time.
+    /// Returns new runs for measuring, with up to `side_by_side` of them in parallel.
     pub fn live(code: &str, side_by_side: usize, mut harvests: Vec<Harvest>) -> CodeRuns {
         harvests.sort_by_key(|harvest| harvest.run.seed);
         let mut pool = ForcePool::new(code);
@@ -188,7 +188,7 @@ impl CodeRuns {
         }
     }
 
-    /// Values of an observable, one a run that has it.
+    /// Values of an observable, one per run that has it.
     pub fn values(&self, observable: &str) -> Vec<f64> {
         self.runs.iter().filter_map(|run| run.value(observable)).collect()
     }

@@ -1,4 +1,4 @@
-//! Runs of one code over several seeds, side by side, measured when they end.
+//! Runs of one code over several seeds, run in parallel, measured at their end.
 
 use super::{CodeRuns, CodeSummary, Harvest, Timing};
 use crate::codes::{Code, CodeError, Job, Purpose};
@@ -12,21 +12,21 @@ use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
-/// Told the share of a run that is done, 0 to 1.
+/// Receives the completed fraction of a run, 0 to 1.
 pub type Share = Box<dyn Fn(f64) + Send + Sync>;
 
 /// Opens a progress display for a run of this name.
 pub type Announce<'a> = &'a (dyn Fn(&str) -> Share + Sync);
 
-/// Seed of the run that pictures and curves over time are made from; of the others the numbers alone are stored.
+/// Seed of the run for pictures and curves over time; of the others the numbers alone are stored.
 const PICTURED_SEED: u64 = 1;
 
 /// Runs of a code on a scene.
 #[derive(Clone)]
 pub struct Runs<'a> {
-    /// The scene as its file says it.
+    /// Scene as written in its file.
     pub scene: &'a MeasuredScene,
-    /// Its file.
+    /// File of the scene.
     pub scene_file: &'a Path,
     /// Purpose of the runs.
     pub purpose: Purpose,
@@ -38,19 +38,19 @@ pub struct Runs<'a> {
     pub stiffness_factor: f64,
     /// Wall time after which a run is stopped.
     pub time_limit: Duration,
-    /// Folder of raw recordings: what is there of this scene and the installed version is not run again, what is run is kept.
-    /// Without a folder nothing is kept.
+    /// Folder of raw recordings. A recording of this scene and the installed version is reused; a new run is stored.
+    /// Without a folder no recording is stored.
     pub recordings: Option<PathBuf>,
     /// Opens progress displays.
     pub announce: Announce<'a>,
 }
 
-/// Time step of the live runs of a qualification over the Rayleigh step: the longest with which LIGGGHTS keeps the bounds of
+/// Time step of the live runs of a qualification over the Rayleigh step: the longest with which LIGGGHTS stays within the bounds of
 /// the trade-off in every scene.
 pub const LIVE_FRACTION: f64 = 0.2;
 
 impl<'a> Runs<'a> {
-    /// One seed for measuring. Scenes, effects and settings of a qualification all ask for a run in this way, so that none is made twice.
+    /// Returns one seed for measuring. Scenes, effects and settings of a qualification all use this request, so that no run is repeated.
     pub fn of_one_seed(
         scene: &'a MeasuredScene,
         scene_file: &'a Path,
@@ -81,14 +81,14 @@ impl<'a> Runs<'a> {
 
 /// Ended runs.
 pub struct Simulated {
-    /// The runs that ended well, measured.
+    /// Successful runs, measured.
     pub harvests: Vec<Harvest>,
-    /// The others: seed and reason.
+    /// Failed runs: seed and reason.
     pub failures: Vec<(u64, CodeError)>,
 }
 
 impl Runs<'_> {
-    /// Runs the code over the seeds, as many at a time as the thread pool has threads.
+    /// Runs the code over the seeds, at most one per thread of the thread pool at a time.
     pub fn simulate(&self, code: &dyn Code) -> Simulated {
         let scene = self.scene.with_stiffness_factor(self.stiffness_factor);
         let ended: Vec<_> = self.seeds.par_iter().map(|&seed| (seed, self.one(code, &scene, seed))).collect();
@@ -105,7 +105,7 @@ impl Runs<'_> {
     /// Runs the code on one seed of `scene`, whose stiffness is already scaled.
     ///
     /// # Errors
-    /// [`CodeError`]; what the code wrote is kept then, unless the user asked to stop.
+    /// [`CodeError`]; the files of the code are not removed, unless the user asked to stop.
     pub fn one(&self, code: &dyn Code, scene: &MeasuredScene, seed: u64) -> Result<Harvest, CodeError> {
         let name = self.file_stem(code, seed);
         let work_folder =
@@ -127,7 +127,7 @@ impl Runs<'_> {
         };
         if let Some(file) = kept.as_ref().filter(|file| file.is_file()) {
             let (installed, recording) = (code.version(), Recording::load(file));
-            // Versions do not mix: what another one left behind, or what is damaged, is run again, unless no code is there to run.
+            // Versions do not mix: a recording of another version, or a damaged one, is repeated, unless no code is there to run.
             let is_right =
                 recording.as_ref().is_ok_and(|found| installed.as_ref().is_none_or(|own| *own == found.version));
             if is_right || installed.is_none() {
@@ -142,7 +142,7 @@ impl Runs<'_> {
         }
         let progress = (self.announce)(&format!("{} {} seed {seed}", scene.name, code.name()));
         let ended = code.simulate(&job(&*progress));
-        // What was cut short tells nothing; what failed by itself does.
+        // The files of an interrupted run are removed; those of a failed run are not.
         if ended.as_ref().is_err_and(CodeError::is_interruption) {
             let _ = std::fs::remove_dir_all(&work_folder);
         }
@@ -150,15 +150,15 @@ impl Runs<'_> {
         if let Some(file) = &kept {
             recording.save(file)?;
         }
-        // The raw output of a run that ended well is in the recording; a folder that stays does no harm.
+        // The raw output of a successful run is in the recording; a folder that cannot be removed does no harm.
         let _ = std::fs::remove_dir_all(&work_folder);
         Ok(Harvest::of(scene, &recording, code.contact_law(), utc(SystemTime::now())))
     }
 
-    /// Returns the run of a seed, stored or made now. It may have been made next to others or alone on the machine.
+    /// Returns the run of a seed, from the cache or new. Other runs may have run at the same time.
     ///
     /// # Errors
-    /// [`RunError`] if it has to be made and cannot.
+    /// [`RunError`] if a new run is necessary and fails.
     pub fn take(&self, cache: &RunCache, code: &dyn Code, seed: u64) -> Result<Harvest, RunError> {
         match cache.find(&self.key(code, seed, true))? {
             Some(harvest) => Ok(harvest),
@@ -166,10 +166,10 @@ impl Runs<'_> {
         }
     }
 
-    /// Returns the run of a seed, stored or made now; one that is `alone` has the machine to itself, and is found on its processor only.
+    /// Returns the run of a seed, from the cache or new. A run that is `alone` has the machine to itself; its key includes the processor.
     ///
     /// # Errors
-    /// [`RunError`] if it has to be made and cannot.
+    /// [`RunError`] if a new run is necessary and fails.
     pub fn take_as(&self, cache: &RunCache, code: &dyn Code, seed: u64, alone: bool) -> Result<Harvest, RunError> {
         cache.take(&self.key(code, seed, alone), || {
             let harvest = self.one(code, &self.scene.with_stiffness_factor(self.stiffness_factor), seed)?;
@@ -180,12 +180,12 @@ impl Runs<'_> {
         })
     }
 
-    /// Key of a run: scene, settings, the code with its version and contact law; of a run alone on the machine its processor too.
+    /// Key of a run: scene, settings, the code with its version and contact law; for a run alone on the machine also its processor.
     pub fn key(&self, code: &dyn Code, seed: u64, alone: bool) -> Key {
         let scene = self.scene.with_stiffness_factor(self.stiffness_factor);
         let (mark, machine) = if alone { ("-alone", machine()) } else { ("", String::new()) };
         let name = format!("{}-{}-s{seed}{mark}", file_stem(&scene.name), code.name().to_lowercase());
-        // Where a code is timed by the input that it is measured by, one run is both.
+        // If the inputs for timing and for measuring are equal, one run serves for both.
         let timing = self.purpose == Purpose::Timing && code.timing_input().is_some();
         let settings = [
             format!("{} {}", self.rayleigh_fraction, self.stiffness_factor),
@@ -196,15 +196,15 @@ impl Runs<'_> {
         Key::of_run(name, &scene, seed, &settings.each_ref().map(String::as_str)).apart()
     }
 
-    /// Times the code on one seed by a run for timing, alone on the machine, unless that is stored. Where its frames lack content, they are
-    /// measured in a run for measuring.
+    /// Times the code on one seed by a run for timing, alone on the machine, unless a time is stored. Where its frames lack content, a run for
+    /// measuring supplies the measurements.
     ///
     /// # Errors
-    /// That of either run.
+    /// Error of either run.
     pub fn time(&self, cache: &RunCache, code: &dyn Code, seed: u64) -> Result<(CodeSummary, Harvest), RunError> {
         let timed = Runs { purpose: Purpose::Timing, ..self.clone() }.take_as(cache, code, seed, true)?;
         let input = code.timing_input().map(|words| format!("; its input for timing: {words}")).unwrap_or_default();
-        // Without processor time there is no time that other codes' can be divided by.
+        // Without processor time no ratio to the times of other codes is possible.
         let timing = if timed.run.core_seconds.is_some() { Timing::Alone } else { Timing::Measuring };
         let provenance = format!("processor time of the stepping of one run by this command{input}");
         let runs = CodeRuns { timing, provenance, ..CodeRuns::live(code.name(), 1, vec![timed.clone()]) };
@@ -213,7 +213,7 @@ impl Runs<'_> {
         Ok((summary, harvest))
     }
 
-    /// Name of a run; the hash tells the scene from what it was before a change.
+    /// Returns the name of a run; the hash distinguishes the scene from its earlier versions.
     fn file_stem(&self, code: &dyn Code, seed: u64) -> String {
         let purpose = if self.purpose == Purpose::Timing { "-timing" } else { "" };
         format!(
@@ -227,11 +227,11 @@ impl Runs<'_> {
     }
 }
 
-/// The end of a recording's name: a hash of the files that the code is given, so that what came of another deck is not taken up; nothing
-/// where it is given none.
+/// Returns the end of a recording's name: a hash of the input files of the code, so that a recording of another deck is not reused; empty
+/// if there are none.
 fn inputs(code: &dyn Code, job: &Job<'_>) -> Result<String, CodeError> {
     let refused = |path: &Path, source| CodeError::Io { path: path.display().to_string(), source };
-    // Nothing that an earlier process of the same number left behind counts.
+    // Files of an earlier process with the same number do not count.
     let _ = std::fs::remove_dir_all(job.work_folder);
     match code.write_input(job) {
         Ok(_) => {}

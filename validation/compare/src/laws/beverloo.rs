@@ -1,7 +1,7 @@
-//! Outflow from a silo: how fast grains leave by a round hole in its flat floor.
+//! Outflow from a silo: mass flow of grains through a round hole in its flat floor.
 //!
-//! The mass flow does not depend on the filling, and goes as `W = C rho_b sqrt(g) (D - k d)^(5/2)` with the hole's diameter `D`:
-//! grains fall freely from an arch of the hole's width, and their centres keep a distance from its rim.
+//! The mass flow does not depend on the filling, and goes as `W = C rho_b sqrt(g) (D - k d)^(5/2)` with the hole's diameter `D`.
+//! Grains fall freely from an arch of the hole's width, and their centres stay at a distance from its rim.
 
 use super::campaign::values;
 use super::results::line;
@@ -17,21 +17,21 @@ use std::f64::consts::PI;
 
 /// Friction of the grains and of all walls.
 const FRICTION: f64 = 0.5;
-/// Diameter of the silo, at least: over the hole's, and over the grains'. Narrower ones feel their walls.
+/// Least diameter of the silo: over the hole's, and over the grains'. In narrower silos the wall affects the flow.
 const SILO: [f64; 2] = [2.5, 20.0];
-/// Filling at the start, and the least one while the flow is measured, over the silo's diameter.
+/// Filling at the start, and the minimum while the flow is measured, over the silo's diameter.
 const FILLING: [f64; 2] = [1.6, 1.2];
-/// Time from the opening until the flow is steady, and longest time for which it is measured, s.
+/// Time from the opening until the flow is steady, and longest time of measurement, s.
 const TIMES: [f64; 2] = [0.3, 1.2];
-/// Time between two frames that are measured, s.
+/// Time between two measured frames, s.
 const INTERVAL: f64 = 0.02;
-/// Depth of the plane below the floor on which grains land, in diameters of a grain.
+/// Depth of the plane below the floor on which grains land, in grain diameters.
 const DEPTH: f64 = 60.0;
 /// Speed at which the lid of the hole falls away, m/s: ahead of the grains, which reach 3.4 m/s.
 const LID: f64 = 6.0;
-/// Time step, s, and sweeps a step. With twice the step small holes let a twentieth too little pass, and the exponent is 2.6.
+/// Time step, s, and sweeps per step. With twice the step the flow of small holes is a twentieth too low, and the exponent is 2.6.
 const SOLVE: (f64, u32) = (5e-4, 10);
-/// Solid fraction by which grains are counted out.
+/// Solid fraction for the number of grains.
 const SOLID: f64 = 0.58;
 /// Published values of C, k and the exponent; the tolerated deviation of the exponent.
 const C: f64 = 0.58;
@@ -39,7 +39,7 @@ const K: f64 = 1.4;
 const EXPONENT: f64 = 2.5;
 const TOLERANCE: f64 = 0.1;
 
-/// The law of the silo's outflow.
+/// Law of the silo's outflow.
 pub(super) const LAW: Law = Law {
     name: "beverloo",
     statement: "a hole of diameter D in the floor of a silo lets pass W = C rho_b sqrt(g) (D - k d)^2.5, with C = 0.58 and k = 1.4",
@@ -51,14 +51,14 @@ pub(super) const LAW: Law = Law {
     figures,
 };
 
-/// Flow over `rho_b sqrt(g) d^(5/2)` through a hole of so many grain diameters.
+/// Flow over `rho_b sqrt(g) d^(5/2)` through a hole of the given number of grain diameters.
 fn law(hole: f64) -> f64 {
     C * (hole - K).max(0.0).powf(EXPONENT)
 }
 
 fn cases(quick: bool) -> Vec<Case> {
     match quick {
-        // Narrower than the law asks for: 14 grain diameters.
+        // Narrower than the law requires: 14 grain diameters.
         true => [4.5, 5.5].map(|hole| case(hole, 14.0)).into(),
         false => [6.0, 8.0, 10.0, 12.0].map(|hole| case(hole, SILO[1])).into(),
     }
@@ -175,7 +175,7 @@ fn bulk_density(frame: &Snapshot, silo: f64) -> f64 {
     frame.particles.iter().filter(inside).map(mass).sum::<f64>() / (PI * radius * radius * (high - low))
 }
 
-/// Height of the filling over the silo's diameter: that below which 99% of the grains in the silo lie.
+/// Height of the filling over the silo's diameter: 99% of the grains in the silo lie below it.
 fn filling(frame: &Snapshot, silo: f64) -> f64 {
     let inside = frame.particles.iter().map(|grain| grain.position[2]).filter(|&height| height > 0.0);
     let mut heights: Vec<f64> = inside.collect();
@@ -183,12 +183,12 @@ fn filling(frame: &Snapshot, silo: f64) -> f64 {
     heights.get(heights.len() * 99 / 100).map_or(0.0, |height| height / silo)
 }
 
-/// A silo of at least so many grain diameters with a hole of so many.
+/// Returns a silo of at least `least` grain diameters with a hole of `hole` grain diameters.
 fn case(hole: f64, least: f64) -> Case {
     let silo = (SILO[0] * hole).max(least) * DIAMETER;
     let (radius, height, grain) = (0.5 * silo, FILLING[0] * silo, 0.5 * DIAMETER);
     let count = grains_of(SOLID * PI * radius * radius * height);
-    // The lattice that grains start on is less than half as dense as the bed.
+    // The initial lattice of the grains is less than half as dense as the bed.
     let room = 3.0 * height + 10.0 * DIAMETER;
     let open = 0.4 + 2.0 * (2.0 * height / GRAVITY).sqrt();
     let (up, below) = ([0.0, 0.0, 1.0], -DEPTH * DIAMETER);

@@ -1,4 +1,4 @@
-//! Runs of a law: its cases over seeds, each on one thread, measured, and stored when it ends.
+//! Runs of a law: its cases over seeds, each on one thread, measured and stored at its end.
 
 use super::{Law, Row};
 use crate::codes::CodeError;
@@ -52,7 +52,7 @@ pub(crate) fn values<const N: usize>(list: [(&str, f64); N]) -> Values {
 }
 
 /// Measures every case with every seed; rows are in the order of the cases, and of the seeds within a case. `progress` receives the
-/// fraction that is done.
+/// completed fraction.
 pub fn run_cases(
     law: &Law,
     cases: &[Case],
@@ -70,7 +70,7 @@ pub fn work(case: &Case) -> f64 {
     (grains + case.scene.grain.len()) as f64 * case.scene.duration / case.scene.solver.step
 }
 
-/// Returns the row of a case and a seed, stored or measured now; `progress` receives the fraction of its run that is done.
+/// Returns the row of a case and a seed, from the cache or from a new run; `progress` receives the completed fraction of the run.
 pub fn row_of(
     law: &Law,
     case: &Case,
@@ -96,7 +96,7 @@ pub fn row_of(
     })
 }
 
-/// A simulation under way.
+/// Simulation in progress.
 pub struct Run<'a> {
     simulation: Simulation,
     watchdog: Watchdog,
@@ -106,7 +106,7 @@ pub struct Run<'a> {
 }
 
 impl<'a> Run<'a> {
-    /// Starts a simulation; `progress` receives the fraction that is done.
+    /// Starts a simulation; `progress` receives the completed fraction.
     pub(crate) fn start(case: &'a Case, seed: u64, progress: &'a (dyn Fn(f64) + Sync)) -> Result<Run<'a>, RunError> {
         let mut simulation = Simulation::new(&case.scene, seed).map_err(named(&case.name))?;
         Execution::serial().apply(&mut simulation).map_err(CodeError::from)?;

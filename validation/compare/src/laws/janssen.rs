@@ -1,7 +1,7 @@
-//! Weight of grains in a tube: how much of it the floor bears.
+//! Weight of grains in a tube: the part that the floor carries.
 //!
-//! Grains fill a tube on a floor. Where friction at the wall is mobilised, here by a wall that rises slowly as a piston that
-//! sinks does in the experiments, the floor bears the apparent mass `M_a = M_s (1 - exp(-M/M_s))` of the filled mass `M`. It
+//! Grains fill a tube on a floor. In the experiments a slowly sinking piston mobilises friction at the wall, here a slowly rising
+//! wall does. The floor then carries the apparent mass `M_a = M_s (1 - exp(-M/M_s))` of the filled mass `M`. This mass
 //! saturates at `M_s = rho_b pi R^3 / (2 K mu_w)`, with the bulk density, the tube's radius, the ratio `K` of horizontal to
 //! vertical stress and the friction at the wall.
 
@@ -19,30 +19,30 @@ use std::f64::consts::PI;
 
 /// Friction of the grains with each other and with the floor.
 const FRICTION: f64 = 0.5;
-/// Friction of the tube: below that of the grains, so that they slip at the wall and not beside it.
+/// Friction of the tube: below that of the grains, so that slip occurs at the wall and not next to it.
 const WALL_FRICTION: f64 = 0.3;
 /// Friction of a bed of grains of that friction: `tan` of 20.9 degrees, of glass beads (Jop, Forterre & Pouliquen 2006).
 const INTERNAL_FRICTION: f64 = 0.38;
-/// Speed of the wall, m/s: one diameter a second.
+/// Speed of the wall, m/s: one diameter per second.
 const SPEED: f64 = 0.01;
-/// Rise of the wall before forces are measured, in diameters: a part, and a part for each tube's diameter of filling. A poured bed
-/// is pressed together by its weight, and stretches by so much before friction at the wall is mobilised down to the floor.
+/// Rise of the wall before forces are measured, in diameters: a constant, and a term per tube diameter of filling. The weight compresses
+/// a poured bed, and the rise stretches it by that length before friction at the wall is mobilised down to the floor.
 const MOBILISING: [f64; 2] = [0.3, 0.3];
 /// Rise of the wall while forces are measured, in diameters.
 const MEASURED: f64 = 0.5;
-/// Times between two frames that are measured, s.
+/// Time between two measured frames, s.
 const INTERVAL: f64 = 0.01;
-/// Time step, s, and sweeps a step: with 10 a filling of four diameters lay a twentieth of the saturated mass below the curve.
+/// Time step, s, and sweeps per step: with 10, a filling of four diameters lay a twentieth of the saturated mass below the curve.
 const SOLVE: (f64, u32) = (5e-4, 40);
-/// Solid fraction by which grains are counted out.
+/// Solid fraction for the number of grains.
 const SOLID: f64 = 0.58;
-/// Places of the tube and of the floor in the scene.
+/// Indices of the tube and of the floor in the scene.
 const TUBE: u32 = 0;
 const FLOOR: u32 = 1;
 /// Tolerated deviation of an apparent mass, over the saturated one.
 const TOLERANCE: f64 = 0.05;
 
-/// The law of the silo's wall.
+/// Law of the silo's wall.
 pub(super) const LAW: Law = Law {
     name: "janssen",
     statement: "the floor of a tube bears M_a = M_s (1 - exp(-M/M_s)) of a mass M, with M_s = rho_b pi R^3 / (2 K mu_w)",
@@ -106,7 +106,7 @@ fn judge(means: &[Mean]) -> Vec<Finding> {
         let [mass, apparent] = ["mass", "apparent_mass"].map(|name| mean.of_value(name) / saturated);
         apparent - law(mass)
     });
-    // What is not a number counts as the largest; `max` would pass it over.
+    // A value that is not a number counts as the largest; `max` would skip it.
     let larger = |a: f64, b: f64| if a >= b.abs() || a.is_nan() { a } else { b.abs() };
     let largest = deviations.fold(0.0, larger);
     let densest = fitted(means).last();
@@ -147,12 +147,12 @@ fn figures(means: &[Mean]) -> Vec<Figure> {
     )]
 }
 
-/// Cases that the curve is fitted to: those at full speed.
+/// Cases of the curve fit: those at full speed.
 fn fitted(means: &[Mean]) -> impl Iterator<Item = &Mean> {
     means.iter().filter(|mean| mean.of_value("speed_share") == 1.0)
 }
 
-/// The saturated mass (kg) that brings Janssen's curve nearest to the apparent masses by least squares.
+/// Saturated mass (kg) that brings Janssen's curve nearest to the apparent masses by least squares.
 fn saturated(means: &[Mean]) -> f64 {
     let points: Vec<[f64; 2]> =
         fitted(means).map(|mean| ["mass", "apparent_mass"].map(|name| mean.of_value(name))).collect();
@@ -162,7 +162,7 @@ fn saturated(means: &[Mean]) -> f64 {
     least(squares, 0.2 * most, 10.0 * most)
 }
 
-/// Smallest and largest ratio of horizontal to vertical stress that a bed of this internal friction bears: Rankine's active
+/// Smallest and largest ratio of horizontal to vertical stress in a bed of this internal friction: Rankine's active
 /// and passive limits, `(1 - sin phi)/(1 + sin phi)` and its inverse.
 fn rankine(friction: f64) -> [f64; 2] {
     let sine = friction / (1.0 + friction * friction).sqrt();
@@ -172,9 +172,9 @@ fn rankine(friction: f64) -> [f64; 2] {
 
 /// Loads of the walls in a frame, N.
 struct Loads {
-    /// Downwards on the floor.
+    /// Downward force on the floor.
     floor: f64,
-    /// Downwards on the tube.
+    /// Downward force on the tube.
     tube: f64,
     /// Sum of the normal forces on the tube.
     pressed: f64,
@@ -198,13 +198,13 @@ impl Loads {
     }
 }
 
-/// A tube of so many grain diameters, filled to a height over its own diameter; its wall rises at a share of the speed.
+/// Returns a tube of a given number of grain diameters, filled to a height over its own diameter; its wall rises at a fraction of the speed.
 fn case(diameters: f64, filling: f64, speed_share: f64) -> Case {
     let radius = 0.5 * diameters * DIAMETER;
     let height = filling * 2.0 * radius;
     let grain = 0.5 * DIAMETER;
     let count = grains_of(SOLID * PI * radius * radius * height);
-    // The lattice that grains start on is less than half as dense as the bed.
+    // The initial lattice of the grains is less than half as dense as the bed.
     let room = 3.0 * height + 10.0 * DIAMETER;
     let start = 0.4 + 2.5 * (2.0 * height / GRAVITY).sqrt();
     let speed = speed_share * SPEED;

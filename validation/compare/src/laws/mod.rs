@@ -54,7 +54,7 @@ pub struct Law {
     figures: fn(&[Mean]) -> Vec<Figure>,
 }
 
-/// A finished figure; the title begins its caption.
+/// Returns a finished figure; the title begins its caption.
 fn figure(name: &str, plot: Plot, title: &str, caption: &str) -> Figure {
     Figure { name: name.into(), svg: plot.finish(title), caption: format!("{title}: {caption}") }
 }

@@ -25,7 +25,7 @@ pub struct Row {
     pub(crate) wall_seconds: f64,
 }
 
-/// A case over its seeds.
+/// Case averaged over its seeds.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Mean {
     pub(crate) case: String,
@@ -55,20 +55,20 @@ impl Mean {
         Mean { case: name.into(), seeds: own.len(), values, deviations }
     }
 
-    /// Returns a mean; not a number where it was not measured.
+    /// Returns a mean; NaN if it was not measured.
     pub(crate) fn of_value(&self, name: &str) -> f64 {
         self.values.get(name).copied().unwrap_or(f64::NAN)
     }
 }
 
-/// A law and the rows that it is tested by.
+/// Law and the rows of its test.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LawResult {
     /// Name of the law.
     pub name: &'static str,
-    /// The law in a sentence.
+    /// Statement of the law.
     pub statement: &'static str,
-    /// Its publication.
+    /// Publication of the law.
     pub source: &'static str,
     /// True if every figure is within its bounds.
     pub holds: bool,
@@ -133,7 +133,7 @@ impl LawResult {
 pub struct Study {
     /// Version of the document.
     pub version: u32,
-    /// Command that wrote it.
+    /// Command that wrote the document.
     pub command: &'static str,
     /// True if all laws hold.
     pub hold: bool,
@@ -204,7 +204,7 @@ pub fn figure_and_bounds(finding: &Finding) -> [String; 2] {
     [value.trim().into(), bounds([finding.low, finding.high], four_digits)]
 }
 
-/// Slope and intercept of the least-squares line through points; not numbers if they do not define one.
+/// Slope and intercept of the least-squares line through points; NaN if they do not define one.
 pub(super) fn line(points: &[[f64; 2]]) -> (f64, f64) {
     let count = points.len() as f64;
     let mean = |axis: usize| points.iter().map(|point| point[axis]).sum::<f64>() / count;
@@ -229,7 +229,7 @@ pub(super) fn at_zero(points: &[[f64; 2]]) -> Option<(f64, f64)> {
     Some((intercept, (scatter * (1.0 / count + middle * middle / square)).sqrt()))
 }
 
-/// Minimum of a function of one variable that falls and then rises, between two bounds: golden section.
+/// Returns the minimum of a function of one variable that decreases and then increases, between two bounds: golden section.
 pub(super) fn least(function: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
     let share = 0.5 * (5f64.sqrt() - 1.0);
     let (mut a, mut b) = (high - share * (high - low), low + share * (high - low));

@@ -1,6 +1,6 @@
-//! Values in place of those that a scene's text says: `--set material.grain.friction=0.3`.
+//! Values that replace those of a scene's text: `--set material.grain.friction=0.3`.
 //!
-//! The text is changed where the value stands, so that every other line keeps its number, and read as if it had been written so.
+//! The text is changed at the position of the value, so that every other line keeps its number, and then read like any other.
 
 use makadam::scene::{suggestion, wish};
 use makadam_frames::plan::MeasuredScene;
@@ -8,15 +8,15 @@ use std::fmt;
 use std::str::FromStr;
 use toml_edit::{DocumentMut, Item, Key, Table, Value};
 
-/// Tables that a scene may leave out, and that have no defaults to be spelt out.
+/// Optional tables without defaults that could be written out.
 const OPTIONAL: [&str; 4] = ["accuracy", "output", "prepare", "watch"];
 
-/// A value for one key.
+/// Value for one key.
 #[derive(Clone, Debug)]
 pub struct Change {
     key: Vec<String>,
     value: Value,
-    /// As it was written.
+    /// Change as written.
     written: String,
 }
 
@@ -24,16 +24,16 @@ pub struct Change {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{change}: {problem}")]
 pub struct ChangeError {
-    /// The change, as it was written.
+    /// Change as written.
     pub change: String,
-    /// The problem and its remedy.
+    /// Problem and its remedy.
     pub problem: String,
 }
 
 impl FromStr for Change {
     type Err = ChangeError;
 
-    /// Reads `KEY=VALUE`. A value that is no TOML is a text.
+    /// Reads `KEY=VALUE`. A value that is not TOML is a text.
     fn from_str(written: &str) -> Result<Change, ChangeError> {
         let refuse = |problem: &str| ChangeError { change: written.into(), problem: problem.into() };
         let form = "give KEY=VALUE, such as material.grain.friction=0.3";
@@ -52,7 +52,7 @@ impl fmt::Display for Change {
     }
 }
 
-/// The steps of a dotted key; quotes hold what has dots or blanks of its own. `population[0].count`, as messages print it, is
+/// Splits a dotted key into steps; a step with dots or spaces is quoted. `population[0].count`, as messages print it, is
 /// `population.0.count`; a key with quotes has dots alone.
 pub fn key_of(key: &str) -> Vec<String> {
     let dotted = if key.contains(['"', '\'']) { key.into() } else { key.replace('[', ".").replace(']', "") };
@@ -63,18 +63,18 @@ pub fn key_of(key: &str) -> Vec<String> {
 }
 
 impl Change {
-    /// A value, in TOML or as a plain text, for a key.
+    /// Returns the change of a key to a value, in TOML or as a plain text.
     pub fn new(key: &[String], value: &str) -> Change {
         let parsed = value.trim().parse::<Value>().unwrap_or_else(|_| Value::from(value.trim()));
         Change { key: key.to_vec(), value: parsed, written: format!("{}={}", key.join("."), value.trim()) }
     }
 
-    /// The key, with dots between its steps.
+    /// Returns the key, with dots between its steps.
     pub fn key(&self) -> String {
         self.key.join(".")
     }
 
-    /// Reports whether it changes a value of a table of the scene, such as `compare`.
+    /// Returns true if the change is of a value of a table of the scene, such as `compare`.
     pub fn is_of(&self, table: &str) -> bool {
         self.key.first().is_some_and(|first| first == table)
     }
@@ -84,11 +84,11 @@ impl Change {
     }
 }
 
-/// The text of a scene with changes made, one after the other.
+/// Returns the text of a scene with changes made in turn.
 ///
 /// # Errors
-/// [`ChangeError`] if the text is no TOML, or a key leads to nothing that could be set. Whether the scene takes the value is told when
-/// it is read.
+/// [`ChangeError`] if the text is not TOML, or a key names nothing that could be set. Reading the scene reports whether
+/// the value is valid.
 pub fn changed(text: &str, changes: &[Change]) -> Result<String, ChangeError> {
     let mut text = text.to_string();
     for change in changes {
@@ -100,7 +100,7 @@ pub fn changed(text: &str, changes: &[Change]) -> Result<String, ChangeError> {
     Ok(text)
 }
 
-/// All that the scene says, defaults included: what stands for a table that the text leaves out.
+/// Returns the scene with all defaults: the values of a table that the text omits.
 fn defaults(text: &str) -> Option<Item> {
     let scene = MeasuredScene::parse(text).ok()?;
     let written = toml::to_string(&scene).ok()?;
@@ -121,7 +121,7 @@ fn set(at: &mut Item, change: &Change, key: &[String], full: &mut Option<Item>) 
         let place = place_in(at, step, length);
         let (place, rest) = match place {
             Some(place) => (place, rest),
-            // The only one need not be told from others.
+            // A single entry needs no index.
             None if length == 1 && step.parse::<usize>().is_err() => (0, key),
             None => {
                 let names: Vec<String> =
@@ -145,7 +145,7 @@ fn set(at: &mut Item, change: &Change, key: &[String], full: &mut Option<Item>) 
     let table = at.as_table_like_mut().expect("it is one");
     if !table.contains_key(step) && !rest.is_empty() {
         let entry = match &inner {
-            // What the text leaves out is spelt out, so that one of its values can be another.
+            // Tables that the text omits are written out, so that one of their values can be changed.
             Some(item) if item.is_table_like() => item.clone(),
             None if key.len() == change.key.len() && !OPTIONAL.contains(&step.as_str()) => {
                 let names: Vec<&str> = table.iter().map(|(name, _)| name).collect();
@@ -171,7 +171,7 @@ fn length_of(item: &Item) -> Option<usize> {
     item.as_array_of_tables().map(|tables| tables.len()).or_else(|| item.as_array().map(|array| array.len()))
 }
 
-/// The place of an entry, by its number from 0 or by its name.
+/// Index of an entry, by its number from 0 or by its name.
 fn place_in(list: &Item, step: &str, length: usize) -> Option<usize> {
     let by_name = (0..length).find(|&place| name_of(list, place).as_deref() == Some(step));
     by_name.or_else(|| step.parse().ok().filter(|place| *place < length))

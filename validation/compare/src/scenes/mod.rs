@@ -1,7 +1,7 @@
-//! Sources of scenes: files, or the reference scenes that the program itself holds.
+//! Sources of scenes: files, or the reference scenes inside the program.
 //!
-//! A folder `reference-scenes` here or above goes before what the program holds. What it holds are the scenes and the references
-//! recorded on them, as they were when it was built; no path of the machine that built it is looked at.
+//! A folder `reference-scenes` in the current folder or above takes precedence over the program's own scenes. The latter are the scenes and their
+//! recorded references at the time of the build; no path of the build machine is read.
 
 mod change;
 mod schema;
@@ -32,40 +32,40 @@ pub enum SceneError {
         )
     )]
     Unknown {
-        /// The requested name.
+        /// Requested name.
         name: String,
         /// Scenes that exist.
         known: Vec<String>,
     },
-    /// The file cannot be read, or what it says is refused.
+    /// The file cannot be read, or its content is refused.
     #[error(transparent)]
     File(#[from] SceneFileError),
-    /// A value cannot be put in place of what the scene says.
+    /// A value cannot replace that of the scene.
     #[error("--set {0}")]
     Change(#[from] ChangeError),
 }
 
-/// Turns what is wrong with the scene of a file into an error that names the file and, where it can be read, the line.
+/// Converts a fault of the scene of a file to an error that names the file and, where available, the line.
 pub fn in_file(file: &Path) -> impl Fn(makadam::scene::SceneError) -> SceneError + '_ {
     move |error| error.in_file(file, text(file).ok().as_deref()).into()
 }
 
-/// Turns an error of a scene that was made in code into one that names it.
+/// Converts an error of a scene made in code to one that names the scene.
 pub fn named(name: &str) -> impl Fn(makadam::scene::SceneError) -> SceneError + '_ {
     move |error| error.in_file(Path::new(name), None).into()
 }
 
-/// Folders in which `reference-scenes` is looked for: the current one and those above it.
+/// Folders searched for `reference-scenes`: the current one and those above it.
 pub fn roots() -> Vec<PathBuf> {
     let here = std::env::current_dir().unwrap_or_default();
     here.ancestors().map(PathBuf::from).collect()
 }
 
-/// Finds the file of a scene named by a path, by its folder under `reference-scenes/` in `roots`, or by its name among those that
-/// the program holds.
+/// Finds the file of a scene named by a path, by its folder under `reference-scenes/` in `roots`, or by its name among the program's
+/// own scenes.
 ///
 /// # Errors
-/// [`SceneFileError::Missing`] if a path names no file, [`SceneError::Unknown`] if there is no scene of a name.
+/// [`SceneFileError::Missing`] if a path names no file, [`SceneError::Unknown`] if no scene has the name.
 pub fn find(name: &str, roots: &[PathBuf]) -> Result<PathBuf, SceneError> {
     let as_path = PathBuf::from(name);
     if as_path.is_file() {
@@ -93,7 +93,7 @@ pub fn find(name: &str, roots: &[PathBuf]) -> Result<PathBuf, SceneError> {
     Err(SceneError::Unknown { name: name.into(), known: known(roots) })
 }
 
-/// Names of the scenes in folders `reference-scenes` of `roots`, and of those that the program holds, sorted.
+/// Names of the scenes in folders `reference-scenes` of `roots`, and of the program's own scenes, sorted.
 pub fn known(roots: &[PathBuf]) -> Vec<String> {
     let entries =
         roots.iter().filter_map(|root| std::fs::read_dir(root.join("reference-scenes")).ok()).flatten().flatten();
@@ -110,18 +110,18 @@ pub fn known(roots: &[PathBuf]) -> Vec<String> {
 /// Reads a scene's file as text.
 ///
 /// # Errors
-/// [`SceneFileError::Missing`] if it cannot be read, or is no text.
+/// [`SceneFileError::Missing`] if it cannot be read, or is not text.
 pub fn text(file: &Path) -> Result<String, SceneError> {
     let missing = |source| SceneFileError::Missing { file: file.to_path_buf(), source };
     let bytes = read(file).map_err(missing)?;
     String::from_utf8(bytes).map_err(|error| missing(Error::new(ErrorKind::InvalidData, error)).into())
 }
 
-/// Finds the text of a scene by its name, by a path, or on standard input, makes changes, and gives the path under which it is read
-/// from then on.
+/// Finds the text of a scene by its name, by a path, or on standard input, makes changes, and returns the path under which later
+/// reads find it.
 ///
 /// # Errors
-/// [`SceneError`] if there is none, or a change cannot be made.
+/// [`SceneError`] if there is no such scene, or a change cannot be made.
 pub fn take(name: &str, roots: &[PathBuf], changes: &[Change]) -> Result<PathBuf, SceneError> {
     let (mut path, mut given) = match name {
         STANDARD_INPUT => (PathBuf::from("<standard input>"), Some(standard_input()?)),
@@ -148,30 +148,30 @@ fn standard_input() -> Result<String, SceneError> {
     Ok(text)
 }
 
-/// Reads and checks a scene: also that what it compares is what it measures.
+/// Reads and checks a scene: also that every compared observable is measured.
 pub fn load(file: &Path) -> Result<MeasuredScene, SceneError> {
     parse(&text(file)?, file)
 }
 
-/// Reads and checks the text of a scene that is said to be in a file.
+/// Reads and checks the text of a scene; `file` is its file in messages.
 pub fn parse(text: &str, file: &Path) -> Result<MeasuredScene, SceneError> {
     let scene = MeasuredScene::parse(text).map_err(|error| error.in_file(file, Some(text)))?;
     catalogue::check(&scene, text, file)?;
     Ok(scene)
 }
 
-/// The first part of the paths of what the program holds; what follows is as under `reference-scenes`.
+/// First part of the paths into the program; the rest is as under `reference-scenes`.
 pub const BUILT_IN: &str = "<built-in>";
 
-/// A file under `reference-scenes`: its path there, and what it holds.
+/// File under `reference-scenes`: its path there, and its content.
 type Held = (&'static str, &'static [u8]);
 
 include!(concat!(env!("OUT_DIR"), "/scenes.rs"));
 
-/// Texts that were given at the start, by paths that lead to no file; each with the file of which it is a change.
+/// Texts given at the start, by paths without a file; each with the file of the original scene.
 static GIVEN: Mutex<BTreeMap<PathBuf, (String, Option<PathBuf>)>> = Mutex::new(BTreeMap::new());
 
-/// Names of the scenes that the program holds.
+/// Names of the program's own scenes.
 pub fn names() -> impl Iterator<Item = &'static str> {
     HELD.iter().filter_map(|(path, _)| path.strip_suffix("/scene.toml"))
 }
@@ -181,18 +181,18 @@ pub fn is_built_in(path: &Path) -> bool {
     path.starts_with(BUILT_IN)
 }
 
-/// Returns the bytes that the program holds at a path.
+/// Returns the bytes at a path into the program.
 pub(super) fn bytes_of(path: &Path) -> Option<&'static [u8]> {
     let path = path.strip_prefix(BUILT_IN).ok()?.to_str()?;
     HELD.iter().find(|(held, _)| *held == path).map(|(_, bytes)| *bytes)
 }
 
-/// Returns true for the path of a text that was given, which no file holds.
+/// Returns true for the path of a given text, which has no file.
 pub fn is_given(path: &Path) -> bool {
     given(path).is_some()
 }
 
-/// The file of a scene: of one that was changed when the program was started, the one that was changed.
+/// File of a scene; for a scene that was changed at the start, the file of the original.
 pub fn origin(path: &Path) -> PathBuf {
     given(path).and_then(|(_, origin)| origin).unwrap_or_else(|| path.to_path_buf())
 }
@@ -201,10 +201,10 @@ fn given(path: &Path) -> Option<(String, Option<PathBuf>)> {
     GIVEN.lock().unwrap_or_else(PoisonError::into_inner).get(path).cloned()
 }
 
-/// Reads a file, whether it lies on a disk or in the program.
+/// Reads a file, on a disk or in the program.
 ///
 /// # Errors
-/// The error of the system, or [`ErrorKind::NotFound`] for a path into the program that it does not hold.
+/// Error of the system, or [`ErrorKind::NotFound`] for an unknown path into the program.
 pub fn read(path: &Path) -> std::io::Result<Vec<u8>> {
     if let Some((text, _)) = given(path) {
         return Ok(text.into_bytes());

@@ -1,11 +1,11 @@
-//! The language of scenes, from the types that read it: as a JSON Schema, which editors complete with, and as a page to read.
+//! Language of scenes, from the types that read it: as a JSON Schema, which editors complete with, and as a page to read.
 
 use makadam_frames::plan::Tables;
 use schemars::generate::SchemaSettings;
 use serde_json::{Map, Value};
 use std::fmt::Write;
 
-/// The JSON Schema (draft 2020-12) of a scene.
+/// Returns the JSON Schema (draft 2020-12) of a scene.
 pub fn schema() -> Value {
     let mut scene = makadam::scene::schema().to_value();
     let tables = SchemaSettings::draft2020_12().into_generator().into_root_schema_for::<Tables>().to_value();
@@ -18,7 +18,7 @@ pub fn schema() -> Value {
     scene
 }
 
-/// The reference page of the language, in Markdown: every table with its keys, their types, defaults and meanings.
+/// Returns the reference page of the language, in Markdown: every table with its keys, their types, defaults and meanings.
 pub fn page() -> String {
     let schema = schema();
     let mut page = String::from(
@@ -43,7 +43,7 @@ pub fn page() -> String {
     page
 }
 
-/// One of the forms that a table can have: a word, or a table of some kind.
+/// Adds one of the possible forms of a table: a word, or a table of some kind.
 fn kind(page: &mut String, variant: &Map<String, Value>) {
     let word = |value: &Value| value.get("const").and_then(Value::as_str).map(String::from);
     let properties = variant.get("properties").and_then(Value::as_object);
@@ -59,7 +59,7 @@ fn kind(page: &mut String, variant: &Map<String, Value>) {
     }
 }
 
-/// A word, or several, that a value can be.
+/// Returns the words that a value can be.
 fn words(variant: &Map<String, Value>) -> String {
     let single = variant.get("const").into_iter();
     let listed = variant.get("enum").and_then(Value::as_array).into_iter().flatten();
@@ -68,7 +68,7 @@ fn words(variant: &Map<String, Value>) -> String {
     format!("- {}{meaning}\n", words.join(", "))
 }
 
-/// The keys of a table, without those of some names.
+/// Adds the keys of a table, except those of some names.
 fn table(page: &mut String, schema: &Map<String, Value>, without: &[&str]) {
     let none = Map::new();
     let properties = schema.get("properties").and_then(Value::as_object).unwrap_or(&none);
@@ -86,7 +86,7 @@ fn table(page: &mut String, schema: &Map<String, Value>, without: &[&str]) {
     }
 }
 
-/// A default in the notation of TOML.
+/// Returns a default in the notation of TOML.
 pub fn shown(value: &Value) -> String {
     match value {
         Value::Object(table) => {
@@ -138,7 +138,7 @@ fn description(schema: &Map<String, Value>) -> String {
     without_links(&text.split_whitespace().collect::<Vec<_>>().join(" ")).replace('|', "\\|")
 }
 
-/// Links to items of the library lead nowhere outside it: their words stay.
+/// Replaces links to items of the library by their text: the links have no target outside it.
 fn without_links(text: &str) -> String {
     let mut plain = String::new();
     let mut rest = text;

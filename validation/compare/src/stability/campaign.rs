@@ -20,7 +20,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// Time step of explicit codes over the Rayleigh step, where a case leaves the step to them.
+/// Time step of explicit codes over the Rayleigh step, where a case leaves the choice to them.
 const RAYLEIGH_FRACTION: f64 = 0.2;
 
 /// Cases and the codes that run them.
@@ -42,7 +42,7 @@ impl<'a> Campaign<'a> {
     /// of the work that is done.
     ///
     /// # Errors
-    /// [`RunError`]; outcomes stay stored.
+    /// [`RunError`]; the outcomes of earlier cases are stored.
     pub fn run(
         &self,
         ended: &(dyn Fn(&Case, &Outcome) + Sync),
@@ -72,10 +72,10 @@ impl<'a> Campaign<'a> {
         Ok(study)
     }
 
-    /// Returns the outcome of a case in a code, stored or of a run now.
+    /// Returns the outcome of a case in a code, from the cache or from a run.
     ///
     /// # Errors
-    /// [`RunError`] if it has to be run and cannot.
+    /// [`RunError`] if a run is necessary and fails.
     pub fn outcome(&self, case: &Case, code: &dyn Code) -> Result<Outcome, RunError> {
         let version = format!("{} {}, {}", code.name(), code.version().unwrap_or_default(), code.contact_law());
         let settings = format!("{:?} {}", case.peer_step, self.time_limit);
@@ -90,7 +90,7 @@ impl<'a> Campaign<'a> {
     }
 }
 
-/// Frames and time step (s) of a run, or the verdict and the reason for which there are none.
+/// Frames and time step (s) of a run, or the verdict and the reason for their absence.
 type Run = Result<(Vec<Snapshot>, f64), (Verdict, String)>;
 
 impl Case {
@@ -110,11 +110,11 @@ impl Case {
         let time_step = simulation.time_step();
         let steps = steps_in(self.scene.duration, time_step).max(1);
         let mut frames = vec![simulation.snapshot()];
-        // The case itself tests where grains go and how deep they overlap.
+        // The case itself tests positions and overlaps of grains.
         let [on_overlap, on_deep_overlap, on_escape, on_stagnation] = [Reaction::Ignore; 4];
         let watch = Watch { on_overlap, on_deep_overlap, on_escape, on_stagnation, ..self.scene.watch.clone() };
         let mut watchdog = Watchdog::new(&watch, &simulation);
-        // Walls that close on each other leave a grain no place: the case tests what becomes of it.
+        // Closing walls may leave no space for a grain: the case tests the result.
         let stepping = Stepping::new(steps, &|_| {})
             .framed(self.scene.measure.interval)
             .watched(&mut watchdog)
@@ -215,7 +215,7 @@ impl<'a> Study<'a> {
         self.cases.first().map_or(Vec::new(), |case| case.outcomes.iter().map(|one| one.code.as_str()).collect())
     }
 
-    /// Number of cases by verdict in the code of a column, in a sentence.
+    /// Returns the number of cases by verdict in the code of a column, as a sentence.
     fn count(&self, column: usize, code: &str) -> String {
         let count =
             |wanted: &Verdict| self.cases.iter().filter(|case| case.outcomes[column].verdict == *wanted).count();
@@ -269,7 +269,7 @@ impl Document for Study<'_> {
     }
 }
 
-/// Verdict of an outcome and its telling figure, with its name where there is room.
+/// Verdict of an outcome and its decisive figure, with the figure's name where space permits.
 fn cell(outcome: &Outcome, named: bool) -> Cell {
     let text = match outcome.telling() {
         Some(finding) if !named => format!("{} ({})", outcome.verdict.words(), figure(finding.value, &finding.unit)),

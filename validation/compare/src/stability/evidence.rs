@@ -1,4 +1,4 @@
-//! Frames of a run, and the figures that cases take from them: the same for every code.
+//! Frames of a run, and the figures of cases from them: the same for every code.
 
 use makadam::scene::{Grain, Material, NormalLaw};
 use makadam::snapshot::{Particle, Partner, Snapshot};
@@ -8,7 +8,7 @@ use makadam_frames::plan::MeasuredScene;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
-/// A scene, the grains that it started from, and the frames of a run.
+/// Scene, its initial grains, and the frames of a run.
 pub(crate) struct Evidence<'a> {
     scene: &'a MeasuredScene,
     grains: &'a [Grain],
@@ -28,12 +28,12 @@ impl<'a> Evidence<'a> {
         self.frames
     }
 
-    /// The last frame.
+    /// Last frame.
     pub(super) fn last(&self) -> &Snapshot {
         &self.frames[self.frames.len() - 1]
     }
 
-    /// A grain of the last frame.
+    /// Returns a grain of the last frame.
     pub(super) fn grain(&self, id: usize) -> &Particle {
         &self.last().particles[id]
     }
@@ -58,7 +58,7 @@ impl<'a> Evidence<'a> {
         self.masses[id]
     }
 
-    /// Upward force of the walls over the weight, averaged over the last share of the run.
+    /// Upward force of the walls over the weight, averaged over the last part of the run.
     pub(super) fn carried(&self, share: f64) -> f64 {
         -self.mean_force(share, |_| true).z / self.weight()
     }
@@ -68,7 +68,7 @@ impl<'a> Evidence<'a> {
         self.mean_force(share, |at| at == wall)
     }
 
-    /// Force of the grains on walls, N, averaged over the last share of the run.
+    /// Force of the grains on walls, N, averaged over the last part of the run.
     fn mean_force(&self, share: f64, counts: impl Fn(u32) -> bool) -> Vector3<f64> {
         let frames = self.ending(share);
         let contacts = frames.iter().flat_map(|frame| &frame.contacts);
@@ -76,7 +76,7 @@ impl<'a> Evidence<'a> {
         on_walls.map(|contact| contact.force_on_partner()).sum::<Vector3<f64>>() / frames.len() as f64
     }
 
-    /// Frames of the last share of the run.
+    /// Frames of the last part of the run.
     pub(super) fn ending(&self, share: f64) -> &[Snapshot] {
         let from = ((1.0 - share) * (self.frames.len() - 1) as f64).ceil() as usize;
         &self.frames[from.min(self.frames.len() - 1)..]
@@ -116,7 +116,7 @@ impl<'a> Evidence<'a> {
             .sum()
     }
 
-    /// Kinetic energy, energy in the field of gravity and elastic energy of the overlaps of a frame, J.
+    /// Kinetic energy, potential energy in the field of gravity and elastic energy of the overlaps of a frame, J.
     pub(super) fn mechanical(&self, frame: &Snapshot) -> f64 {
         let gravity = Vector3::from(self.scene.gravity);
         let parts = frame.particles.iter().zip(&self.masses);
@@ -146,8 +146,8 @@ impl<'a> Evidence<'a> {
         pairs.sum::<f64>() + walls.sum::<f64>()
     }
 
-    /// Largest overlap of two grains or of a grain and a wall over the smaller radius, in the frames of the last share of the
-    /// run; 0 where nothing overlaps.
+    /// Largest overlap of two grains or of a grain and a wall over the smaller radius, in the frames of the last part of the
+    /// run; 0 without overlaps.
     pub(super) fn largest_overlap(&self, share: f64) -> f64 {
         let of_frame = |frame: &Snapshot| {
             let grains = &frame.particles;
@@ -164,7 +164,7 @@ impl<'a> Evidence<'a> {
         self.ending(share).iter().map(of_frame).fold(0.0, f64::max)
     }
 
-    /// Grains whose centre lies outside the domain in the last frame.
+    /// Number of grains whose centre lies outside the domain in the last frame.
     pub(super) fn lost(&self) -> f64 {
         let domain = &self.scene.domain;
         let outside = |grain: &&Particle| {
@@ -173,7 +173,7 @@ impl<'a> Evidence<'a> {
         self.last().particles.iter().filter(outside).count() as f64
     }
 
-    /// The walls where they stand in a frame.
+    /// Walls at their positions in a frame.
     fn walls(&self, frame: &Snapshot) -> PlacedWalls {
         PlacedWalls::at(&self.scene.wall, &self.scene.domain, frame.time, &frame.driven_walls)
     }

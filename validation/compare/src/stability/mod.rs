@@ -1,10 +1,10 @@
-//! Stress tests: scenes that break simulators, each with the expected outcome, its source and a measured verdict.
+//! Stress tests: difficult scenes for simulators, each with the expected outcome, its source and a measured verdict.
 //!
 //! ```text
 //! catalogue -> Case -> run in a code -> Evidence (frames) -> judge -> Finding -> Verdict -> report
 //! ```
 //!
-//! The figures of every code are measured from its frames in the same way. A run that fails is an outcome like any other.
+//! The figures of every code are measured from its frames in the same way. A failed run is an outcome like any other.
 
 mod campaign;
 mod catalogue;
@@ -31,7 +31,7 @@ pub struct Case {
     pub source: &'static str,
     /// True if the case belongs to the long catalogue only.
     pub long: bool,
-    /// Time step of explicit codes too, s; absent where they take their own.
+    /// Time step of explicit codes too, s; absent where they choose their own.
     #[serde(skip)]
     pub peer_step: Option<f64>,
     /// Scene.
@@ -45,7 +45,7 @@ pub struct Case {
 type Judge = Box<dyn Fn(&Evidence<'_>) -> Vec<Finding> + Send + Sync>;
 
 impl Case {
-    /// Makes a case of the quick catalogue in which every code takes its own time step.
+    /// Returns a case of the quick catalogue in which every code chooses its own time step.
     pub(crate) fn new(
         group: &'static str,
         scene: MeasuredScene,
@@ -101,7 +101,7 @@ impl Verdict {
     pub(crate) const ALL: [Verdict; 5] =
         [Verdict::AsStated, Verdict::NotAsStated, Verdict::Crashed, Verdict::TookTooLong, Verdict::CannotBeExpressed];
 
-    /// Returns the verdict in words.
+    /// Returns the name of the verdict.
     pub fn words(self) -> &'static str {
         match self {
             Verdict::AsStated => "as stated",
@@ -120,11 +120,11 @@ pub struct Outcome {
     pub code: String,
     /// Verdict.
     pub verdict: Verdict,
-    /// Measured figures; empty where there was nothing to measure.
+    /// Measured figures; empty if there was nothing to measure.
     pub findings: Vec<Finding>,
-    /// Reason for which there was nothing to measure.
+    /// Reason why there was nothing to measure.
     pub reason: Option<String>,
-    /// Time step of the run, s; absent where it did not end.
+    /// Time step of the run, s; absent if the run did not end.
     pub time_step: Option<f64>,
     /// Wall time, s.
     pub wall_seconds: f64,
@@ -137,7 +137,7 @@ impl Outcome {
         if worst.holds() { self.findings.first() } else { Some(worst) }
     }
 
-    /// Returns the verdict and the telling figure with its name.
+    /// Returns the verdict and the decisive figure with its name.
     pub fn text(&self) -> String {
         let words = self.verdict.words();
         match self.telling() {
@@ -151,13 +151,13 @@ pub(crate) fn figure(value: f64, unit: &str) -> String {
     format!("{} {unit}", four_digits(value)).trim_end().into()
 }
 
-/// Cases that are known to fail, each with the reason (`validation/docs/stability.md`). A case that passes is to be taken off.
+/// Cases that are known to fail, each with the reason (`validation/docs/stability.md`). A case that passes must be removed.
 const KNOWN_EXCEPTIONS: [(&str, &str); 1] = [(
     "impossible-gap-rigid",
     "two rigid contacts that contradict each other have no solution: impulses grow with sweeps",
 )];
 
-/// Returns the reason for which a case is known to fail; `None` where it must pass.
+/// Returns the reason why a case is known to fail; `None` where it must pass.
 pub fn known_exception(case: &str) -> Option<&'static str> {
     KNOWN_EXCEPTIONS.iter().find(|(name, _)| *name == case).map(|(_, reason)| *reason)
 }

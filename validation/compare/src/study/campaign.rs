@@ -1,8 +1,8 @@
 //! Execution of a campaign: jobs of (scene, code, seed, settings) on the thread pool, their results in the order of the jobs.
 //!
 //! A job takes its result from a [`RunCache`] where an earlier start has stored it, so that a campaign resumes: one file per run, written as a
-//! whole. A [`Key`] holds all that a run follows from: scene, seed, settings, builds. A file of another key belongs to another run, and one with
-//! a wrong checksum is damaged: the run counts as missing, and its file is written over.
+//! whole. A [`Key`] holds all inputs of a run: scene, seed, settings, builds. A file of another key belongs to another run, and a file with
+//! a wrong checksum is damaged: the run counts as missing, and its file is overwritten.
 
 use super::DocumentError;
 use crate::codes::CodeError;
@@ -21,7 +21,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Error that ended a run; finished runs stay stored.
+/// Error that ended a run; finished runs remain stored.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
     /// The scene is invalid.
@@ -30,7 +30,7 @@ pub enum RunError {
     /// The code is missing or failed.
     #[error(transparent)]
     Code(CodeError),
-    /// The run came to a state that invalidates its numbers, and would do so again.
+    /// The run reached a state that invalidates its numbers; a repetition would, too.
     #[error("{0}")]
     Invalid(String),
     /// The run cannot be stored.
@@ -71,7 +71,7 @@ impl From<DocumentError> for RunError {
 /// Runs jobs on the thread pool, those with the most work first; `progress` receives the fraction of the work that is done.
 ///
 /// # Errors
-/// That of a job; the other jobs that have begun end first.
+/// Error of a job; the other jobs that have begun end first.
 pub fn run_jobs<J: Sync, R: Send, E: Send>(
     jobs: &[J],
     work: impl Fn(&J) -> f64,
@@ -110,12 +110,12 @@ pub struct Key {
 }
 
 impl Key {
-    /// Key of a run that follows from these parts alone, stored in NAME.json.
+    /// Returns the key of a run that depends on these parts alone, stored in NAME.json.
     pub fn new(name: String, parts: &[&str]) -> Key {
         Key { name, hash: format!("{:016x}", checksum(parts.join("\n").as_bytes())) }
     }
 
-    /// Key of a run of a scene: it follows from scene, watchdogs, seed, builds of solver and validation, and further settings.
+    /// Returns the key of a run of a scene: scene, watchdogs, seed, builds of solver and validation, and further settings.
     pub fn of_run(name: String, scene: &MeasuredScene, seed: u64, settings: &[&str]) -> Key {
         let watch = serde_json::to_string(&scene.watch).expect("a checked scene holds finite numbers and plain text");
         let (hash, seed) = (format!("{:016x}", scene_hash(scene)), seed.to_string());
@@ -127,7 +127,7 @@ impl Key {
         &self.name
     }
 
-    /// Adds the hash to the name of the file, so that runs of that name are stored side by side.
+    /// Adds the hash to the name of the file, so that several runs of that name can be stored.
     pub fn apart(self) -> Key {
         Key { name: format!("{}-{}", self.name, self.hash), ..self }
     }
@@ -140,7 +140,7 @@ struct Sealed<T> {
     key: String,
     /// 64-bit FNV-1a hash of the run as compact JSON, 16 hexadecimal digits.
     seal: String,
-    /// The run, or the reason for which its numbers are invalid.
+    /// Run, or the reason why its numbers are invalid.
     kept: Result<T, String>,
 }
 
@@ -149,13 +149,13 @@ pub struct RunCache {
     folder: PathBuf,
     /// True if runs of earlier starts are repeated.
     again: bool,
-    /// Names of the runs of this start, and of those that it has taken from earlier ones.
+    /// Names of the runs made by this start, and of those taken from earlier ones.
     made: Mutex<BTreeSet<String>>,
     taken: Mutex<BTreeSet<String>>,
 }
 
 impl RunCache {
-    /// Opens a folder, which is made if it is missing. With `again`, runs of earlier starts count as missing.
+    /// Opens a folder, creating it if missing. With `again`, runs of earlier starts count as missing.
     ///
     /// # Errors
     /// [`WriteError`] if the system refuses.
@@ -168,7 +168,7 @@ impl RunCache {
         self.folder.join(format!("{}.json", key.name))
     }
 
-    /// Returns a stored run. That of a damaged file counts as missing.
+    /// Returns a stored run. A damaged file counts as missing.
     ///
     /// # Errors
     /// [`RunError::Invalid`] of a run whose numbers are invalid; [`RunError::Write`] if the file cannot be read.
@@ -190,7 +190,7 @@ impl RunCache {
         sealed.kept.map(Some).map_err(RunError::Invalid)
     }
 
-    /// Stores a run. JSON has no number that is not finite: a run with one is not stored, and repeated by the next start.
+    /// Stores a run. JSON represents only finite numbers: a run with another number is not stored, and the next start repeats it.
     ///
     /// # Errors
     /// [`WriteError`] if the system refuses.
@@ -210,7 +210,7 @@ impl RunCache {
     /// Returns the stored run, or makes and stores it.
     ///
     /// # Errors
-    /// [`RunError`] of `make`, or if the run cannot be stored. A run whose numbers are invalid is stored as such.
+    /// [`RunError`] of `make`, or if the run cannot be stored. A run with invalid numbers is stored as such.
     pub fn take<T: Serialize + DeserializeOwned>(
         &self,
         key: &Key,
@@ -228,7 +228,7 @@ impl RunCache {
         made
     }
 
-    /// Numbers of runs that this start has made, and taken from earlier ones.
+    /// Numbers of runs made by this start, and taken from earlier ones.
     pub fn counts(&self) -> [usize; 2] {
         [&self.made, &self.taken].map(|set| names(set).len())
     }
@@ -238,13 +238,13 @@ fn names(set: &Mutex<BTreeSet<String>>) -> std::sync::MutexGuard<'_, BTreeSet<St
     set.lock().expect("nothing panics while it holds the lock")
 }
 
-/// Bytes of the file of a run, or of the reason for which its numbers are invalid.
+/// Bytes of the file of a run, or of the reason why its numbers are invalid.
 pub fn sealed<T: Serialize>(kept: Result<&T, String>, key: &Key) -> Vec<u8> {
     let sealed = Sealed { version: VERSION, key: key.hash.clone(), seal: hash(&kept), kept };
     serde_json::to_vec_pretty(&sealed).expect("a run holds only numbers and plain text")
 }
 
-/// Returns the run in the bytes of a file; `None` unless they are, to the number, what was [`sealed`] under the key.
+/// Returns the run in the bytes of a file; `None` unless the bytes equal those that [`sealed`] gives for the run under the key.
 pub fn unseal<T: Serialize + DeserializeOwned>(bytes: &[u8], key: &Key) -> Option<T> {
     whole(bytes).filter(|sealed| sealed.key == key.hash)?.kept.ok()
 }

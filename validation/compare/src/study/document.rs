@@ -1,4 +1,4 @@
-//! The files of a study: tables as CSV, all of it as JSON, figures as SVG, one page to read, the same in Markdown.
+//! Files of a study: tables as CSV, all data as JSON, figures as SVG, one page, the same in Markdown.
 
 use super::report::Report;
 use makadam_frames::output::cells::csv;
@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 /// Name and content of a file.
 pub type File = (String, Vec<u8>);
 
-/// A study that can be written to files.
+/// Study that can be written to files.
 pub trait Document: Serialize {
     /// Name of its files, without extensions.
     const NAME: &'static str;
@@ -31,7 +31,7 @@ pub trait Document: Serialize {
     /// Content for the terminal, the page and Markdown.
     fn report(&self) -> Report;
 
-    /// Writes all files into a folder, which is made if it is missing, and returns the path of the page. A failure changes no file.
+    /// Writes all files into a folder, creating it if missing, and returns the path of the page. A failure changes no file.
     fn write(&self, folder: &Path) -> Result<PathBuf, DocumentError> {
         let figures = self.figures();
         let mut files = self.tables()?;
@@ -44,7 +44,7 @@ pub trait Document: Serialize {
         Ok(folder.join(page))
     }
 
-    /// Writes the tables alone into a folder, which is made if it is not there.
+    /// Writes the tables alone into a folder, creating it if missing.
     fn write_tables(&self, folder: &Path) -> Result<(), DocumentError> {
         write_together(folder, &self.tables()?)
     }
@@ -56,7 +56,7 @@ pub enum DocumentError {
     /// The system refused.
     #[error(transparent)]
     Write(#[from] WriteError),
-    /// The page's template does not fit its data.
+    /// The page's template does not match its data.
     #[error("cannot render the page: {0:#}; this is a fault of the program")]
     Template(#[from] minijinja::Error),
     /// The data cannot be written as JSON.
@@ -83,12 +83,12 @@ pub fn json(name: &str, value: &(impl Serialize + ?Sized)) -> Result<File, Docum
     Ok((format!("{name}.json"), serde_json::to_vec_pretty(value)?))
 }
 
-/// A figure as a file NAME.svg.
+/// Returns a figure as a file NAME.svg.
 fn drawn(figure: &Figure) -> File {
     (format!("{}.svg", figure.name), standalone(&figure.svg).into_bytes())
 }
 
-/// Writes scenes to `scenes/NAME.toml` in a folder, to be run by hand.
+/// Writes scenes to `scenes/NAME.toml` in a folder, for manual runs.
 pub fn write_scenes<'a>(scenes: impl IntoIterator<Item = &'a MeasuredScene>, folder: &Path) -> Result<(), WriteError> {
     let folder = folder.join("scenes");
     create_folder(&folder)?;
@@ -98,8 +98,8 @@ pub fn write_scenes<'a>(scenes: impl IntoIterator<Item = &'a MeasuredScene>, fol
     })
 }
 
-/// Writes files into a folder, which is made if it is not there. All of them are complete on disk under temporary names before
-/// the first is renamed, so that what an earlier command has written stays whole if this one fails.
+/// Writes files into a folder, creating it if missing. All of them are complete on disk under temporary names before
+/// the first is renamed, so that files of an earlier command stay intact if this one fails.
 pub fn write_together(folder: &Path, files: &[File]) -> Result<(), DocumentError> {
     create_folder(folder)?;
     let mut drafts = Vec::new();

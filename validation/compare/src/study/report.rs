@@ -11,14 +11,14 @@ use std::borrow::Cow;
 pub struct Answer {
     /// Style class of its mark: "agree", "disagree" or "undecided".
     pub class: &'static str,
-    /// The answer in a few words, with a full stop.
+    /// Answer in a few words, with a full stop.
     pub word: String,
-    /// Its numbers, in sentences.
+    /// Numbers, in sentences.
     pub sentence: String,
 }
 
 impl Answer {
-    /// Answer of tests, all of which pass or not.
+    /// Returns the answer of tests, which pass together or not.
     pub fn of(pass: bool, word: String, sentence: String) -> Answer {
         Answer { class: if pass { "agree" } else { "disagree" }, word, sentence }
     }
@@ -56,7 +56,7 @@ pub struct Section {
     medium: Medium,
 }
 
-/// The renderers that show a section; Markdown has what the page has.
+/// Renderers that show a section; Markdown has the sections of the page.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Medium {
     /// In the terminal and on the page.
@@ -68,7 +68,7 @@ pub enum Medium {
 }
 
 impl Section {
-    /// A table that both renderers show; its description is on the page alone.
+    /// Returns a table for both renderers; its description is on the page alone.
     pub fn new(title: impl Into<String>, text: impl Into<String>, table: Table) -> Section {
         Section { title: title.into(), text: text.into(), table, medium: Medium::Both }
     }
@@ -104,7 +104,7 @@ impl Report {
         text + "\n" + &sentences.collect::<String>()
     }
 
-    /// A page with these figures.
+    /// Returns a page with these figures.
     ///
     /// # Errors
     /// [`minijinja::Error`] if the template does not fit.
@@ -141,7 +141,7 @@ pub fn style() -> &'static str {
     concat!(include_str!("../../../view/src/draw/figure.css"), include_str!("page.css"))
 }
 
-/// Templates whose every value is escaped, with the parts that all pages share: "head" takes `title` and `style`,
+/// Templates that escape every value, with the parts common to all pages: "head" takes `title` and `style`,
 /// "answer" takes `answer`, "figures" takes `figures`, "provenance" takes pairs.
 pub fn environment() -> Result<Environment<'static>, minijinja::Error> {
     let mut environment = Environment::new();
@@ -155,7 +155,7 @@ pub fn environment() -> Result<Environment<'static>, minijinja::Error> {
     Ok(environment)
 }
 
-/// A measured figure, and the bounds that the right outcome sets for it.
+/// Measured figure, and the bounds of the expected outcome.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Finding {
     /// Name.
@@ -171,13 +171,13 @@ pub struct Finding {
     pub high: Option<f64>,
 }
 
-/// JSON has `null` for a value that is not finite.
+/// Reads a value that may be `null`: JSON represents only finite numbers.
 fn or_nan<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
     Ok(Option::deserialize(deserializer)?.unwrap_or(f64::NAN))
 }
 
 impl Finding {
-    /// A figure without bounds and unit, which is reported only.
+    /// Returns a figure without bounds and unit, which is reported only.
     pub(crate) fn reported(what: impl Into<String>, value: f64) -> Finding {
         Finding { what: what.into(), unit: "".into(), value, low: None, high: None }
     }
@@ -186,7 +186,7 @@ impl Finding {
         Finding { low: Some(low), high: Some(high), ..Finding::reported(what, value) }
     }
 
-    /// A figure that may deviate by so much from a target.
+    /// Returns a figure with a target and a tolerated deviation from it.
     pub(crate) fn near(what: impl Into<String>, value: f64, target: f64, deviation: f64) -> Finding {
         Finding::between(what, value, target - deviation, target + deviation)
     }
@@ -203,7 +203,7 @@ impl Finding {
         Finding { unit: unit.into(), ..self }
     }
 
-    /// Returns true within the bounds; false if it is not a number.
+    /// Returns true within the bounds; false for NaN.
     pub fn holds(&self) -> bool {
         !self.value.is_nan()
             && self.low.is_none_or(|low| self.value >= low)

@@ -15,7 +15,7 @@ macro_rules! cells {
 }
 pub use crate::cells;
 
-/// Heads, and rows of as many cells.
+/// Heads, and rows with as many cells.
 pub struct Table {
     class: &'static str,
     heads: Vec<Head>,
@@ -43,11 +43,11 @@ struct Row {
     first: bool,
 }
 
-/// A text, or nothing.
+/// Text, or an empty cell.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Cell {
     text: Option<String>,
-    /// Value behind the text, at full precision; absent where it is the text itself.
+    /// Value behind the text, at full precision; absent where the text is the value.
     raw: Option<Raw>,
     /// Style classes and texts below on a page.
     below: Vec<(String, String)>,
@@ -64,12 +64,12 @@ enum Raw {
 }
 
 impl Table {
-    /// A table of columns of numbers, whose names are separated by blanks.
+    /// Returns a table of columns of numbers; spaces separate their names.
     pub fn named(names: &str) -> Table {
         Table::new(&[], &names.split_whitespace().collect::<Vec<_>>())
     }
 
-    /// A table of columns of words, then of numbers.
+    /// Returns a table of columns of text, then of numbers.
     pub fn new(words: &[&str], numbers: &[&str]) -> Table {
         let words = words.iter().map(|head| Head::new(*head, true));
         let numbers = numbers.iter().map(|head| Head::new(*head, false));
@@ -81,7 +81,7 @@ impl Table {
         Table { class, ..self }
     }
 
-    /// Adds a column of words.
+    /// Adds a column of text.
     pub fn with_words(mut self, head: &str) -> Table {
         self.heads.push(Head::new(head, true));
         self
@@ -142,7 +142,7 @@ impl Table {
         self
     }
 
-    /// Adds a group of rows, the first of which begins with its name.
+    /// Adds a group of rows; the first one begins with the group's name.
     pub fn group<T>(&mut self, name: &str, items: impl IntoIterator<Item = T>, cells: impl Fn(T) -> Vec<Cell>) {
         for (place, item) in items.into_iter().enumerate() {
             let name = if place == 0 { name } else { "" };
@@ -156,7 +156,7 @@ impl Table {
         self.rows.is_empty()
     }
 
-    /// Aligned plain text: words to the left, numbers to the right, "-" where there is nothing, "*" behind what is strong.
+    /// Aligned plain text: text to the left, numbers to the right, "-" for empty cells, "*" behind bold cells.
     pub(crate) fn text(&self) -> String {
         let heads: Vec<String> = self.heads.iter().map(|head| head.short.clone()).collect();
         let plain = |(column, cell): (usize, &Cell)| {
@@ -175,7 +175,7 @@ impl Table {
         columns(&[heads].into_iter().chain(rows).collect::<Vec<_>>(), |column| self.heads[column].is_words)
     }
 
-    /// An element of a page that scrolls where it is too wide; the first column of words names its row.
+    /// Element of a page that scrolls where it is too wide; the first column of text names its row.
     pub fn html(&self) -> String {
         let mut html = format!("<div class=\"scroll\">\n<table{}>\n<thead><tr>", class(self.class));
         for head in &self.heads {
@@ -201,14 +201,14 @@ impl Table {
         html + "</tbody>\n</table>\n</div>"
     }
 
-    /// A file NAME.csv: numbers at full precision, empty cells where there is nothing; with a head even if there are no rows.
+    /// File NAME.csv: numbers at full precision, empty cells for missing values; with a head even if there are no rows.
     pub fn csv(&self, name: &str) -> Result<File, DocumentError> {
         let heads: Vec<&str> = self.heads.iter().map(|head| head.short.as_str()).collect();
         let rows = self.rows.iter().map(|row| row.cells.iter().map(Cell::written).collect::<Vec<_>>());
         Ok((format!("{name}.csv"), csv_below(&heads, rows)?))
     }
 
-    /// A table in Markdown, empty cells where there is nothing.
+    /// Table in Markdown, with empty cells for missing values.
     pub(crate) fn markdown(&self) -> String {
         let line = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
         let plain = |cell: &Cell| if cell.strong { format!("**{}**", cell.plain()) } else { cell.plain().into() };
@@ -227,12 +227,12 @@ enum Written<'a> {
 }
 
 impl Cell {
-    /// Adds a smaller text below on a page.
+    /// Adds a smaller text below, on a page.
     pub fn above(self, below: Option<String>) -> Cell {
         self.with("interval", below)
     }
 
-    /// Adds style class and word of an outcome on a page.
+    /// Adds style class and name of an outcome, on a page.
     pub fn outcome(self, outcome: Option<(&'static str, &'static str)>) -> Cell {
         let classes = format!("outcome {}", outcome.map_or("", |(class, _)| class));
         self.with(&classes, outcome.map(|(_, word)| word.into()))

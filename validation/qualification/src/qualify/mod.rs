@@ -1,7 +1,7 @@
-//! A qualification: reference scenes against the recorded references, live runs of the reference codes, studies, one report.
+//! Qualification: reference scenes compared with the recorded references, live runs of the reference codes, studies, one report.
 //!
 //! ```text
-//! Tier ─> Extent (one table) ─> cases, parts ─> what is timed, alone ─> jobs side by side ─> comparisons, sections ─> Qualification
+//! Tier ─> Extent (one table) ─> cases, parts ─> timed runs, alone ─> jobs in parallel ─> comparisons, sections ─> Qualification
 //!                                                  └───────────────┬───────────┘
 //!                                               each run stored as it ends, reused by the next start
 //! ```
@@ -27,7 +27,7 @@ use std::time::{Duration, Instant};
 use studies::{Part, Place};
 pub use tier::{Ablated, Extent, Study, Tier};
 
-/// Seed of the live runs. It is never recorded: a value always lies among values that include it.
+/// Seed of the live runs. This seed is never recorded: a value always lies within a set that contains it.
 const LIVE_SEED: u64 = 1001;
 
 /// Settings of a qualification.
@@ -54,24 +54,24 @@ impl Settings<'_> {
     }
 }
 
-/// Error that ended a qualification or a comparison; finished runs stay stored.
+/// Error that ended a qualification or a comparison; finished runs remain stored.
 #[derive(Debug, thiserror::Error)]
 pub enum QualifyError {
-    /// The scene compares nothing.
+    /// The scene has no compared observables.
     #[error("{0} names nothing to compare; add observables under [[compare]], or measure it with 'makadam run'")]
     NothingToCompare(String),
     /// Recorded references cannot be read.
     #[error(transparent)]
     Reference(#[from] ReferenceError),
-    /// Nothing is recorded of a code.
+    /// No runs of a code are recorded.
     #[error(
         "nothing is recorded of {code} on the scene {scene}; record it with 'makadam compare {scene} --record', run it with --live \
          (scripts/install-codes installs it), or leave it out (name the others with --codes)"
     )]
     NotRecorded {
-        /// The code.
+        /// Code.
         code: &'static str,
-        /// The scene.
+        /// Scene.
         scene: String,
     },
     /// A scene is invalid, a run or a study failed, a required code is missing, or the user asked to stop.
@@ -96,7 +96,7 @@ of_runs!(CodeError, SceneError, WriteError);
 /// Runs a qualification of the given extent.
 ///
 /// # Errors
-/// [`QualifyError`]; a live run of a reference code that fails is a part of the verdict, not an error.
+/// [`QualifyError`]; a failed live run of a reference code is a part of the verdict, not an error.
 pub fn qualify(extent: &Extent, settings: &Settings<'_>) -> Result<Qualification, QualifyError> {
     let clock = Instant::now();
     let reference_codes = codes_of(&CodeName::REFEREES);
@@ -137,8 +137,8 @@ pub fn qualify(extent: &Extent, settings: &Settings<'_>) -> Result<Qualification
     })
 }
 
-/// Times the codes, one core each, one after the other: these runs have the machine to themselves. Compares live runs of the reference codes with their
-/// recorded ones.
+/// Times the codes, one core each, one after the other: these runs have the machine to themselves. Compares live runs of the reference codes with
+/// their recorded ones.
 fn time(
     extent: &Extent,
     settings: &Settings<'_>,
@@ -190,7 +190,7 @@ fn notes(extent: &Extent, settings: &Settings<'_>, cache: &RunCache) -> Result<V
     Ok(notes)
 }
 
-/// Lists the scenes with recorded references that are not judged.
+/// Lists the scenes with recorded references that are not compared.
 fn left_out(extent: &Extent, settings: &Settings<'_>) -> Result<Option<String>, QualifyError> {
     let mut left_out = Vec::new();
     for name in known(&settings.roots).into_iter().filter(|name| !extent.scenes.contains(&name.as_str())) {

@@ -1,4 +1,4 @@
-//! One scene in several codes, judged.
+//! One scene in several codes, compared.
 
 use super::QualifyError;
 use crate::report::Qualification;
@@ -13,17 +13,17 @@ use rayon::prelude::*;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// Codes to be compared on a scene.
+/// Codes of a comparison on a scene.
 pub struct OneScene<'a> {
-    /// The scene.
+    /// Scene.
     pub scene: &'a MeasuredScene,
-    /// Its file.
+    /// File.
     pub scene_file: &'a Path,
     /// Changes to the scene of the file, which the report lists.
     pub changes: &'a [Change],
-    /// The codes, the judged one first.
+    /// Codes, the code under test first.
     pub codes: Vec<Box<dyn Code>>,
-    /// Name of the code that is judged, which is always run.
+    /// Name of the code under test, which is always run.
     pub judged: &'a str,
     /// True if codes other than Makadam are run instead of taking their recorded references.
     pub live: bool,
@@ -37,8 +37,8 @@ pub struct OneScene<'a> {
     pub announce: Announce<'a>,
 }
 
-/// Returns the codes that a comparison has by default: Makadam, and live its referees; else all codes with a recorded table next to the
-/// scene. Where there are none, the referees, so that the error names what is missing.
+/// Returns the default codes of a comparison: Makadam, and for live runs its reference codes; else all codes with a recorded table next to the
+/// scene. Without such tables the reference codes are returned, so that the error names the missing ones.
 pub fn usual_codes(scene_file: &Path, live: bool) -> Vec<CodeName> {
     let mut codes = codes_against(scene_file, live);
     if codes.len() == 1 {
@@ -47,8 +47,8 @@ pub fn usual_codes(scene_file: &Path, live: bool) -> Vec<CodeName> {
     codes
 }
 
-/// The codes that one of the user's own is compared with where none are named: Makadam, and live its referees; else all codes that are
-/// recorded on the scene, if any are.
+/// Returns the default codes for a comparison with a user's own code: Makadam, and for live runs its reference codes; else all codes
+/// recorded on the scene, if any.
 pub fn codes_against(scene_file: &Path, live: bool) -> Vec<CodeName> {
     let counts = |name: &CodeName| Reference::is_left(scene_file, name.code().name());
     let further = CodeName::REFEREES.into_iter().chain(CodeName::FURTHER_REFEREES);
@@ -60,16 +60,16 @@ pub fn codes_against(scene_file: &Path, live: bool) -> Vec<CodeName> {
     codes
 }
 
-/// A comparison of one scene with its verdict.
+/// Comparison of one scene with its verdict.
 pub struct Judged {
     /// Content of the report.
     pub qualification: Qualification,
-    /// That the user asked to stop, else the first failure of a run; tests that lack its values are not made.
+    /// Interruption by the user, else the first failure of a run; tests without its values are not made.
     pub failure: Option<CodeError>,
 }
 
 impl OneScene<'_> {
-    /// The scene; without registered seeds where its margins, observables or seeds are not those of its file.
+    /// Returns the scene; without registered seeds where its margins, observables or seeds are not those of its file.
     fn registered(&self) -> MeasuredScene {
         let mut scene = self.scene.clone();
         if self.changes.iter().any(|change| REGISTERED.iter().any(|table| change.is_of(table))) {
@@ -78,10 +78,10 @@ impl OneScene<'_> {
         scene
     }
 
-    /// Runs the codes, or takes what is recorded of them, and compares.
+    /// Runs the codes, or takes their recorded runs, and compares.
     ///
     /// # Errors
-    /// [`QualifyError`]; a run that fails is told beside the verdict on the others.
+    /// [`QualifyError`]; a failed run is reported in addition to the verdict on the others.
     pub fn judge(self) -> Result<Judged, QualifyError> {
         let scene = &self.registered();
         if scene.compare.is_empty() {
@@ -146,7 +146,7 @@ impl OneScene<'_> {
             _ => with_all_values(scene, &measured),
         };
         let qualification = Qualification {
-            // Reports of one title are held against each other, so that of a code of somebody's own names it.
+            // Reports of one title are compared with each other, so the title names a user's own code.
             title: match self.judged {
                 "Makadam" => format!("Comparison of codes on the scene {}", scene.name),
                 own => format!("{own} on the scene {}", scene.name),
@@ -161,7 +161,7 @@ impl OneScene<'_> {
     }
 }
 
-/// Runs the first seed of a code of the user's own, so that frames that cannot be read are told before all seeds have run.
+/// Runs the first seed of a user's own code, so that unreadable frames are reported before all seeds have run.
 fn first_seed(code: &dyn Code, runs: &Runs<'_>) -> Result<Simulated, CodeError> {
     let mut simulated = runs.of_seeds(&runs.seeds[..1]).simulate(code);
     match simulated.failures.first() {
@@ -170,7 +170,7 @@ fn first_seed(code: &dyn Code, runs: &Runs<'_>) -> Result<Simulated, CodeError> 
     }
 }
 
-/// The scene with all that each run of each code has a value of, without a margin where it gives none.
+/// Returns the scene with all observables of which each run of each code has a value; added ones have no margin.
 fn with_all_values(scene: &MeasuredScene, codes: &[CodeRuns]) -> MeasuredScene {
     let mut scene = scene.clone();
     let is_whole = |code: &&CodeRuns| code.discarded.is_none() && code.failed.is_empty();
@@ -186,7 +186,7 @@ fn with_all_values(scene: &MeasuredScene, codes: &[CodeRuns]) -> MeasuredScene {
     scene
 }
 
-/// Tables of a scene that a registration holds for.
+/// Tables of a scene to which its registration applies.
 const REGISTERED: [&str; 2] = ["measure", "compare"];
 
 /// Returns the recorded runs of a code, or an error with the remedy.

@@ -1,4 +1,4 @@
-//! The scenes of a qualification: recorded runs, jobs side by side, live runs of the reference codes, the comparison.
+//! Scenes of a qualification: recorded runs, parallel jobs, live runs of the reference codes, the comparison.
 
 use super::{LIVE_SEED, QualifyError, Settings};
 use crate::report::Qualification;
@@ -13,16 +13,16 @@ use makadam_frames::plan::MeasuredScene;
 use std::path::PathBuf;
 use std::sync::Mutex;
 
-/// Sweeps of a solve that stops by itself, where its cost is guessed.
+/// Assumed number of sweeps of a solve that stops by itself.
 const GUESSED_SWEEPS: u32 = 20;
 
-/// A run on one core that stores its result.
+/// Run on one core that stores its result.
 pub(super) struct Job<'a> {
     /// Name of the result: of jobs of the same name the first computes it, and the others find it stored.
     pub(super) identity: String,
-    /// Amount of work, in any unit that all jobs share.
+    /// Amount of work, in a unit common to all jobs.
     pub(super) weight: f64,
-    /// True if it is timed and needs the machine to itself.
+    /// True if the job is timed and needs the machine to itself.
     pub(super) alone: bool,
     /// Computes and stores the result.
     pub(super) work: Box<dyn Fn() -> Result<(), RunError> + Send + Sync + 'a>,
@@ -52,9 +52,9 @@ pub(super) fn weight(scene: &MeasuredScene) -> f64 {
     scene.grain_count() as f64 * scene.duration / scene.solver.step * f64::from(sweeps)
 }
 
-/// A scene with what is recorded on it.
+/// Scene with its recorded runs.
 pub(super) struct Case {
-    /// Its folder under `reference-scenes`.
+    /// Folder under `reference-scenes`.
     pub name: &'static str,
     pub scene: MeasuredScene,
     file: PathBuf,
@@ -67,7 +67,7 @@ pub(super) struct Case {
 }
 
 impl Case {
-    /// Opens a scene with at least so many seeds of Makadam. Recorded runs of `reference codes` are required, those of `further` codes optional.
+    /// Opens a scene with the given minimum of seeds of Makadam. Recorded runs of `reference codes` are required, those of `further` codes optional.
     pub(super) fn open(
         name: &'static str,
         fewest_seeds: u64,
@@ -77,7 +77,7 @@ impl Case {
     ) -> Result<Case, QualifyError> {
         let file = scenes::find(name, &settings.roots)?;
         let scene = scenes::load(&file)?;
-        // Without a margin the scene would be judged by nothing, and no count of the others would tell.
+        // Without a margin the scene would have no test, and no count of the others would show it.
         if scene.compare.iter().all(|expectation| expectation.margin.is_none()) {
             let problem = "no observable has a margin, so that there is nothing to judge".into();
             let remedy = "give a margin under [[compare]]".into();
@@ -128,13 +128,13 @@ impl Case {
         (1..=self.seeds).map(job).collect()
     }
 
-    /// Compares all runs with all recorded ones, run by so many threads.
+    /// Compares all runs with all recorded ones, run by `threads` threads.
     pub(super) fn compared(self, threads: usize) -> Comparison {
         let mut harvests = self.harvests.into_inner().expect("nothing panics while it holds the lock");
         harvests.sort_by_key(|harvest| harvest.run.seed);
         let own = CodeRuns::live("Makadam", threads, harvests);
         let codes: Vec<CodeRuns> = std::iter::once(own).chain(self.recorded).collect();
-        // The table of tiers is what a qualification registers. The scene of the runs stays that of its file, by which they are kept.
+        // A qualification registers the table of tiers. The scene of the runs remains that of its file, which identifies them in the cache.
         let mut registered = self.scene;
         registered.measure.seeds = Some(self.seeds);
         let mut comparison = comparison(&registered, &codes, self.notes);

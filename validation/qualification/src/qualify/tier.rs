@@ -1,29 +1,29 @@
-//! The tiers: the extent of each, as one table.
+//! Tiers: the extent of each, as one table.
 
 use clap::ValueEnum;
 
-/// Extent of a qualification. Each tier has all that the one before it has.
+/// Extent of a qualification. Each tier includes the one before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Tier {
     /// Packing, drum, drum with caps and heap: 15 minutes on two cores.
     Quick,
-    /// Every scene with recorded references of both reference codes, hard cases, published laws, effects, convergence: under 3 hours on two cores.
+    /// Every scene with recorded references of both reference codes, stress tests, published laws, effects, convergence: under 3 hours on two cores.
     Full,
-    /// All of that with at least 16 seeds of Makadam, effects of more scenes, accuracy of settings: a night.
+    /// Full tier with at least 16 seeds of Makadam, effects of more scenes, accuracy of settings: a night.
     Release,
 }
 
 /// Scenes and studies of a qualification.
 #[derive(Clone, Copy, Debug)]
 pub struct Extent {
-    /// Its name.
+    /// Name.
     pub name: &'static str,
-    /// Scenes that are judged against recorded references of both reference codes, in the order of the report.
+    /// Scenes that are compared with recorded references of both reference codes, in the order of the report.
     pub scenes: &'static [&'static str],
-    /// Fewest seeds of Makadam for each scene: its own runs are quick, and narrow the intervals.
+    /// Minimum number of seeds of Makadam for each scene: its own runs are quick, and narrow the intervals.
     pub fewest_seeds: u64,
     /// Scenes on which the codes are timed one after the other, and on which the reference codes are run live. A live run is compared with recorded
-    /// ones, so these are scenes that are recorded under today's contact law of the reference codes.
+    /// ones, so these scenes are recorded under today's contact law of the reference codes.
     pub timed: &'static [&'static str],
     /// Studies of the qualification.
     pub studies: &'static [Study],
@@ -32,7 +32,7 @@ pub struct Extent {
 /// A study and its extent.
 #[derive(Clone, Copy, Debug)]
 pub enum Study {
-    /// The hard cases of `makadam stability` whose name or group contains one of these; all, if there is none.
+    /// Stress tests of `makadam stability` whose name or group contains one of these; all, if there is none.
     HardCases(&'static [&'static str]),
     /// Published laws of `makadam laws`, each with its number of seeds.
     Laws(&'static [(&'static str, u64)]),
@@ -40,22 +40,22 @@ pub enum Study {
     Ablation(&'static [Ablated]),
     /// Scenes of `makadam lab convergence`.
     Convergence(&'static [&'static str]),
-    /// Problems of `makadam lab problem check` that the program holds.
+    /// Problems of `makadam lab problem check` inside the program.
     ContactProblems,
     /// Scenes whose own settings are compared with the converged reference of `makadam tradeoff`, each with its number of seeds.
     Tradeoff(&'static [(&'static str, u64)]),
 }
 
-/// A scene with each of its effects off, or on.
+/// Scene with each of its effects off or on.
 #[derive(Clone, Copy, Debug)]
 pub struct Ablated {
-    /// The scene.
+    /// Scene.
     pub scene: &'static str,
     /// Seeds of each variation.
     pub seeds: u64,
-    /// Effects that it is known to need (`validation/docs/ablation.md`), separated by commas: a lost effect moves no value.
+    /// Effects that the scene is known to need (`validation/docs/ablation.md`), separated by commas: a lost effect changes no value.
     pub needed: &'static str,
-    /// Needed effects without which a run fails or an observable has no value: elsewhere a run that fails proves no need.
+    /// Needed effects without which a run fails or an observable has no value: elsewhere a failed run proves no need.
     pub unmeasurable: &'static str,
 }
 

@@ -1,6 +1,6 @@
-//! The baseline: tests of a qualification as plain data, and changes from it.
+//! Baseline: tests of a qualification as plain data, and changes from it.
 //!
-//! A qualification writes its tests as `tests.json`. `validation/baseline.json` has the same form with one list for each tier: a list is
+//! A qualification writes its tests as `tests.json`. `validation/baseline.json` has the same form with one list for each tier. A list is
 //! replaced by that of a run whose verdicts are accepted.
 
 use super::qualification::{Qualification, StudyOutcome};
@@ -21,12 +21,12 @@ struct Document {
     tiers: BTreeMap<String, Vec<Test>>,
 }
 
-/// A test: its conditions, its verdict and its values.
+/// Test: its conditions, its verdict and its values.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Test {
     /// Scene or study.
     pub group: String,
-    /// Its name in the group.
+    /// Name in the group.
     pub name: String,
     /// Verdict; absent where none has been recorded yet.
     pub verdict: Option<TestVerdict>,
@@ -36,10 +36,10 @@ pub struct Test {
     /// Margin of equivalence, in the unit of the observable.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub margin: Option<f64>,
-    /// Runs of the code under test and of the reference code, those that are excluded because they are not at rest included.
+    /// Runs of the code under test and of the reference code, including those excluded because they are not at rest.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub runs: Option<[usize; 2]>,
-    /// Hash of the scene as every code is given it, 16 hexadecimal digits.
+    /// Hash of the scene as given to every code, 16 hexadecimal digits.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scene_hash: Option<String>,
 }
@@ -48,9 +48,9 @@ pub struct Test {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum TestVerdict {
-    /// Of a test of a scene.
+    /// Verdict of a test of a scene.
     Scene(Outcome),
-    /// Of a test of a study.
+    /// Verdict of a test of a study.
     Study(StudyOutcome),
 }
 
@@ -83,7 +83,7 @@ pub struct Changes {
     pub worse: Vec<String>,
     /// Tests with a better verdict.
     pub better: Vec<String>,
-    /// Tests that the baseline does not have.
+    /// Tests missing in the baseline.
     pub new: Vec<String>,
 }
 
@@ -157,7 +157,7 @@ impl Test {
         format!("{}: {}", self.group, self.name)
     }
 
-    /// Reason for which a test counts as missing although a test of its name was made.
+    /// Reason why a test counts as missing although a test of its name was made.
     fn lacks(&self, made: &Test) -> Option<String> {
         match (self.margin.zip(made.margin), self.runs.zip(made.runs)) {
             (Some((was, is)), _) if is > was => Some(format!("margin {is}, baseline {was}")),
@@ -195,7 +195,7 @@ impl Changes {
         changes
     }
 
-    /// Reports whether no test is missing and no verdict is worse.
+    /// Returns true if no test is missing and no verdict is worse.
     pub fn pass(&self) -> bool {
         self.missing.is_empty() && self.worse.is_empty()
     }

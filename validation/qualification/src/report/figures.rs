@@ -1,4 +1,4 @@
-//! The figures of a scene: observables over time, normal forces.
+//! Figures of a scene: observables over time, normal forces.
 
 use super::qualification::join;
 use makadam_compare::compare::{Comparison, distinct};
@@ -8,7 +8,7 @@ use makadam_view::draw::numbers::{Rounding, compact, count};
 use makadam_view::draw::plot::{Axis, Key, Plot};
 use serde::Serialize;
 
-/// A figure of the page.
+/// Figure of the page.
 #[derive(Serialize)]
 pub(super) struct Drawn {
     title: String,
@@ -27,9 +27,9 @@ pub(super) fn all(comparison: &Comparison) -> Vec<Drawn> {
 /// Largest number of points of a curve: more would fall on the same pixels.
 const MOST_POINTS: usize = 600;
 
-/// A curve of one run.
+/// Curve of one run.
 pub(super) struct Curve<'a> {
-    /// The run's code, seed and observable.
+    /// Code, seed and observable of the run.
     pub(super) series: &'a Series,
     /// Times, s, and values, thinned where there are many.
     pub(super) points: Vec<[f64; 2]>,
@@ -60,7 +60,7 @@ fn over_time(comparison: &Comparison, observable: &str) -> Option<Drawn> {
     let values = || all.iter().flat_map(|curve| points(curve.series));
     let end = values().map(|(t, _)| t).filter(|t| t.is_finite()).fold(0.0, f64::max);
     let from = comparison.scene.measure.from;
-    // The start-up of a flow may lie far away and would flatten the rest: the range is the window's. An intruder's way is shown whole.
+    // The start-up of a flow may lie far away and would flatten the rest: the range is the window's. An intruder's path is shown whole.
     let shown_from = from.filter(|_| observable != "intruder_height").unwrap_or(0.0);
     let (low, high) = values()
         .filter(|&(t, v)| v.is_finite() && t >= shown_from)
@@ -111,7 +111,7 @@ fn mueth(force: f64) -> f64 {
 /// Name of the curve of the literature.
 const LITERATURE: &str = "Mueth 1998";
 
-/// A point of a distribution of forces.
+/// Point of a distribution of forces.
 pub(super) struct Point {
     /// Normal force over its mean.
     pub(super) force: f64,
@@ -121,7 +121,7 @@ pub(super) struct Point {
     pub(super) error: Option<[f64; 2]>,
 }
 
-/// Returns the distribution of each code with its name, then that of the literature; nothing if no code has forces.
+/// Returns the distribution of each code with its name, then that of the literature; empty if no code has forces.
 pub(super) fn force_curves(comparison: &Comparison) -> Vec<(&str, Vec<Point>)> {
     let of_code = comparison.forces.iter().map(|one| (one.code.as_str(), bins(one)));
     let mut curves: Vec<_> = of_code.filter(|(_, points)| !points.is_empty()).collect();
@@ -134,7 +134,7 @@ pub(super) fn force_curves(comparison: &Comparison) -> Vec<(&str, Vec<Point>)> {
     curves
 }
 
-/// Bins that hold forces.
+/// Returns the bins with forces.
 fn bins(distribution: &ForceDistribution) -> Vec<Point> {
     let width = match distribution.force.as_slice() {
         [first, second, ..] => (second - first).abs(),
@@ -151,7 +151,7 @@ fn bins(distribution: &ForceDistribution) -> Vec<Point> {
     .collect()
 }
 
-/// Right end of the axis: beyond eight mean forces there are a handful of contacts in a scene.
+/// Right end of the axis: beyond eight mean forces there are few contacts in a scene.
 fn right(curves: &[(&str, Vec<Point>)]) -> f64 {
     let forces = curves.iter().flat_map(|(_, points)| points.iter().map(|point| point.force));
     forces.fold(1.0, f64::max).clamp(1.0, 8.0)

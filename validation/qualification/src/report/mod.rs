@@ -1,4 +1,4 @@
-//! The report of a qualification: one self-contained page to read, and the same as data.
+//! Report of a qualification: one self-contained page, and the same as data.
 //!
 //! ```text
 //! Qualification ─> verdict ─┐
@@ -46,9 +46,9 @@ pub struct ReportDocument {
 }
 
 /// Writes `report.html`, `report.json`, `tests.json`, `rows.csv`, the CSV files that the figures link to and the files
-/// of studies into a folder, which is made if it is missing, and returns the path of the page.
+/// of studies into a folder, creating it if missing, and returns the path of the page.
 ///
-/// All of them are complete on disk under temporary names before the first is renamed: an earlier report stays whole if this one fails.
+/// All of them are complete on disk under temporary names before the first is renamed: an earlier report stays intact if this one fails.
 ///
 /// # Errors
 /// [`DocumentError`] if a file cannot be written.
@@ -72,7 +72,7 @@ pub fn write(qualification: &Qualification, folder: &Path) -> Result<PathBuf, Do
 /// Rows of a file for one scene.
 type Rows = fn(&Comparison) -> Vec<Vec<Cell>>;
 
-/// Files with their columns: the rows of all tables, and the numbers that figures and pictures draw.
+/// Files with their columns: the rows of all tables, and the numbers drawn in figures and pictures.
 const FILES: [(&str, &str, Rows); 4] = [
     (
         "rows",
@@ -85,7 +85,7 @@ const FILES: [(&str, &str, Rows); 4] = [
     ("grains", "scene code seed time_s grain x_m y_m z_m radius_m speed_m_s", grains),
 ];
 
-/// Returns all files, scenes one below the other; a file without rows has its head alone.
+/// Returns all files, with the scenes one below the other; a file without rows has its head alone.
 fn files_of(qualification: &Qualification) -> Result<Vec<File>, DocumentError> {
     let file = |(name, columns, rows): (&str, &str, Rows)| {
         let rows = qualification.comparisons.iter().flat_map(rows);
@@ -123,7 +123,7 @@ fn rows(comparison: &Comparison) -> Vec<Vec<Cell>> {
     comparison.rows.iter().map(line).collect()
 }
 
-/// The curves of observables over time.
+/// Curves of observables over time.
 fn over_time(comparison: &Comparison) -> Vec<Vec<Cell>> {
     let mut rows = Vec::new();
     for curve in figures::observables(comparison).into_iter().flat_map(|name| figures::curves(comparison, name)) {
@@ -136,7 +136,7 @@ fn over_time(comparison: &Comparison) -> Vec<Vec<Cell>> {
     rows
 }
 
-/// The distributions of normal forces with their counting errors, and the curve of the literature.
+/// Distributions of normal forces with their counting errors, and the curve of the literature.
 fn distributions(comparison: &Comparison) -> Vec<Vec<Cell>> {
     let mut rows = Vec::new();
     for (code, points) in figures::force_curves(comparison) {
@@ -148,7 +148,7 @@ fn distributions(comparison: &Comparison) -> Vec<Vec<Cell>> {
     rows
 }
 
-/// The grains of the pictures: place, size, and the speed that they are shaded by.
+/// Grains of the pictures: position, size, and the speed that sets their shade.
 fn grains(comparison: &Comparison) -> Vec<Vec<Cell>> {
     let mut rows = Vec::new();
     for state in &comparison.final_states {

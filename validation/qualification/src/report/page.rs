@@ -1,4 +1,4 @@
-//! The page: all that the template shows, gathered and named.
+//! Page: all data of the template, gathered and named.
 
 use super::qualification::{Qualification, StudyOutcome, StudySection, Verdict};
 use super::{figures, tables};
@@ -35,7 +35,7 @@ pub(super) fn render(qualification: &Qualification) -> Result<String, minijinja:
     })
 }
 
-/// Word and style class of a verdict, and its sentence without the word.
+/// Name and style class of a verdict, and its sentence without the name.
 fn standing(verdict: &Verdict) -> Value {
     let word = verdict.standing.words();
     let rest = verdict.sentence.strip_prefix(word).and_then(|rest| rest.strip_prefix(": "));
@@ -43,7 +43,7 @@ fn standing(verdict: &Verdict) -> Value {
     context! { word, mark, sentence, class => verdict.standing.class() }
 }
 
-/// A scene by its place: names of scenes may hold characters that an anchor may not.
+/// Identifies a scene by its index: names of scenes may contain characters that an anchor may not.
 fn section((place, comparison): (usize, &Comparison)) -> Value {
     let scene = &comparison.scene;
     let measured = match scene.measure.from {
@@ -91,7 +91,7 @@ fn study(study: &StudySection) -> Value {
 /// Width and height of a picture, pixels.
 const SIZE: [usize; 2] = [560, 460];
 
-/// Draws the final state of each code; `None` if no code has left one.
+/// Draws the final state of each code; `None` if no code has one.
 pub(super) fn gallery(comparison: &Comparison) -> Option<Value> {
     let states: Vec<_> = comparison.final_states.iter().filter(|state| !state.particles.is_empty()).collect();
     let frame = |time, particles| RunFrame::of_state(&comparison.scene, time, particles);

@@ -1,4 +1,4 @@
-//! A qualification: the comparisons and studies of one command, and the verdict that follows from their tests.
+//! Qualification: the comparisons and studies of one command, and the verdict on their tests.
 
 use makadam_compare::compare::Comparison;
 use makadam_compare::study::File;
@@ -164,7 +164,7 @@ impl Standing {
 }
 
 impl StudyOutcome {
-    /// Returns the outcome in words.
+    /// Returns the name of the outcome.
     pub fn words(self) -> &'static str {
         match self {
             StudyOutcome::Passed => "passed",
@@ -210,7 +210,7 @@ impl StudySection {
         self.tests.iter().filter(|test| test.outcome == outcome).map(|test| test.name.as_str()).collect()
     }
 
-    /// Returns its result in a sentence.
+    /// Returns its result as a sentence.
     pub fn sentence(&self) -> String {
         let passed = self.named(StudyOutcome::Passed).len();
         let mut text = format!("{}: {passed} of {} passed", self.title, plural(self.tests.len(), "test"));
@@ -240,7 +240,7 @@ impl Verdict {
 }
 
 impl Qualification {
-    /// Returns the verdict that follows from the rows. Differences between two references set the floor and do not count.
+    /// Returns the verdict on the rows. Differences between two references set the lower limit and do not count.
     pub fn verdict(&self) -> Verdict {
         let mut verdict = Verdict {
             outside_spread: self.outside_spread.len(),
@@ -252,7 +252,7 @@ impl Qualification {
         let (mut references, mut scenes): (Vec<&str>, usize) = (Vec::new(), 0);
         for comparison in &self.comparisons {
             let before = verdict.tests_of_scenes();
-            // Where the code under test took no part, a missing value of another one still is no success.
+            // Without the code under test, a missing value of another code is still not a success.
             let is_judged = comparison.rows.iter().any(|row| row.code == comparison.judged);
             for row in comparison.rows.iter().filter(|row| row.code == comparison.judged || !is_judged) {
                 let Some(outcome) = row.outcome else { continue };

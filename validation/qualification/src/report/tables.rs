@@ -1,4 +1,4 @@
-//! The tables of a report: values and differences, how each code was run, speeds, tests of studies.
+//! Tables of a report: values and differences, settings of each code, speeds, tests of studies.
 
 use super::qualification::StudySection;
 use makadam_compare::compare::{CodeSummary, Comparison, Row, Source, Timing, distinct};
@@ -29,7 +29,7 @@ pub(super) fn rounding<'a>(rows: impl Iterator<Item = &'a Row> + Clone) -> Round
 struct Pair {
     code: String,
     reference: String,
-    /// Difference between two references, the floor.
+    /// Difference between two references: the lower limit.
     floor: bool,
 }
 
@@ -65,12 +65,12 @@ fn pairs(comparison: &Comparison) -> Vec<Pair> {
     pairs
 }
 
-/// A code behind its mark.
+/// Returns a code behind its mark.
 fn code(name: &str) -> Cell {
     Cell::from(name).marked(names::code_style(name).class)
 }
 
-/// Values and differences of a scene; nothing where no observable was measured.
+/// Values and differences of a scene; none where no observable was measured.
 pub(super) fn results(comparison: &Comparison) -> Option<Table> {
     let names = codes(comparison);
     let pairs = pairs(comparison);
@@ -91,8 +91,8 @@ pub(super) fn results(comparison: &Comparison) -> Option<Table> {
     (!table.is_empty()).then_some(table)
 }
 
-/// Every observable with a margin, of every scene, over common columns of the pairs with the code under test; nothing where nothing was
-/// tested.
+/// Returns every observable with a margin, of every scene, over common columns of the pairs with the code under test; none without
+/// tests.
 pub(super) fn summary(comparisons: &[Comparison]) -> Option<Table> {
     let mut columns: Vec<Pair> = Vec::new();
     for pair in comparisons.iter().flat_map(pairs).filter(|pair| !pair.floor) {
@@ -114,7 +114,7 @@ pub(super) fn summary(comparisons: &[Comparison]) -> Option<Table> {
     (!table.is_empty()).then_some(table)
 }
 
-/// The rows of one observable.
+/// Rows of one observable.
 struct Line<'a> {
     rows: Vec<&'a Row>,
     rounding: Rounding,
@@ -134,7 +134,7 @@ impl<'a> Line<'a> {
         self.rows.iter().find_map(|row| row.margin).map(|margin| self.rounding.margin(margin)).into()
     }
 
-    /// The value of a code: from a row of its own, or else from a row that has it as the reference.
+    /// Value of a code: from a row of its own, or else from a row that has it as the reference.
     fn value(&self, code: &str) -> Cell {
         let value = |value: Option<f64>| value.map(|value| self.rounding.value(value));
         if let Some(row) = self.rows.iter().find(|row| row.code == code) {
@@ -146,13 +146,13 @@ impl<'a> Line<'a> {
         row.and_then(|row| value(Some(row.mean? - row.difference?))).into()
     }
 
-    /// The row of a pair of codes.
+    /// Row of a pair of codes.
     fn row(&self, pair: &Pair) -> Option<&'a Row> {
         let is = |row: &&&Row| row.code == pair.code && row.reference_code.as_deref() == Some(pair.reference.as_str());
         self.rows.iter().find(is).copied()
     }
 
-    /// A difference and its outcome; `fully`: with its interval, and what would decide or is missing.
+    /// Difference and outcome; `fully`: with the interval, and the seeds needed or the missing values.
     fn difference(&self, pair: &Pair, fully: bool) -> Cell {
         let Some(row) = self.row(pair) else { return Cell::default() };
         let undecided = row.outcome == Some(Outcome::Undecided);
@@ -165,7 +165,7 @@ impl<'a> Line<'a> {
     }
 }
 
-/// Returns how the codes of a scene were run, and their speed; `None` where no code is known.
+/// Returns the settings of the codes of a scene, and their speed; `None` where no code is known.
 pub(super) fn runs(comparison: &Comparison) -> Option<Table> {
     let numbers = ["time step", "of the Rayleigh step", "time per simulated second", "ratio"];
     let table = Table::new(&["code", "version", "source", "seeds"], &numbers).with_words("origin");
@@ -186,7 +186,7 @@ pub(super) fn runs(comparison: &Comparison) -> Option<Table> {
     (!table.is_empty()).then_some(table)
 }
 
-/// Returns the time per simulated second; `None` of runs side by side, which share memory and caches, and of runs for measuring, whose inputs may
+/// Returns the time per simulated second; `None` for parallel runs, which share memory and caches, and for runs for measuring, whose inputs may
 /// slow a code down.
 pub(super) fn time(code: &CodeSummary) -> Option<String> {
     let is_timed = matches!(code.timing, Timing::Alone | Timing::Recorded);
@@ -223,10 +223,10 @@ pub(super) fn study(study: &StudySection) -> Table {
     })
 }
 
-/// A comparison as text, whose tables have at most 80 columns: for each observable the means of the codes, then their differences with the outcomes;
-/// below, speed and notes. Outcomes are coloured if `colour` is set.
+/// Formats a comparison as text, in tables of at most 80 columns: for each observable the means of the codes, then their differences with the
+/// outcomes; below, speed and notes. Outcomes are coloured if `colour` is set.
 ///
-/// Columns are padded by characters, so it wants a terminal that knows UTF-8.
+/// Columns are padded by characters, so a UTF-8 terminal is needed.
 pub fn comparison_table(comparison: &Comparison, colour: bool) -> String {
     let mut text = format!("{}: {}\n", comparison.scene.name, comparison.scene.description);
     if comparison.rows.is_empty() {
@@ -253,7 +253,7 @@ pub fn comparison_table(comparison: &Comparison, colour: bool) -> String {
     text
 }
 
-/// The rows of one observable.
+/// Rows of one observable.
 fn block(comparison: &Comparison, rows: &[Row], colour: bool) -> String {
     let rounding = rounding(rows.iter());
     let mut text = names::with_unit(&rows[0].observable, &rows[0].unit, rounding);
@@ -292,12 +292,12 @@ fn block(comparison: &Comparison, rows: &[Row], colour: bool) -> String {
     text
 }
 
-/// Reason for which a row is not measured.
+/// Reason why a row is not measured.
 fn reason(row: &Row) -> &str {
     row.missing.as_deref().unwrap_or("a value is missing")
 }
 
-/// The outcome of a row in words; `at_odds`: the references differ by more than its margin.
+/// Outcome of a row as text; `at_odds`: the references differ by more than its margin.
 fn outcome_of(row: &Row, outcome: Outcome, at_odds: bool) -> String {
     match (outcome, row.seeds_needed) {
         (Outcome::Undecided | Outcome::Exploratory, _) if at_odds => "undecided (references differ)".into(),
@@ -307,7 +307,7 @@ fn outcome_of(row: &Row, outcome: Outcome, at_odds: bool) -> String {
     }
 }
 
-/// Escape code of an outcome's colour: blue, red and yellow are told apart by colour-blind readers too.
+/// Escape code of an outcome's colour: colour-blind readers can distinguish blue, red and yellow, too.
 fn code_of(outcome: Outcome) -> &'static str {
     match outcome {
         Outcome::Agree => "34",

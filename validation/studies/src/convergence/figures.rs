@@ -9,14 +9,14 @@ use makadam_view::draw::figure::Figure;
 use makadam_view::draw::numbers::plural;
 use makadam_view::draw::plot::{Axis, Key, Plot};
 
-/// Residuals below this, in the study's unit, are rounding errors: no figure reaches below.
+/// Residuals below this, in the study's unit, are rounding errors: no figure extends below.
 const LOWEST: f64 = 1e-14;
-/// Factor over the residual that solves start from, at which curves of methods that diverge are cut off.
+/// Factor over the initial residual at which curves of divergent methods are cut off.
 const HIGHEST: f64 = 10.0;
 
 type Part = fn(&Residuals) -> f64;
 
-/// The three directions, and turning: name, class of the curve, its value.
+/// Three directions, and turning: name, class of the curve, its value.
 const DIRECTIONS: [(&str, &str, Part); 4] = [
     ("normal", "direction-normal curve", |residuals| residuals.normal.rms),
     ("tangent u", "direction-tangent-u curve", |residuals| residuals.tangential_u.rms),
@@ -33,7 +33,7 @@ fn title(method: SolverMethod) -> String {
     }
 }
 
-/// The directions of the first method, all methods against iterations and against wall time, the directions of the others.
+/// Directions of the first method, all methods against iterations and against wall time, the directions of the others.
 pub(super) fn figures(study: &Study) -> Vec<Figure> {
     let mut figures: Vec<Figure> = study.methods.iter().map(|curve| directions(study, curve)).collect();
     let all = [all_methods(study, false), all_methods(study, true)];
@@ -43,7 +43,7 @@ pub(super) fn figures(study: &Study) -> Vec<Figure> {
 
 /// Normal and tangential residuals of one method against iterations, as in the thesis's figure 6.1.
 fn directions(study: &Study, curve: &Curve) -> Figure {
-    // Where nothing resists turning there is no curve of it.
+    // Where nothing resists turning, its curve is absent.
     let shown: Vec<_> = DIRECTIONS
         .into_iter()
         .filter(|(name, _, part)| *name != "turning" || curve.points.iter().any(|point| part(&point.residuals) > 0.0))
@@ -63,8 +63,8 @@ fn directions(study: &Study, curve: &Curve) -> Figure {
     }
 }
 
-/// The residuals of all methods over all directions, against iterations or against wall time. Wall time ends where the median method does:
-/// the slowest would press all others against the edge.
+/// Residuals of all methods over all directions, against iterations or against wall time. Wall time ends at the end of the median method:
+/// the slowest would compress all others to the edge.
 fn all_methods(study: &Study, against_time: bool) -> Figure {
     let classes = study.methods.iter().map(|curve| format!("method-{} curve", curve.method.name()));
     let styles: Vec<(String, String)> = classes.zip(study.methods.iter().map(|curve| title(curve.method))).collect();

@@ -26,7 +26,7 @@ use makadam_view::draw::figure::Figure;
 use makadam_view::draw::numbers::{compact, count, plural, short_time as time, two_digits};
 use serde::{Serialize, Serializer};
 
-/// Residuals that a method is timed to, in the study's unit.
+/// Residuals for which a method is timed, in the study's unit.
 pub const TOLERANCES: [f64; 5] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-6];
 
 /// Output of `makadam lab convergence --json` and content of `convergence.json`; documented in `validation/docs/json.md`.
@@ -39,10 +39,10 @@ pub struct Study {
     pub problem: Problem,
     #[serde(flatten)]
     pub effort: Effort,
-    /// Residuals that methods were timed to, in units of `residual_unit`.
+    /// Residuals for which methods were timed, in units of `residual_unit`.
     pub tolerances: Vec<f64>,
     pub methods: Vec<Curve>,
-    /// Methods that were not run, in sentences.
+    /// Methods that were not run, as sentences.
     pub findings: Vec<String>,
     pub provenance: Provenance,
 }
@@ -56,24 +56,24 @@ pub struct Effort {
     pub repetitions: u32,
 }
 
-/// The problem of one step.
+/// Problem of one step.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "validation/docs/json.md describes the fields of documents")]
 pub struct Problem {
     pub scene: String,
-    /// Simulated time of the state whose next step it is, s.
+    /// Simulated time of the state before the step, s.
     pub start_seconds: f64,
     pub time_step: f64,
     pub particles: usize,
     pub contacts: usize,
-    /// Velocity that residuals are given in, m/s.
+    /// Velocity unit of residuals, m/s.
     pub residual_unit: f64,
-    /// Its name: "g h", or "m/s" without gravity.
+    /// Name of that unit: "g h", or "m/s" without gravity.
     pub residual_unit_name: String,
 }
 
 impl Problem {
-    /// The problem of a simulation's next step; the simulation stays as it is.
+    /// Returns the problem of a simulation's next step; the simulation does not change.
     fn next(scene: &MeasuredScene, simulation: &Simulation) -> Problem {
         let unit = simulation.residual_unit();
         let mut copy = simulation.clone();
@@ -99,7 +99,7 @@ pub struct Curve {
     /// Wall time of an iteration, median, s.
     pub seconds_per_iteration: f64,
     pub reached: Vec<Reached>,
-    /// The state that the solve started from, and that after each iteration.
+    /// Initial state of the solve, and the state after each iteration.
     pub points: Vec<ConvergencePoint>,
 }
 
@@ -108,15 +108,15 @@ pub struct Curve {
 #[expect(missing_docs, reason = "validation/docs/json.md describes the fields of documents")]
 pub struct Reached {
     pub tolerance: f64,
-    /// Iterations until then; absent if it was not reached.
+    /// Iterations until then; absent if the tolerance was not reached.
     pub iterations: Option<u32>,
-    /// Wall time until then, s; absent if it was not reached.
+    /// Wall time until then, s; absent if the tolerance was not reached.
     pub seconds: Option<f64>,
 }
 
 impl Curve {
     /// Makes a curve of a method's solves of one problem, at least one, with residuals in m/s. Solves differ in their times
-    /// alone; an iteration's is the shortest that it took in any of them, since all that interferes makes it longer.
+    /// alone. The shortest time of an iteration over all solves counts, since all disturbances lengthen it.
     pub fn new(method: SolverMethod, mut solves: Vec<Vec<ConvergencePoint>>, unit: f64) -> Curve {
         let fastest = fastest(&solves);
         let points: Vec<ConvergencePoint> = (solves.swap_remove(0).into_iter().zip(fastest))
@@ -140,7 +140,7 @@ impl Curve {
     }
 }
 
-/// Wall time until each point if every iteration takes the shortest time that it took in any solve, s.
+/// Wall time until each point if every iteration takes its shortest time over all solves, s.
 fn fastest(solves: &[Vec<ConvergencePoint>]) -> Vec<f64> {
     let count = solves.iter().map(Vec::len).min().unwrap_or(0);
     let mut total = 0.0;
@@ -167,7 +167,7 @@ fn name<S: Serializer>(method: &SolverMethod, serializer: S) -> Result<S::Ok, S:
     serializer.serialize_str(method.name())
 }
 
-/// The methods of these names, each once; the scene's own method has its parameters, others have the defaults.
+/// Returns the methods of these names, each once; the scene's own method has its parameters, others have the defaults.
 pub fn methods(scene: &MeasuredScene, names: Option<&[String]>) -> Vec<SolverMethod> {
     let own = scene.solver.method;
     let wanted = |method: &SolverMethod| names.is_none_or(|names| names.iter().any(|name| name == method.name()));
@@ -175,8 +175,8 @@ pub fn methods(scene: &MeasuredScene, names: Option<&[String]>) -> Vec<SolverMet
     all.map(|method| if method.name() == own.name() { own } else { method }).collect()
 }
 
-/// Solves the problem of a simulation's next step with all of the wanted methods that suit it, several times in turn, so that a
-/// disturbance falls on all of them. `progress` receives the method and the completed fraction.
+/// Solves the problem of a simulation's next step with all of the requested methods that suit it, several times in turn, so that a
+/// disturbance affects all of them. `progress` receives the method and the completed fraction.
 ///
 /// # Errors
 /// [`MeasureError::Interrupted`].
@@ -300,7 +300,7 @@ impl Document for Study {
 /// Residual at which methods are compared, in the study's unit; a qualification requires it of each method.
 const TOLERANCE: f64 = 1e-2;
 
-/// The method that reaches 0.01 of the unit soonest by wall time, and those that do not reach it.
+/// Method that reaches 0.01 of the unit soonest by wall time, and those that do not reach it.
 fn answer(study: &Study) -> Answer {
     let to = format!("{} {}", compact(TOLERANCE), study.problem.residual_unit_name);
     let (mut fastest, mut missing) = (None, Vec::new());
@@ -359,7 +359,7 @@ fn reached(study: &Study) -> Table {
         })
 }
 
-/// A tolerance, such as 0.01 or 10⁻⁶.
+/// Formats a tolerance, such as 0.01 or 10⁻⁶.
 fn power(tolerance: f64) -> String {
     compact(tolerance).trim_start_matches("1×").into()
 }

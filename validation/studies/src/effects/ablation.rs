@@ -14,7 +14,7 @@ use std::time::Duration;
 pub struct Plan<'a> {
     /// Scene.
     pub scene: &'a MeasuredScene,
-    /// Its file.
+    /// File.
     pub scene_file: &'a Path,
     /// Seeds of each variation.
     pub seeds: &'a [u64],
@@ -26,22 +26,22 @@ pub struct Plan<'a> {
     pub announce: Announce<'a>,
 }
 
-/// Verdict on whether the scene needs an effect, by one observable.
+/// Verdict on the need for an effect, by one observable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Need {
-    /// The observable moves beyond its margin without it (or with it, where the scene has none).
+    /// The observable moves beyond its margin without the effect (or with it, where the scene has none).
     Needed,
-    /// It stays within its margin.
+    /// The observable stays within its margin.
     NotNeeded,
-    /// Too few seeds to tell.
+    /// Too few seeds for a verdict.
     Undecided,
-    /// Not every seed has a value: the change leaves nothing to measure, or there was nothing from the start.
+    /// Not every seed has a value: the observable cannot be measured after the change, or could not before.
     NotMeasurable,
 }
 
 impl Need {
-    /// The verdict in words.
+    /// Returns the name of the verdict.
     pub fn words(self) -> &'static str {
         match self {
             Need::Needed => "needed",
@@ -55,13 +55,13 @@ impl Need {
 /// One observable under one variation.
 #[derive(Clone, Debug, Serialize)]
 pub struct Ablated {
-    /// The effect.
+    /// Effect.
     pub effect: &'static str,
     /// Change of the scene.
     pub change: String,
-    /// The observable.
+    /// Observable.
     pub observable: String,
-    /// Mean with the scene as it is; absent where not every seed has a value.
+    /// Mean with the unchanged scene; absent where not every seed has a value.
     pub mean: Option<f64>,
     /// Mean with the change; absent where it cannot be measured.
     pub changed_mean: Option<f64>,
@@ -73,7 +73,7 @@ pub struct Ablated {
     pub need: Need,
 }
 
-/// The variations of a scene over seeds.
+/// Variations of a scene over seeds.
 #[derive(Clone, Debug, Serialize)]
 pub struct Ablation {
     /// Seeds of each.
@@ -120,33 +120,33 @@ impl Ablation {
 }
 
 impl Plan<'_> {
-    /// The scene as it is, and each variation of it.
+    /// Returns the unchanged scene, and each variation of it.
     pub fn versions(&self) -> Vec<Variation> {
         let base = Variation { effect: "as it is", change: String::new(), scene: self.scene.clone() };
         std::iter::once(base).chain(variations(self.scene)).collect()
     }
 
-    /// Returns one run, stored or made now.
+    /// Returns one run, from the cache or new.
     ///
     /// # Errors
-    /// [`RunError`] if it has to be made and cannot.
+    /// [`RunError`] if a new run is necessary and fails.
     pub fn take(&self, version: &Variation, seed: u64) -> Result<MeasuredRun, RunError> {
         Ok(self.runs(version, seed).take(self.cache, &Makadam, seed)?.run)
     }
 
-    /// Runs of Makadam of which one is taken.
+    /// Runs of Makadam from which one is taken.
     pub fn runs<'v>(&'v self, version: &'v Variation, seed: u64) -> Runs<'v> {
         Runs::of_one_seed(&version.scene, self.scene_file, seed, self.time_limit, self.announce)
     }
 
-    /// The observables that have a margin, under one variation.
+    /// Observables that have a margin, under one variation.
     fn compared(
         &self,
         version: &Variation,
         base: &[Option<MeasuredRun>],
         runs: &[Option<MeasuredRun>],
     ) -> Vec<Ablated> {
-        // A mean of those seeds that could be measured is none of all of them.
+        // A mean over the seeds with a value is not a mean over all of them.
         let ensemble = |runs: &[Option<MeasuredRun>], observable: &str| {
             let values = runs.iter().map(|run| run.as_ref().and_then(|run| run.value(observable)));
             Ensemble::of(&values.collect::<Option<Vec<f64>>>()?)
@@ -179,18 +179,18 @@ fn need(test: Option<&Equivalence>) -> Need {
     }
 }
 
-/// A scene with one effect changed.
+/// Scene with one effect changed.
 #[derive(Clone, Debug)]
 pub struct Variation {
-    /// The effect.
+    /// Effect.
     pub effect: &'static str,
-    /// Change in words.
+    /// Change as text.
     pub change: String,
-    /// The scene.
+    /// Scene.
     pub scene: MeasuredScene,
 }
 
-/// Every effect of the scene turned off, and those turned on that are tried where there is none.
+/// Returns a variation for each effect of the scene turned off, and for each missing effect with a trial change turned on.
 pub fn variations(scene: &MeasuredScene) -> Vec<Variation> {
     let mut base = scene.clone();
     // An accuracy would choose another step for another scene; here only the effect may differ.

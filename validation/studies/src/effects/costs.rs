@@ -1,4 +1,4 @@
-//! The active effects of a scene, and their costs: every compiled kernel, swept over the same contacts.
+//! Active effects of a scene, and their costs: every compiled kernel, swept over the same contacts.
 
 use makadam::Simulation;
 use makadam::effects::{CATALOGUE, EffectSet};
@@ -8,20 +8,20 @@ use makadam_measure::statistics::median;
 use serde::Serialize;
 use std::time::Instant;
 
-/// One effect: whether the scene calls for it, and why.
+/// One effect: its state in the scene, and the reason.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Called {
     /// Name of the effect.
     pub effect: &'static str,
-    /// True if it is simulated.
+    /// True if the effect is simulated.
     pub on: bool,
     /// Reason.
     pub why: String,
-    /// Line of the scene file, from 1; absent where the file leaves it to the default.
+    /// Line of the scene file, from 1; absent where the file omits it and the default applies.
     pub line: Option<usize>,
 }
 
-/// All effects, in the order in which a step meets them. `text` is the scene file's.
+/// Returns all effects, in the order in which a step applies them. `text` is the scene file's.
 pub fn called(scene: &MeasuredScene, text: &str) -> Vec<Called> {
     let called = CATALOGUE.iter().map(|effect| match effect.called_by(scene) {
         Ok(call) => Called { effect: effect.name, on: true, why: call.why, line: call.place.line(text) },
@@ -38,7 +38,7 @@ const CONTACT_SWEEPS: usize = 300_000;
 /// One kernel.
 #[derive(Clone, Debug, Serialize)]
 pub struct Cost {
-    /// The effects that it is compiled with.
+    /// Effects compiled into the kernel.
     pub effects: &'static str,
     /// True of the kernel of the scene.
     pub called: bool,
@@ -46,23 +46,23 @@ pub struct Cost {
     pub nanoseconds: f64,
     /// Median over rounds of its time over that of the kernel with friction alone.
     pub over_friction: f64,
-    /// Bytes that a contact takes in its lane group.
+    /// Bytes of a contact in its lane group.
     pub bytes: usize,
 }
 
 /// All kernels on the contacts of one state.
 #[derive(Clone, Debug, Serialize)]
 pub struct Costs {
-    /// Contacts that were swept over.
+    /// Number of contacts in a sweep.
     pub contacts: usize,
-    /// Instruction set that ran.
+    /// Instruction set of the run.
     pub instruction_set: &'static str,
-    /// One a kernel, from the barest on.
+    /// One entry per kernel, the simplest first.
     pub kernels: Vec<Cost>,
 }
 
 impl Costs {
-    /// Times the sweeps of every kernel on the contacts of this state; absent where it has none.
+    /// Times the sweeps of every kernel on the contacts of this state; absent without contacts.
     pub fn measure(simulation: &Simulation) -> Option<Costs> {
         let called = simulation.effects().compiled();
         let mut compiled = EffectSet::COMPILED.map(|effects| {

@@ -1,7 +1,7 @@
-//! A scene over values of some of its keys: every combination, several seeds each, one table.
+//! Scene with several values for some of its keys: every combination, several seeds each, one table.
 //!
 //! ```text
-//! --over KEY=a,b,c ─> points (combinations) x seeds ─> runs side by side, stored ─> means over seeds ─> report, CSV, JSON
+//! --over KEY=a,b,c ─> points (combinations) x seeds ─> runs in parallel, stored ─> means over seeds ─> report, CSV, JSON
 //! ```
 
 mod report;
@@ -24,12 +24,12 @@ use toml_edit::Value;
 /// Most combinations of one study.
 const MOST_POINTS: usize = 10_000;
 
-/// A key and the values that it takes.
+/// Key and its values.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Range {
-    /// The key, such as `material.grain.friction`.
+    /// Key, such as `material.grain.friction`.
     pub key: String,
-    /// Its values, in the notation of TOML.
+    /// Values, in the notation of TOML.
     pub values: Vec<String>,
 }
 
@@ -46,7 +46,7 @@ impl FromStr for Range {
         }
         let values: Vec<String> = match format!("[{values}]").parse::<Value>() {
             Ok(Value::Array(list)) => list.iter().map(|value| value.to_string().trim().to_string()).collect(),
-            // Words without quotes.
+            // Text without quotes.
             _ => values.split(',').map(|value| value.trim().to_string()).collect(),
         };
         let same = |one: &String, other: &String| match (one.parse::<f64>(), other.parse::<f64>()) {
@@ -70,7 +70,7 @@ pub enum ParameterError {
     /// A scene with these values is invalid.
     #[error("{values}: {error}")]
     Scene {
-        /// Values as they are given.
+        /// Values as given.
         values: String,
         /// Reason.
         error: Box<SceneError>,
@@ -150,7 +150,7 @@ pub struct Study {
     pub shown: Vec<String>,
 }
 
-/// A scene with its values, ready to run.
+/// Scene with its values, ready to run.
 struct Prepared {
     values: Vec<String>,
     label: String,
@@ -158,10 +158,10 @@ struct Prepared {
 }
 
 impl Study {
-    /// Runs what is not stored yet. Runs that fail are listed.
+    /// Runs all combinations that are not stored yet. Failed runs are listed.
     ///
     /// # Errors
-    /// [`ParameterError`]: before anything runs if a combination is refused; later if runs cannot be stored or the user asks to stop.
+    /// [`ParameterError`]: before any run if a combination is refused; later if runs cannot be stored or the user asks to stop.
     pub fn make(
         plan: &Plan<'_>,
         scene: &MeasuredScene,

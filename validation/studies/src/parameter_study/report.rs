@@ -38,7 +38,7 @@ impl Document for Study {
 }
 
 impl Study {
-    /// Means over seeds with standard deviations: a row per combination, or, of many observables, a row per observable.
+    /// Means over seeds with standard deviations: a row per combination or, for many observables, a row per observable.
     fn means(&self) -> Table {
         let names: Vec<&str> = self
             .observables()

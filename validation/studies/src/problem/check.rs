@@ -1,4 +1,4 @@
-//! One problem by every available solver, and the differences of their answers.
+//! One problem solved by every available solver, and the differences of their answers.
 
 use super::siconos::{self, SiconosError};
 use super::{BodyVelocities, ProblemFile};
@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 use serde::Serialize;
 use std::time::Instant;
 
-/// A solver of problems from files.
+/// Solver of problems from files.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
@@ -17,7 +17,7 @@ pub enum Method {
     Reference,
     /// Newton's method with dense matrices, up to 500 contacts.
     Direct,
-    /// The simulation's own sweeps: their result when the file was written.
+    /// Sweeps of the simulation itself: their result when the file was written.
     Lanes,
     /// Siconos' projected Gauss-Seidel.
     Siconos,
@@ -45,11 +45,11 @@ pub const AGREEMENT: f64 = 1e-5;
 #[expect(missing_docs, reason = "validation/docs/json.md describes the fields of documents")]
 pub struct Answer {
     pub method: Method,
-    /// Sweeps, iterations or Newton steps; unknown where the answer is on record.
+    /// Sweeps, iterations or Newton steps; unknown for a recorded answer.
     pub iterations: Option<u32>,
     pub converged: bool,
     pub seconds: Option<f64>,
-    /// Largest residual of any contact, m/s: the natural map. Unknown where impulses are.
+    /// Largest residual of any contact, m/s: the natural map. Unknown without impulses.
     pub residual: Option<f64>,
     /// Largest difference of a velocity from the first answer's, m/s.
     pub velocity_difference: Option<f64>,
@@ -58,21 +58,21 @@ pub struct Answer {
     pub contact_velocities: Vec<Vector3<f64>>,
     #[serde(skip)]
     pub bodies: Option<BodyVelocities>,
-    /// Impulses in the frames of the contacts that may bear something, N s.
+    /// Impulses in the frames of the contacts that may be active, N s.
     #[serde(skip)]
     pub impulses: Vec<Vector3<f64>>,
 }
 
-/// A problem by several solvers.
+/// Problem solved by several solvers.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[expect(missing_docs, reason = "validation/docs/json.md describes the fields of documents")]
 pub struct Check {
     pub title: String,
-    /// Contacts that may bear something.
+    /// Contacts that may be active.
     pub contacts: usize,
     /// Bodies; unknown in a file of FCLIB's local problem alone.
     pub bodies: Option<usize>,
-    /// Velocity that residuals and differences compare with, m/s.
+    /// Velocity scale of residuals and differences, m/s.
     pub unit: f64,
     pub answers: Vec<Answer>,
     pub left_out: Vec<String>,
@@ -85,7 +85,7 @@ impl Check {
         differences.fold(0.0, f64::max) / self.unit
     }
 
-    /// The reason that a requested solver was left out, behind its name.
+    /// Returns the reason why a requested solver was omitted, behind its name.
     pub fn why_left_out(&self, method: Method) -> Option<&str> {
         self.left_out.iter().map(String::as_str).find(|why| why.starts_with(method.name()))
     }
@@ -129,18 +129,18 @@ pub fn solve(file: &ProblemFile, method: Method, settings: &Settings) -> Result<
 /// Source of the answer of Siconos.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FromSiconos {
-    /// It is left out.
+    /// Siconos is omitted.
     Nothing,
-    /// It is run.
+    /// Siconos is run.
     Run,
-    /// These impulses are its answer, in the frames of the contacts that may bear something, N s.
+    /// Recorded impulses of Siconos, in the frames of the contacts that may be active, N s.
     Recorded(Vec<Vector3<f64>>),
 }
 
 /// Solves a problem by every available solver, Siconos as requested, and compares their answers with the first.
 ///
 /// # Errors
-/// [`SiconosError`] if it has to be run and is not there.
+/// [`SiconosError`] if Siconos must be run and is missing.
 pub fn check(file: &ProblemFile, settings: &Settings, siconos: &FromSiconos) -> Result<Check, SiconosError> {
     if *siconos == FromSiconos::Run {
         siconos::version()?;
@@ -171,7 +171,7 @@ pub fn check(file: &ProblemFile, settings: &Settings, siconos: &FromSiconos) -> 
 }
 
 impl Method {
-    /// Its name.
+    /// Name.
     pub fn name(self) -> &'static str {
         match self {
             Method::Reference => "reference",
@@ -218,7 +218,7 @@ fn by_reference(problem: &ContactProblem, settings: &Settings) -> Answer {
     }
 }
 
-/// The answer that belongs to impulses of the local problem.
+/// Returns the answer with given impulses of the local problem.
 fn of_impulses(
     file: &ProblemFile,
     local: &LocalProblem,
@@ -240,7 +240,7 @@ fn of_impulses(
     }
 }
 
-/// The answer of Siconos that is on record.
+/// Returns the recorded answer of Siconos.
 fn recorded(file: &ProblemFile, impulses: &[Vector3<f64>]) -> Result<Answer, String> {
     let local = file.local.as_ref().ok_or("the file has no local problem")?;
     match impulses.len() == local.offset.len() {
@@ -253,7 +253,7 @@ fn velocities_of(state: ContactState) -> BodyVelocities {
     BodyVelocities { velocities: state.velocities, spins: state.spins }
 }
 
-/// A check as lines of text.
+/// Formats a check as lines of text.
 pub fn table(check: &Check) -> String {
     let mut lines = vec![format!("{}: {} contacts", check.title, check.contacts)];
     for answer in &check.answers {

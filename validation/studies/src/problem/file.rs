@@ -1,4 +1,4 @@
-//! Files of contact problems in the layout of FCLIB (HDF5): one table of fields, by which they are written and read. Every fault of a
+//! Files of contact problems in the layout of FCLIB (HDF5): one table of fields defines writing and reading. Every fault of a
 //! file is an error that names it.
 
 use super::{BodyVelocities, ProblemFile, compressed_columns};
@@ -10,23 +10,23 @@ use nalgebra::{Matrix3, Vector3};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Error of a file without a problem that could be solved.
+/// Error of a file without a solvable problem.
 #[derive(Debug, thiserror::Error)]
 pub enum ProblemFileError {
-    /// It cannot be read.
+    /// The file cannot be read.
     #[error("{}: {source}; check the path and that the file may be read", path.display())]
     Io {
-        /// The file.
+        /// File.
         path: PathBuf,
         /// Error of the system.
         source: std::io::Error,
     },
-    /// Its content is wrong.
+    /// The content is wrong.
     #[error("{}: {problem}; write it anew with makadam lab problem export, or copy it again", path.display())]
     Content {
-        /// The file.
+        /// File.
         path: PathBuf,
-        /// The fault.
+        /// Fault.
         problem: String,
     },
 }
@@ -42,19 +42,19 @@ struct Numbers {
 /// Datasets by their paths.
 type Datasets = BTreeMap<&'static str, Numbers>;
 
-/// Path and number of columns of a dataset, and true if its numbers are whole.
+/// Path and number of columns of a dataset, and true if its numbers are integers.
 type Described = (&'static str, usize, bool);
 
 const CHECKSUM: &str = "makadam/checksum";
 const TITLE: &str = "fclib_local/info/title";
-/// Impulses of a solution, which are no part of the problem.
+/// Impulses of a solution, which do not belong to the problem.
 const SOLUTION: &str = "solution/r";
 /// Version of the group `makadam`.
 const VERSION: i32 = 1;
 /// Version with tangential springs, which a reader of the first one would ignore.
 const VERSION_WITH_SPRINGS: i32 = 2;
 
-/// A real field of bodies or contacts: its path, and the numbers of a row.
+/// Real field of bodies or contacts: its path, and the numbers of a row.
 struct Field<T>(&'static str, fn(&mut T) -> Vec<&mut f64>);
 
 impl<T: Copy + Default> Field<T> {
@@ -148,7 +148,7 @@ pub fn write(path: &Path, file: &ProblemFile, solution: Option<&[Vector3<f64>]>)
     write_durably(path, &bytes)
 }
 
-/// The bytes of a file.
+/// Returns the bytes of a file.
 ///
 /// # Errors
 /// [`hdf5_pure::Error`] if HDF5 cannot hold the numbers.
@@ -175,9 +175,9 @@ pub fn bytes(file: &ProblemFile, solution: Option<&[Vector3<f64>]>) -> Result<Ve
         let described = [(SOLUTION, 1, false), ("solution/u", 1, false)];
         put(&mut datasets, described, [flat(impulses), flat(&local.velocities(impulses))]);
     }
-    // Groups, by their paths; those inside of others are put into these when they are done.
+    // Groups, by their paths; inner groups are added to their parents once complete.
     let mut builder = FileBuilder::new();
-    // What HDF5 reads since 1.8.
+    // Features that HDF5 reads since 1.8.
     builder.with_libver_bounds(LibVer::Earliest, LibVer::V18);
     let mut groups = BTreeMap::new();
     let title = file.local.as_ref().map(|_| TITLE);
@@ -209,7 +209,7 @@ pub fn bytes(file: &ProblemFile, solution: Option<&[Vector3<f64>]>) -> Result<Ve
         group.create_dataset("title").with_strings(&[&file.title])?;
         group.create_dataset("checksum").with_u64_data(&[sum]);
     }
-    // From the innermost outwards: a path comes before those inside of it.
+    // From the innermost outwards: a path sorts before the paths inside it.
     while let Some((path, group)) = groups.pop_last() {
         let done = group.finish();
         match path.rsplit_once('/').and_then(|(parent, _)| groups.get_mut(parent)) {
@@ -260,13 +260,13 @@ fn flat(vectors: &[Vector3<f64>]) -> Vec<f64> {
     vectors.iter().flatten().copied().collect()
 }
 
-/// Most numbers of a dataset over the bytes of its file: more than that no compression makes of a problem.
+/// Limit of the numbers of a dataset over the bytes of its file: no compression of a problem exceeds it.
 const MOST_NUMBERS_PER_BYTE: u64 = 100;
 
 /// Reads a file.
 ///
 /// # Errors
-/// [`ProblemFileError`] that names the file and what is wrong with it.
+/// [`ProblemFileError`] that names the file and its fault.
 pub fn read(path: &Path) -> Result<ProblemFile, ProblemFileError> {
     let bytes = std::fs::read(path).map_err(|source| ProblemFileError::Io { path: path.into(), source })?;
     parse(bytes).map_err(|problem| ProblemFileError::Content { path: path.into(), problem })
@@ -276,7 +276,7 @@ fn open(bytes: Vec<u8>) -> Result<File, String> {
     File::from_bytes(bytes).map_err(|error| format!("it is no HDF5 file, or not all of one ({error})"))
 }
 
-/// Takes the bytes of a file apart.
+/// Parses the bytes of a file.
 pub fn parse(bytes: Vec<u8>) -> Result<ProblemFile, String> {
     let most = MOST_NUMBERS_PER_BYTE.saturating_mul(bytes.len() as u64);
     let file = open(bytes)?;
@@ -335,14 +335,14 @@ pub fn parse(bytes: Vec<u8>) -> Result<ProblemFile, String> {
     Ok(ProblemFile { title: title.into_iter().next().unwrap_or_default(), contact, local, lanes })
 }
 
-/// The impulses of the solution that a file holds, in the frames of the contacts, N s: FCLIB's `solution/r`.
+/// Returns the impulses of the solution in a file, in the frames of the contacts, N s: FCLIB's `solution/r`.
 pub fn solution(bytes: Vec<u8>) -> Result<Vec<Vector3<f64>>, String> {
     let numbers = open(bytes)?.dataset(SOLUTION).and_then(|dataset| dataset.read_f64());
     let numbers = numbers.map_err(|error| format!("{SOLUTION}: {error}"))?;
     Ok(numbers.chunks_exact(3).map(Vector3::from_column_slice).collect())
 }
 
-/// Reads the numbers of a dataset, of which there may be so many at most.
+/// Reads the numbers of a dataset, at most `most` of them.
 fn values(file: &File, most: u64, path: &str, columns: usize, is_whole: bool) -> Result<Vec<f64>, String> {
     let dataset = file.dataset(path).map_err(|error| error.to_string())?;
     let shape = dataset.shape().map_err(|error| error.to_string())?;
@@ -360,7 +360,7 @@ fn values(file: &File, most: u64, path: &str, columns: usize, is_whole: bool) ->
     numbers.map_err(|error| error.to_string())
 }
 
-/// Numbers of a dataset; none if it is not there.
+/// Numbers of a dataset; none if it is missing.
 fn numbers<'a>(datasets: &'a Datasets, path: &str) -> &'a [f64] {
     datasets.get(path).map_or(&[], |numbers| &numbers.values)
 }
@@ -373,7 +373,7 @@ fn scalar(datasets: &Datasets, path: &str) -> Result<f64, String> {
     numbers(datasets, path).first().copied().ok_or_else(|| format!("{path} is empty"))
 }
 
-/// A whole number as a place; none below zero.
+/// Converts an integer to an index; none below zero.
 fn place(number: f64) -> Option<usize> {
     (number >= 0.0).then_some(number as usize)
 }
@@ -433,7 +433,7 @@ fn fill<T: Copy + Default>(datasets: &Datasets, fields: &[Field<T>], rows: &mut 
     Ok(())
 }
 
-/// FCLIB's local problem; what it starts from is known where there are bodies.
+/// Returns FCLIB's local problem; its initial values are known only with bodies.
 fn local_problem(datasets: &Datasets, contact: Option<&ContactProblem>) -> Result<LocalProblem, String> {
     let dimension = integer(datasets, "fclib_local/spacedim")?;
     if dimension != 3 {
@@ -470,7 +470,7 @@ fn local_problem(datasets: &Datasets, contact: Option<&ContactProblem>) -> Resul
     Ok(LocalProblem { blocks: blocks.into_iter().map(block).collect(), offset, friction, impulses, contacts })
 }
 
-/// Entries of W, whichever of FCLIB's three forms it has: compressed columns (-1), compressed rows (-2), triplets.
+/// Entries of W in any of FCLIB's three forms: compressed columns (-1), compressed rows (-2), triplets.
 fn entries(datasets: &Datasets, size: usize) -> Result<Vec<(usize, usize, f64)>, String> {
     let [starts, across, values, form] =
         ["p", "i", "x", "nz"].map(|name| numbers(datasets, format!("fclib_local/W/{name}").as_str()));

@@ -1,7 +1,7 @@
 //! Contact problems in files, solved again by every available solver.
 //!
 //! ```text
-//! Simulation ─> ContactProblem ─> write ─> file.hdf5 ─> read ─> solve, check ─> answers side by side
+//! Simulation ─> ContactProblem ─> write ─> file.hdf5 ─> read ─> solve, check ─> answers of all solvers
 //! ```
 //!
 //! The layout of files is documented in `solver/docs/problem.md`.
@@ -25,9 +25,9 @@ use nalgebra::Vector3;
 pub struct ProblemFile {
     /// Title.
     pub title: String,
-    /// The problem with its bodies; absent in files of others, which have the reduced problem alone.
+    /// Problem with its bodies; absent in files of other programs, which have the reduced problem alone.
     pub contact: Option<ContactProblem>,
-    /// The problem reduced to its contacts; absent where contacts bear torques, which it has no place for.
+    /// Problem reduced to its contacts; absent where contacts transmit torques, which it cannot represent.
     pub local: Option<LocalProblem>,
     /// Answer of the simulation's own sweeps over lanes.
     pub lanes: Option<BodyVelocities>,
@@ -36,20 +36,20 @@ pub struct ProblemFile {
 /// Velocities of all bodies.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BodyVelocities {
-    /// Of their centres, m/s.
+    /// Velocities of their centres, m/s.
     pub velocities: Vec<Vector3<f64>>,
-    /// Angular, rad/s.
+    /// Angular velocities, rad/s.
     pub spins: Vec<Vector3<f64>>,
 }
 
 impl ProblemFile {
-    /// The file of a problem.
+    /// Returns the file of a problem.
     pub fn new(title: &str, contact: ContactProblem, lanes: Option<BodyVelocities>) -> ProblemFile {
         let local = (!contact.resists_turning()).then(|| contact.local());
         ProblemFile { title: title.into(), contact: Some(contact), local, lanes }
     }
 
-    /// Number of contacts that may bear something.
+    /// Number of contacts that may be active.
     pub fn contacts(&self) -> usize {
         match (&self.contact, &self.local) {
             (Some(contact), _) => contact.contacts.iter().filter(|contact| contact.bears()).count(),

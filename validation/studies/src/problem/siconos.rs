@@ -43,7 +43,7 @@ impl Found {
     }
 }
 
-/// The Python that has Siconos: Debian's, unless the environment says otherwise.
+/// Returns the Python that has Siconos: Debian's, unless the environment names another.
 fn python() -> OsString {
     std::env::var_os("MAKADAM_SICONOS_PYTHON").unwrap_or_else(|| "/usr/bin/python3".into())
 }
@@ -65,7 +65,7 @@ pub fn version() -> Result<String, SiconosError> {
     Ok(String::from_utf8_lossy(&output.stdout).trim().into())
 }
 
-/// Solves a local problem from no impulses at all.
+/// Solves a local problem from zero impulses.
 pub(super) fn solve(local: &LocalProblem, settings: &Settings) -> Result<Found, SiconosError> {
     let failed = |words: String| SiconosError::Failed(words);
     let (starts, rows, values) = compressed_columns(local);
@@ -88,7 +88,7 @@ pub(super) fn solve(local: &LocalProblem, settings: &Settings) -> Result<Found, 
         .spawn()
         .map_err(|error| SiconosError::Missing(error.to_string()))?;
     if let Some(mut input) = process.stdin.take() {
-        // A process that ends early says why on its own.
+        // A process that ends early reports the cause itself.
         let _ = input.write_all(job.to_string().as_bytes());
     }
     let output = process.wait_with_output().map_err(|error| failed(error.to_string()))?;
@@ -104,9 +104,9 @@ pub(super) fn solve(local: &LocalProblem, settings: &Settings) -> Result<Found, 
     }
 }
 
-/// A recorded problem.
+/// Recorded problem.
 pub struct Recorded {
-    /// Its name.
+    /// Name.
     pub name: &'static str,
     /// Time of the step, s.
     pub time: f64,
@@ -137,17 +137,17 @@ pub const RECORDED: [Recorded; 4] = [
 ];
 
 impl Recorded {
-    /// The scene whose step it is.
+    /// Returns the scene of the step.
     pub fn scene(&self) -> Result<MeasuredScene, SceneError> {
         MeasuredScene::parse(self.scene)
     }
 
-    /// The problem.
+    /// Returns the problem.
     pub fn problem(&self) -> Result<ProblemFile, String> {
         parse(self.file.to_vec())
     }
 
-    /// The impulses that Siconos found, in the frames of the contacts, N s.
+    /// Returns the impulses of Siconos' answer, in the frames of the contacts, N s.
     pub fn siconos(&self) -> Result<Vec<Vector3<f64>>, String> {
         solution(self.file.to_vec())
     }

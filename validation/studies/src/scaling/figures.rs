@@ -1,4 +1,4 @@
-//! Figures 5.1 to 5.6 of the thesis: wall time per step and speed-up against threads, in pairs, for the schedulers on this machine, on
+//! Figures 5.1 to 5.6 of the thesis: wall time per step and speed-up against threads, in pairs. Curves for schedulers on this machine, on
 //! the model of the thesis's machine, and for the instruction sets. Points are measured, lines replayed.
 
 use super::replay::{Machine, ReplayedRow};
@@ -54,12 +54,12 @@ fn set_style(set: InstructionSet) -> CodeStyle {
     }
 }
 
-/// A quantity against threads.
+/// Quantity against threads.
 struct Quantity {
     name: &'static str,
     title: &'static str,
     replayed: fn(&ReplayedRow) -> f64,
-    /// Least, median and most.
+    /// Minimum, median and maximum.
     measured: fn(&MeasuredRow) -> [f64; 3],
 }
 
@@ -121,10 +121,10 @@ fn pair(name: &str, about: &str, machine: &Machine, series: &[Series<'_>], seria
         });
         let (least, longest) = values.fold((f64::INFINITY, 0.0_f64), |(a, b), value| (a.min(value), b.max(value)));
         let (axis, ideal) = if is_time {
-            // Room below for words.
+            // Space below for text.
             (Axis::fine("time a step (ms)", 0.7 * least, longest), serial.map(|serial| [serial, serial / most]))
         } else {
-            // Speed-ups below one have their place too.
+            // The axis includes speed-ups below one, too.
             (Axis::doublings("speed-up", least.min(1.0).log2().floor().exp2(), most), Some([1.0, most]))
         };
         let mut plot = plot_of(series, machine, axis, ideal);
@@ -137,7 +137,7 @@ fn pair(name: &str, about: &str, machine: &Machine, series: &[Series<'_>], seria
                 if low < high {
                     plot.error_bar(&format!("{class} error"), threads, low, high);
                 }
-                // Earlier markers are larger, so that they show behind later ones.
+                // Earlier markers are larger, so that they are visible behind later ones.
                 plot.marker(series.style, threads, middle, 6.0 - 1.2 * place as f64);
             }
         }

@@ -1,5 +1,5 @@
-//! Measurement of one state over the same steps: every scheduler, number of threads and instruction set, in turn and several times
-//! over, so that other load on the machine affects all of them alike.
+//! Measurement of one state over the same steps: every scheduler, number of threads and instruction set, in turn and several times,
+//! so that other load on the machine affects all of them alike.
 
 use makadam::Simulation;
 use makadam::lanes::InstructionSet;
@@ -12,7 +12,7 @@ use makadam_measure::statistics::median;
 use serde::Serialize;
 use std::time::Instant;
 
-/// Steps before the timed ones: they fill caches and buffers.
+/// Steps before the timed ones, which fill caches and buffers.
 pub(super) const WARM_UP: u64 = 3;
 
 /// Configurations, steps and repetitions of a measurement.
@@ -35,7 +35,7 @@ pub struct Plan {
 /// Timed steps of one configuration, by repetition.
 #[derive(Clone, Debug)]
 pub struct Timing {
-    /// The configuration.
+    /// Configuration.
     pub configuration: Execution,
     /// Wall time of each step, s.
     pub steps: Vec<Vec<f64>>,
@@ -47,9 +47,9 @@ pub struct Timing {
 
 /// Traced steps of one serial configuration, medians over the repetitions.
 pub struct Traces {
-    /// The configuration.
+    /// Configuration.
     pub configuration: Execution,
-    /// The steps.
+    /// Steps.
     pub steps: Vec<StepTrace>,
     /// Sweeps of each step.
     pub sweeps: Vec<u32>,
@@ -157,7 +157,7 @@ impl Plan {
         Ok(())
     }
 
-    /// Traces the first steps of a configuration and takes the others, so that the state is that of the timed run, bit for bit; returns
+    /// Traces the first steps of a configuration and takes the others, so that the final state equals that of the timed run bit for bit; returns
     /// traces and sweeps of the steps.
     fn trace(&self, start: &Simulation, timing: &mut Timing) -> Result<(Vec<StepTrace>, Vec<u32>), MeasureError> {
         let mut simulation = warmed_up(start, timing.configuration)?;
@@ -193,10 +193,10 @@ fn clock_seconds() -> f64 {
     median((0..1001).map(|_| Instant::now().elapsed().as_secs_f64()))
 }
 
-/// Traced steps with the median of their total over the repetitions, distributed over their tasks as the medians of the durations are.
+/// Traced steps with the median of their total over the repetitions, distributed over their tasks in proportion to the median durations.
 /// Reading the clock is subtracted.
 ///
-/// Other load lengthens a few tasks of every repetition, and different ones each time. Medians of single tasks exclude it, but a measured
+/// Other load lengthens a few tasks of every repetition, different ones each time. Medians of single tasks exclude it, but a measured
 /// step contains it, so the totals must as well.
 fn medians(runs: &[Vec<StepTrace>], clock: f64) -> Vec<StepTrace> {
     let total_of = |step: &StepTrace, clock: f64| -> f64 {

@@ -1,5 +1,5 @@
-//! The replay: duration of traced steps on P cores of a modelled machine, from who takes which task when; and the costs of scheduling,
-//! which are measured apart from the solver, so that a replay predicts a measurement and is not fitted to it.
+//! Replay: duration of traced steps on P cores of a modelled machine, from the assignment of tasks to workers over time. The costs of
+//! scheduling are measured apart from the solver, so that a replay predicts a measurement and is not fitted to it.
 //!
 //! ```text
 //! region  |--wake--| worker 0: pop task     pop task          |  a region ends with its last task,
@@ -7,17 +7,17 @@
 //!                              (waits for the lock)
 //! ```
 //!
-//! - A region of one task is serial work: it runs on one worker that has its core to itself, at no further cost.
-//! - One worker runs all tasks in turn; only the central queue costs it something, a pop per task.
-//! - Several workers pay [`Costs::region`] for a region of several tasks. They arrive by stealing, so worker i begins
+//! - A region of one task is serial work: it runs on one worker alone on its core, at no further cost.
+//! - One worker runs all tasks in turn; only the central queue costs time, one pop per task.
+//! - Several workers pay [`Costs::region`] for a region of several tasks. Workers arrive by stealing, so worker i begins
 //!   after log2(i + 1) steals, rounded up. Workers beyond the number of tasks stay idle and leave their core to others.
 //! - **Central queue:** a free worker takes the lock, first come first served, for one pop, and runs the task.
-//! - **Work stealing:** the tasks are split among the workers as stretches, down to single tasks. A worker without tasks
+//! - **Work stealing:** the tasks are split among the workers as ranges, down to single tasks. A worker without tasks
 //!   steals the later half of the fullest deque.
 //! - **Memory:** a region of a sweep takes no less time than the memory needs for its bytes.
 //!
-//! A thief finds the fullest deque at once, and no task disturbs another's cache: a replay is a bound of the scheduler, not a
-//! forecast with noise.
+//! A thief finds the fullest deque at once, and no task disturbs another's cache: a replay is a bound of the scheduler, without
+//! noise.
 
 use super::{Measurement, Traces};
 use makadam::lanes::InstructionSet;
@@ -57,11 +57,11 @@ pub struct Costs {
 pub struct Machine {
     /// Short name.
     pub name: String,
-    /// Sources of its constants, in sentences.
+    /// Sources of its constants, as sentences.
     pub description: String,
-    /// Number of cores; workers are dealt out to them evenly.
+    /// Number of cores; workers are distributed evenly over them.
     pub cores: usize,
-    /// Throughput of 1, 2, ... threads of one core together, in units of one thread alone on the core.
+    /// Total throughput of 1, 2, ... threads of one core, in units of one thread alone on the core.
     pub core_throughput: Vec<f64>,
     /// Duration of a task, on a thread alone on its core, over its traced duration.
     pub duration_factor: f64,
@@ -69,7 +69,7 @@ pub struct Machine {
     pub costs: Costs,
     /// Memory bandwidth, bytes/s.
     pub memory_bytes_per_second: f64,
-    /// Threads that share this memory; more of them bring as much more.
+    /// Threads that share this memory; further threads add memory in proportion.
     pub threads_a_memory: usize,
     /// Last-level cache, bytes; memory does not limit sweeps whose data fit.
     pub cache_bytes: u64,
@@ -79,7 +79,7 @@ pub struct Machine {
 const PHI_CLOCK: f64 = 1.1e9;
 /// Cycles that a cache line takes from one core of the Xeon Phi to another over its ring.
 const PHI_LINE_CYCLES: f64 = 250.0;
-/// Cache lines that travel when a contended lock and the head of its queue change hands: the lock is released, fetched
+/// Cache lines transferred when a contended lock and the head of its queue change owner: the lock is released, fetched
 /// and taken, and the queue is read.
 const LINES_A_HAND_OVER: f64 = 4.0;
 
@@ -89,8 +89,8 @@ impl Machine {
     /// Name of the thesis's machine.
     pub const XEON_PHI: &str = "xeon-phi-3120";
 
-    /// Any number of cores like those of this machine. `memory` is the bandwidth of the available cores and their number; further
-    /// cores bring memory of their own, as further sockets do.
+    /// Returns a machine with any number of cores like those of this one. `memory` is the bandwidth of the available cores and their number;
+    /// further cores have memory of their own, as further sockets do.
     pub fn here(costs: Costs, memory: (f64, usize), cache_bytes: u64) -> Machine {
         let (bytes, threads) = memory;
         Machine {
@@ -110,11 +110,11 @@ impl Machine {
         }
     }
 
-    /// The coprocessor of the thesis, 57 cores of four threads, from costs and clock of the machine of the trace.
+    /// Returns the coprocessor of the thesis, 57 cores of four threads, from costs and clock of the machine of the trace.
     ///
-    /// The core issues in order, and one thread can issue only every other cycle: two threads do twice the work of one
-    /// and more than two add nothing (the latency that they hide is left out). A task takes longer by the ratio of
-    /// the clocks, and twice for the missing cycles. In-order stalls cost nothing, so the model is a fast Phi.
+    /// The core issues in order, and one thread can issue only every other cycle. Two threads do twice the work of one
+    /// and more than two add nothing (the latency that they hide is ignored). A task takes longer by the ratio of
+    /// the clocks, and twice as long for the missing cycles. In-order stalls cost nothing, so the model is a fast Phi.
     pub fn xeon_phi_3120(here: &Costs, clock_here: f64) -> Machine {
         let slower = 2.0 * clock_here / PHI_CLOCK;
         let hand_over = LINES_A_HAND_OVER * PHI_LINE_CYCLES / PHI_CLOCK;
@@ -143,12 +143,12 @@ impl Machine {
         }
     }
 
-    /// Most workers: every thread of every core, but no more than `MOST_WORKERS`.
+    /// Largest number of workers: every thread of every core, but no more than `MOST_WORKERS`.
     pub fn most_workers(&self) -> usize {
         (self.cores * self.core_throughput.len()).min(MOST_WORKERS)
     }
 
-    /// Speed of each of a number of workers while all of them work, in units of a thread that has a core to itself.
+    /// Speed of each of a number of workers while all of them work, in units of a thread alone on its core.
     fn speeds(&self, workers: usize) -> Vec<f64> {
         let on_core = |core: usize| workers / self.cores + usize::from(core < workers % self.cores);
         (0..workers)
@@ -158,14 +158,14 @@ impl Machine {
             })
             .collect()
     }
-    /// Time in which several workers run several tasks, and the time for which workers wait for the lock, summed over workers, s.
+    /// Time in which several workers run several tasks, and the workers' total waiting time for the lock, s.
     fn share(&self, tasks: &[f64], scheduler: Scheduler, workers: usize) -> [f64; 2] {
         let (costs, workers) = (self.costs, workers.min(tasks.len()));
         let speeds = self.speeds(workers);
         let mut queue = 0..tasks.len();
         let stretch = |worker: usize| (worker * tasks.len() / workers..(worker + 1) * tasks.len() / workers).collect();
         let mut deques: Vec<VecDeque<usize>> = (0..workers).map(stretch).collect();
-        // Free workers by the time at which they ask for a task. Times are not negative, so their bits have the same order.
+        // Free workers by the time of their next request. Times are not negative, so their bits have the same order.
         let arrival = |worker: usize| costs.region + ((worker + 1) as f64).log2().ceil() * costs.steal;
         let mut free: BinaryHeap<_> = (0..workers).map(|worker| Reverse((arrival(worker).to_bits(), worker))).collect();
         let (mut end, mut waiting, mut unlocked) = (0.0_f64, 0.0, 0.0_f64);
@@ -218,8 +218,8 @@ pub struct ReplayedRow {
     pub waiting_share: f64,
 }
 
-/// Numbers of workers that a curve is replayed at, in addition to the measured ones: all up to four, then steps of about a fifth, and the
-/// ends of what the thesis showed.
+/// Numbers of workers of a replayed curve, in addition to the measured ones: all up to four, then steps of about a fifth, and the
+/// ends of the ranges in the thesis.
 const WORKERS: [usize; 26] =
     [1, 2, 3, 4, 6, 8, 10, 12, 14, 16, 20, 25, 28, 32, 40, 48, 57, 64, 80, 96, 114, 128, 160, 192, 228, 256];
 
@@ -258,8 +258,8 @@ pub(super) fn curves(
     rows.collect()
 }
 
-/// Time that the memory needs for the bytes of a sweep, over its traced time. 0 where all that a sweep touches fits into the last-level
-/// cache: then the next sweep finds it there.
+/// Time that the memory needs for the bytes of a sweep, over its traced time. The result is 0 where all data of a sweep fit into the last-level
+/// cache: the next sweep finds them there.
 fn memory_share(machine: &Machine, traces: &Traces, measurement: &Measurement, workers: usize) -> f64 {
     let memories = (workers as f64 / machine.threads_a_memory as f64).max(1.0);
     let sweeps = traces.regions().filter(|region| region.phase == Phase::Sweep);
@@ -276,7 +276,7 @@ pub struct Replayed {
     pub seconds: f64,
     /// Time of the regions of sweeps, s.
     pub sweep_seconds: f64,
-    /// Time that workers waited for the queue's lock, summed over workers, s.
+    /// Total time that workers waited for the queue's lock, s.
     pub waiting: f64,
 }
 
@@ -317,9 +317,9 @@ pub fn replay<'a>(
 /// Memory bandwidth, bytes/s.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Bandwidth {
-    /// To one thread.
+    /// Bandwidth of one thread.
     pub one_thread: f64,
-    /// To a thread on each core.
+    /// Bandwidth of one thread per core.
     pub all_threads: f64,
     /// Number of cores.
     pub threads: usize,
@@ -368,7 +368,7 @@ pub(super) fn cache_bytes() -> u64 {
     (0..8).filter_map(size).max().unwrap_or(0)
 }
 
-/// Multiplications of one trial of the clock, and cycles of each in a dependent chain: those of 64-bit integers on Intel's processors
+/// Multiplications of one trial of the clock, and cycles of each in a dependent chain: values for 64-bit integers on Intel's processors
 /// since Nehalem and on AMD's since Zen (A. Fog, *Instruction tables*).
 const MULTIPLICATIONS: u32 = 100_000;
 const MULTIPLICATION_CYCLES: f64 = 3.0;
@@ -384,11 +384,11 @@ pub(super) fn clock() -> f64 {
         / quantile(FASTEST, || Some(seconds_of(chain))).unwrap_or(f64::NAN)
 }
 
-/// Batches of a cost measurement, and trials per batch. Batches lie apart in time, so that another program that holds a core spoils some
+/// Batches of a cost measurement, and trials per batch. Batches are separated in time, so that another program on a core affects some
 /// and not all.
 const BATCHES: usize = 30;
 const TRIALS: usize = 10;
-/// Fraction of the trials that are at most as slow as the cost itself; the others hold the load of the machine.
+/// Fraction of the trials that are at most as slow as the cost itself; the others contain the load of the machine.
 const FASTEST: f64 = 0.1;
 /// Pause before a batch.
 const PAUSE: Duration = Duration::from_millis(10);
@@ -430,7 +430,7 @@ impl Costs {
     }
 }
 
-/// The result of many trials below which a fraction of them lie; failed ones are left out. None if all failed.
+/// Quantile of the results of many trials, without failed ones. None if all failed.
 fn quantile(fraction: f64, trial: impl Fn() -> Option<f64>) -> Option<f64> {
     let mut all = Vec::with_capacity(BATCHES * TRIALS);
     for _ in 0..BATCHES {
@@ -471,7 +471,7 @@ fn pair_seconds() -> Option<f64> {
     (first != second).then_some(seconds)
 }
 
-/// Time between two pops of the solver's queue that a number of threads empty, s; none if one of the threads got hardly anything, and so
+/// Time between two pops of the solver's queue by a number of threads, s; none if one of the threads got hardly any, and so
 /// did not run at the same time.
 fn pop_seconds(threads: usize) -> Option<f64> {
     let (queue, barrier) = (CentralQueue::new(POPS), Barrier::new(threads));

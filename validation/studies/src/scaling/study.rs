@@ -1,4 +1,4 @@
-//! The study: rows of a measurement and its replays, findings, tables.
+//! Study: rows of a measurement and its replays, findings, tables.
 
 use super::figures::figures;
 use super::measure::{Measurement, Plan, Timing, WARM_UP};
@@ -44,7 +44,7 @@ pub struct MeasuredRow {
     pub state_hash: String,
 }
 
-/// Properties of machine and scene that all configurations share.
+/// Properties of machine and scene common to all configurations.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[expect(missing_docs, reason = "validation/docs/json.md describes the fields of documents")]
 pub struct MachineRow {
@@ -57,9 +57,9 @@ pub struct MachineRow {
     pub bandwidth_all_threads: f64,
     pub particles: usize,
     pub contacts: f64,
-    /// Memory that the simulation itself holds, bytes.
+    /// Memory of the simulation itself, bytes.
     pub simulation_bytes: usize,
-    /// Memory traffic of a contact sweep that finds nothing in a cache, bytes; absent without contacts.
+    /// Memory traffic of a contact sweep without cache hits, bytes; absent without contacts.
     pub bytes_per_contact_sweep: Option<f64>,
 }
 
@@ -162,7 +162,7 @@ impl Study {
         study
     }
 
-    /// The widest instruction set that was measured.
+    /// Returns the widest measured instruction set.
     pub fn widest(&self) -> Option<InstructionSet> {
         self.measured.last().map(|row| row.instruction_set)
     }
@@ -229,7 +229,7 @@ fn measured_row(timing: &Timing, measurement: &Measurement, replayed: &[Replayed
     }
 }
 
-/// Speed-up over number of threads down to which a curve is called linear.
+/// Lowest speed-up per thread at which a curve is called linear.
 const LINEAR_SHARE: f64 = 0.8;
 
 fn findings(study: &Study) -> Vec<String> {
@@ -271,7 +271,7 @@ fn findings(study: &Study) -> Vec<String> {
     findings
 }
 
-/// The largest measured speed-up of a step with the widest instruction set.
+/// Largest measured speed-up of a step with the widest instruction set.
 fn answer(study: &Study) -> Answer {
     let own = study.measured.iter().filter(|row| Some(row.instruction_set) == study.widest());
     let best = own.max_by(|one, other| one.speedup.total_cmp(&other.speedup));
@@ -290,7 +290,7 @@ fn answer(study: &Study) -> Answer {
     }
 }
 
-/// Name of a machine in sentences.
+/// Returns the name of a machine for sentences.
 pub(super) fn site(machine: &Machine, more: &str) -> String {
     if machine.name == Machine::HERE { format!("this machine{more}") } else { format!("the model {}", machine.name) }
 }

@@ -1,4 +1,4 @@
-//! Execution of a plan: one run after the other on one core, the reference first, each stored when it ends.
+//! Execution of a plan: one run after the other on one core, the reference first, each stored at its end.
 
 use super::plan::{Configuration, Plan};
 use makadam_compare::codes::{Code, CodeError, Purpose};
@@ -9,17 +9,17 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::time::Duration;
 
-/// A plan and what it is carried out on.
+/// Plan and its input.
 pub struct Campaign<'a> {
-    /// The scene as its file says it.
+    /// Scene as written in its file.
     pub scene: &'a MeasuredScene,
-    /// Its file.
+    /// File.
     pub scene_file: &'a Path,
     /// Configurations to run.
     pub plan: &'a Plan,
     /// Number of seeds, counted from 1.
     pub seeds: u64,
-    /// The codes of the plan, Makadam among them.
+    /// Codes of the plan, Makadam among them.
     pub codes: &'a [Box<dyn Code>],
     /// Wall time after which a run of another code than Makadam is stopped, s.
     pub time_limit: f64,
@@ -33,22 +33,22 @@ pub struct Campaign<'a> {
 pub struct Outcome {
     /// Runs of each configuration of the plan, in the order of seeds.
     pub runs: Vec<Vec<MeasuredRun>>,
-    /// The first failure of each configuration that failed, by its place: the seed, and why.
+    /// First failure of each configuration that failed, by its index: the seed and the reason.
     pub failures: BTreeMap<usize, (u64, String)>,
-    /// Codes that cannot run the scene and files that were damaged, in sentences.
+    /// Codes that cannot run the scene and files that were damaged, as sentences.
     pub notes: Vec<String>,
     /// True if the user asked to stop before the end.
     pub interrupted: bool,
 }
 
 impl Outcome {
-    /// Nothing yet, of so many configurations.
+    /// Returns an empty outcome of the given number of configurations.
     pub fn none(configurations: usize) -> Outcome {
         let runs = vec![Vec::new(); configurations];
         Outcome { runs, failures: BTreeMap::new(), notes: Vec::new(), interrupted: false }
     }
 
-    /// Failures and notes, in sentences.
+    /// Failures and notes, as sentences.
     pub fn sentences(&self, plan: &Plan) -> Vec<String> {
         let failed = self.failures.iter().map(|(place, (seed, why))| {
             let configuration = &plan.configurations[*place];
@@ -62,7 +62,7 @@ impl Outcome {
 
 impl Campaign<'_> {
     /// Takes the stored runs and makes the others: every configuration with its first seed, then with the next one. Within a seed the
-    /// reference at the scene's stiffness comes first, without which nothing has an error.
+    /// reference at the scene's stiffness comes first, because errors are relative to it.
     ///
     /// # Errors
     /// [`RunError`]; a run that fails by itself is only noted.
@@ -75,7 +75,7 @@ impl Campaign<'_> {
         places.sort_by_key(|place| Some(*place) != reference);
         for (seed, &place) in (1..=self.seeds).flat_map(|seed| places.iter().map(move |place| (seed, place))) {
             let code = self.plan.configurations[place].code.as_str();
-            // One that failed with a seed keeps no bound, whatever it does with the others; of a reference every seed counts.
+            // A configuration that failed with a seed meets no bound, whatever its other seeds give; every seed of a reference counts.
             let is_known = outcome.failures.contains_key(&place) && !self.plan.is_grid(place);
             if is_known || unsupported.contains(code) {
                 continue;
@@ -104,7 +104,7 @@ impl Campaign<'_> {
         Ok(outcome)
     }
 
-    /// Returns one run, stored or made now.
+    /// Returns one run, from the cache or new.
     fn run(&self, place: usize, seed: u64) -> Result<MeasuredRun, RunError> {
         let configuration = &self.plan.configurations[place];
         let code = self.codes.iter().find(|code| code.name() == configuration.code);

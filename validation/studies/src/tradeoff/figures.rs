@@ -10,7 +10,7 @@ use makadam_view::draw::names::{CodeStyle, Marker, code_style, observable, with_
 use makadam_view::draw::numbers::{Rounding, compact};
 use makadam_view::draw::plot::{Axis, Key, Plot};
 
-/// Observables that have a figure at the scene's stiffness; at others only bounded ones have.
+/// Number of observables with a figure at the scene's stiffness; at others only bounded ones have figures.
 const SHOWN: usize = 4;
 
 /// Figures of the scene's stiffness first, then the bounded observables at the others.
@@ -28,7 +28,7 @@ pub(super) fn figures(study: &Study) -> Vec<Figure> {
     all
 }
 
-/// A point with an error: wall time and size of the error.
+/// Point with an error: wall time and size of the error.
 #[derive(Clone, Copy)]
 struct Member<'a> {
     point: &'a Point,
@@ -36,7 +36,7 @@ struct Member<'a> {
     at: [f64; 2],
 }
 
-/// Points with an error, from the cheapest on.
+/// Points with an error, the cheapest first.
 fn members<'a>(points: &[&'a Point], name: &str) -> Vec<Member<'a>> {
     let member = |point: &&'a Point| {
         let deviation = point.deviation(name)?;
@@ -47,16 +47,16 @@ fn members<'a>(points: &[&'a Point], name: &str) -> Vec<Member<'a>> {
     members
 }
 
-/// Points that are drawn alike.
+/// Points with the same style.
 struct Series<'a> {
     name: &'a str,
     style: CodeStyle,
     members: Vec<Member<'a>>,
-    /// Members that its line joins; may be of another series, since a code has one front, whatever its settings.
+    /// Members joined by its line, also of other series: a code has one front, whatever its settings.
     front: Vec<Member<'a>>,
 }
 
-/// All codes on one observable at one stiffness; absent where no point has an error.
+/// Draws all codes on one observable at one stiffness; absent where no point has an error.
 fn codes(study: &Study, reference: &Reference) -> Option<Figure> {
     let name = reference.observable.as_str();
     let of = |point: &&Point| point.stiffness_factor == reference.stiffness_factor && !point.reference;
@@ -93,7 +93,7 @@ fn codes(study: &Study, reference: &Reference) -> Option<Figure> {
     })
 }
 
-/// The drawing; absent where no point has an error.
+/// Drawing; absent where no point has an error.
 fn panel(name: &str, series: &[Series<'_>], noise: f64, bound: Option<f64>) -> Option<Plot> {
     let errors = || series.iter().flat_map(|series| &series.members).map(|member| member.at[1]);
     let largest = errors().chain(bound).fold(0.0, f64::max);
@@ -101,11 +101,11 @@ fn panel(name: &str, series: &[Series<'_>], noise: f64, bound: Option<f64>) -> O
     if !(largest > 0.0 && smallest.is_finite()) {
         return None;
     }
-    // What lies far below the noise is luck: it is drawn at the lower edge.
+    // Errors far below the noise are chance: such points are drawn at the lower edge.
     let low = smallest.max(0.3 * noise).min(0.5 * largest);
     let walls = series.iter().flat_map(|series| &series.members).map(|member| member.at[0]);
     let (least, most) = walls.fold((f64::INFINITY, 0.0_f64), |(a, b), wall| (a.min(wall), b.max(wall)));
-    // The finer marks of small numbers would run into the label.
+    // The finer marks of small numbers would overlap the label.
     let scale = if low < 1e-3 { Axis::logarithmic } else { Axis::fine };
     let y = scale(&format!("error of {name}"), low, 1.5 * largest);
     let x = Axis::fine("wall time over simulated time (s/s, one core)", least, 1.4 * most);
@@ -137,7 +137,7 @@ fn panel(name: &str, series: &[Series<'_>], noise: f64, bound: Option<f64>) -> O
             plot.marker(*style, x, y, if on_front { 5.0 } else { 3.2 });
         }
     }
-    // Numbers come last, so that they find room between the markers.
+    // Numbers come last, so that they find free space between the markers.
     let (mut number, mut groups) = (0, Vec::new());
     for Series { style, front, .. } in series.iter().filter(|series| !series.front.is_empty()) {
         let entries = front.iter().map(|member| {

@@ -1,19 +1,19 @@
-//! Configurations of each code, with the variations of Makadam's solver: method, precision, warm start, sweeps; and the plan, which lists
-//! those of a scene.
+//! Configurations of each code, with the variations of Makadam's solver: method, precision, warm start, sweeps; and the plan: the
+//! configurations of a scene.
 
 use makadam::scene::{Precision, SolverMethod, SolverSettings, Stop};
 use makadam_frames::plan::MeasuredScene;
 use makadam_view::draw::numbers::compact;
 use serde::{Deserialize, Serialize};
 
-/// A code with its settings: a point of the trade-off once it has run.
+/// Code with its settings: a point of the trade-off after its run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Configuration {
     /// Name of the code.
     pub code: String,
     /// Factor on every Young's modulus of the scene.
     pub stiffness_factor: f64,
-    /// Its settings.
+    /// Settings.
     pub knobs: Knobs,
 }
 
@@ -25,10 +25,10 @@ pub enum Knobs {
     Solver {
         /// All settings.
         settings: SolverSettings,
-        /// The axis that is varied in addition to step and sweeps, and its value, such as "warm start 0".
+        /// Varied axis in addition to step and sweeps, and its value, such as "warm start 0".
         variation: Option<String>,
     },
-    /// An explicit code's time step.
+    /// Time step of an explicit code.
     Explicit {
         /// Time step over the Rayleigh step.
         rayleigh_fraction: f64,
@@ -36,7 +36,7 @@ pub enum Knobs {
 }
 
 impl Configuration {
-    /// The scene with the settings of this configuration, its stiffness not scaled.
+    /// Returns the scene with the settings of this configuration, its stiffness not scaled.
     pub fn scene(&self, scene: &MeasuredScene) -> MeasuredScene {
         let mut scene = scene.clone();
         if let Knobs::Solver { settings, .. } = &self.knobs {
@@ -70,12 +70,12 @@ impl Configuration {
         self.solver().map(|(settings, _)| settings.stop.max_sweeps())
     }
 
-    /// The axis that is varied in addition to step and sweeps, and its value, for Makadam.
+    /// Varied axis in addition to step and sweeps, and its value, for Makadam.
     pub fn variation(&self) -> Option<&str> {
         self.solver().and_then(|(_, variation)| variation)
     }
 
-    /// The knobs in a few words: "0.5 ms × 10 sweeps, single precision", or "20% of the Rayleigh step".
+    /// Returns the settings in a few words: "0.5 ms × 10 sweeps, single precision", or "20% of the Rayleigh step".
     pub fn setting(&self) -> String {
         let (settings, variation) = match &self.knobs {
             Knobs::Explicit { rayleigh_fraction } => {
@@ -85,16 +85,16 @@ impl Configuration {
         };
         let varied = variation.as_ref().map_or(String::new(), |variation| format!(", {variation}"));
         let bound = if matches!(settings.stop, Stop::Sweeps { .. }) { "" } else { "at most " };
-        // An iteration of the other methods is no sweep, and inner sweeps make it several.
+        // An iteration of the other methods is not a sweep, and inner sweeps make it several.
         let is_plain = settings.method == SolverMethod::GaussSeidel && settings.inner_sweeps <= 1;
         let unit = if is_plain { "sweeps" } else { "iterations" };
         format!("{} ms × {bound}{} {unit}{varied}", compact(1e3 * settings.step), settings.stop.max_sweeps())
     }
 }
 
-/// A change of one setting of the solver, in addition to step and sweeps.
+/// Change of one setting of the solver, in addition to step and sweeps.
 struct Variation {
-    /// The axis and its value, as tables name it.
+    /// Axis and value, as named in tables.
     name: &'static str,
     change: fn(&mut SolverSettings),
     /// Steps over the scene's own, and iterations of a solve there, at the scene's stiffness.
@@ -103,7 +103,7 @@ struct Variation {
     elsewhere: Grid,
 }
 
-/// Variations at the largest step, where a solve that is not good enough shows most, and at half of it, which 20,000 grains that fall deeper
+/// Variations at the largest step, which reveals an inaccurate solve most, and at half of it, which 20,000 grains with a longer fall
 /// need. An iteration of Anderson's method costs several sweeps.
 const VARIATIONS: [Variation; 5] = [
     Variation {
@@ -130,7 +130,7 @@ const VARIATIONS: [Variation; 5] = [
         own: &[(4.0, &[5]), (2.0, &[5])],
         elsewhere: &[],
     },
-    // Stiff grains pack with it as with short steps, soft ones too loosely.
+    // Stiff grains then pack as with short steps, soft ones too loosely.
     Variation {
         name: "calm contacts, residual 0.1",
         change: calm_contacts,
@@ -139,13 +139,13 @@ const VARIATIONS: [Variation; 5] = [
     },
 ];
 
-/// Stops at a residual, in units of g h, or after the sweeps of the settings.
+/// Stop at a residual, in units of g h, or after the sweeps of the settings.
 fn down_to(tolerance: f64, settings: &SolverSettings) -> Stop {
     Stop::Residual { tolerance, max_sweeps: settings.stop.max_sweeps() }
 }
 
-/// Settings for long steps, so that packings are no denser than with short ones: overlaps recover over two steps instead of one, and
-/// bounces last at least ten steps, because those of speeds below `5 g h` are suppressed. Both shake grains that come to rest.
+/// Settings for long steps, so that packings are no denser than with short ones. Overlaps recover over two steps instead of one, and
+/// bounces last at least ten steps, because those of speeds below `5 g h` are suppressed. Both effects disturb grains that come to rest.
 fn calm_contacts(settings: &mut SolverSettings) {
     /// 5 g on Earth, m/s2.
     const SLOWEST_IMPACT_OVER_STEP: f64 = 50.0;
@@ -164,7 +164,7 @@ const OWN: Grid = &[(4.0, &[3, 5, 10]), (2.0, &[3, 5, 10]), (1.0, &[3, 5, 10])];
 /// Makadam at other stiffnesses.
 const ELSEWHERE: Grid = &[(4.0, &[10, 20]), (2.0, &[5, 10, 20]), (1.0, &[10])];
 
-/// Steps of the three grids that the reference rests on, over the scene's own, from coarse to fine, each half the one before.
+/// Steps of the three grids of the reference, over the scene's own, from coarse to fine, each half the one before.
 const REFINEMENT: [f64; 3] = [2.0, 1.0, 0.5];
 
 /// Sweeps of these grids.
@@ -179,7 +179,7 @@ const RAYLEIGH_FRACTIONS: [f64; 4] = [0.5, 0.3, 0.25, 0.2];
 pub struct Refinement {
     /// Factor on every Young's modulus.
     pub stiffness_factor: f64,
-    /// Places in [`Plan::configurations`], from the coarsest step to the finest.
+    /// Indices in [`Plan::configurations`], from the coarsest step to the finest.
     pub grids: [usize; 3],
 }
 
@@ -188,13 +188,13 @@ pub struct Refinement {
 pub struct Plan {
     /// Every configuration once.
     pub configurations: Vec<Configuration>,
-    /// The references, one a stiffness.
+    /// References, one per stiffness.
     pub refinements: Vec<Refinement>,
 }
 
 impl Plan {
-    /// The plan for a scene: `codes` by name, `factors` on every Young's modulus. Makadam's references are a part of it whether or not
-    /// Makadam is among the codes, and so is the scene's own stiffness.
+    /// Returns the plan for a scene: `codes` by name, `factors` on every Young's modulus. The plan includes Makadam's references even if
+    /// Makadam is not among the codes, and always the scene's own stiffness.
     pub fn new(scene: &MeasuredScene, codes: &[&str], factors: &[f64]) -> Plan {
         let mut plan = Plan { configurations: Vec::new(), refinements: Vec::new() };
         let mut factors: Vec<f64> = std::iter::once(1.0).chain(factors.iter().copied()).collect();
@@ -224,7 +224,7 @@ impl Plan {
                     for settings in all(if is_own { own } else { elsewhere }) {
                         let mut changed = settings.clone();
                         change(&mut changed);
-                        // Settings may be so already, or the scene may refuse them.
+                        // The settings may already be equal, or the scene may refuse them.
                         if changed != settings && scene.accepts(&changed) {
                             plan.add(makadam(changed, Some((*name).into())));
                         }
@@ -241,7 +241,7 @@ impl Plan {
         plan
     }
 
-    /// Adds a configuration unless it is there, and returns its index.
+    /// Adds a configuration if it is missing, and returns its index.
     fn add(&mut self, configuration: Configuration) -> usize {
         self.configurations.iter().position(|known| *known == configuration).unwrap_or_else(|| {
             self.configurations.push(configuration);
@@ -249,12 +249,12 @@ impl Plan {
         })
     }
 
-    /// The reference at a stiffness.
+    /// Reference at a stiffness.
     pub fn refinement(&self, stiffness_factor: f64) -> Option<&Refinement> {
         self.refinements.iter().find(|refinement| refinement.stiffness_factor == stiffness_factor)
     }
 
-    /// True if a configuration is one of the three grids of a reference, of which every seed counts.
+    /// Returns true if a configuration is one of the three grids of a reference, in which every seed counts.
     pub fn is_grid(&self, place: usize) -> bool {
         self.refinements.iter().any(|refinement| refinement.grids.contains(&place))
     }

@@ -209,7 +209,7 @@ impl Study {
             .of(&self.references, |row| {
                 let convergence = row.convergence.as_ref();
                 let mean = |value: f64| measured(value, row.standard_error.map(|error| error.max(1e-9)));
-                // Grids share the reference's digits; its error stands next to its own mean alone.
+                // Grids share the reference's digits; its error appears next to its own mean alone.
                 let plain = |value: f64| mean(value).split(" ± ").next().unwrap_or_default().to_string();
                 let index =
                     convergence.map(|c| format!("{} ({})", two_digits(c.grid_convergence_index), c.safety_factor));
@@ -265,7 +265,7 @@ pub(super) fn findings(study: &Study) -> Vec<String> {
     sentences
 }
 
-/// The statement that a code has no setting within the bounds other than the reference itself.
+/// Statement that a code has no setting within the bounds other than the reference itself.
 fn none_within(study: &Study, row: &Fastest) -> Option<String> {
     let is_other = |point: &&Point| point.is_of(&row.code, row.stiffness_factor) && !point.reference;
     let any = study.points.iter().filter(is_other).any(|point| point.within_bounds == Some(true));
@@ -273,7 +273,7 @@ fn none_within(study: &Study, row: &Fastest) -> Option<String> {
     (!any).then(|| format!("At {stiffness} no setting of {code} keeps the bounds, a reference apart."))
 }
 
-/// A reference that may be farther from its limit than the bound.
+/// Statement on a reference that may be farther from its limit than the bound.
 fn in_doubt(study: &Study, row: &Reference) -> Option<String> {
     let bound = study.terms.bound(&row.observable)?;
     let index = row.convergence.map(|convergence| convergence.grid_convergence_index).filter(|index| *index > bound)?;
@@ -283,7 +283,7 @@ fn in_doubt(study: &Study, row: &Reference) -> Option<String> {
     ))
 }
 
-/// A value to the second digit of its error; to four digits if the error is not known.
+/// Value to the second digit of its error; to four digits if the error is not known.
 fn measured(value: f64, error: Option<f64>) -> String {
     let scale = error.filter(|error| *error > 0.0).unwrap_or(1e-2 * value.abs());
     let decimals = (1.0 - scale.max(1e-12).log10().floor()).clamp(0.0, 8.0) as usize;

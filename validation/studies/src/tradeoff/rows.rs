@@ -10,14 +10,14 @@
 //! GCI = F |f2 - f1|/(2^p - 1)              F = 1.25
 //! ```
 //!
-//! The time stepping is of first order. Where the observed order is off, or the differences drown in the spread over
+//! The time stepping is of first order. Where the observed order is off, or the differences are below the spread over
 //! seeds, there is no estimate, and the index takes p = 1 and F = 3.
 
 use makadam_measure::statistics::{mean, standard_error};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// A tolerated deviation of an observable from the converged reference.
+/// Tolerated deviation of an observable from the converged reference.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Bound {
     /// Name of the observable.
@@ -26,7 +26,7 @@ pub struct Bound {
     pub value: f64,
 }
 
-/// Tolerated deviations where none are given.
+/// Default deviations.
 const USUAL: [(&str, f64); 3] =
     [("dynamic_angle_of_repose", 0.5), ("static_angle_of_repose", 0.5), ("packing_fraction", 0.002)];
 
@@ -43,12 +43,12 @@ impl Bound {
 pub struct Reference {
     pub stiffness_factor: f64,
     pub youngs_modulus: f64,
-    /// The finest grid's setting.
+    /// Setting of the finest grid.
     pub setting: String,
     pub observable: String,
     pub unit: String,
     pub seeds: usize,
-    /// Mean over seeds on the finest grid: what deviations are taken from.
+    /// Mean over seeds on the finest grid, from which deviations are taken.
     pub mean: f64,
     pub standard_deviation: f64,
     pub standard_error: Option<f64>,
@@ -72,7 +72,7 @@ pub type Values = BTreeMap<u64, f64>;
 pub struct Deviation {
     pub observable: String,
     pub unit: String,
-    /// Seeds that the reference has too.
+    /// Number of seeds common with the reference.
     pub seeds: usize,
     pub mean: f64,
     pub standard_error: Option<f64>,
@@ -91,13 +91,13 @@ pub struct Deviation {
     pub differences: Values,
 }
 
-/// A configuration once it has run.
+/// Configuration after its run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[expect(missing_docs, reason = "validation/docs/json.md describes the fields of documents")]
 pub struct Point {
     pub code: String,
     pub version: String,
-    /// Its knobs in words.
+    /// Settings as text.
     pub setting: String,
     pub stiffness_factor: f64,
     pub youngs_modulus: f64,
@@ -114,51 +114,51 @@ pub struct Point {
     pub wall_seconds_per_simulated_second_least: f64,
     pub wall_seconds_per_simulated_second_most: f64,
     pub simulated_seconds: f64,
-    /// True if it failed with a seed, so that it keeps no bound.
+    /// True if a seed failed, so that the setting meets no bound.
     pub failed: bool,
     /// True if this is the reference itself, whose deviation is zero by definition.
     pub reference: bool,
     pub deviations: Vec<Deviation>,
-    /// True if all bounds are kept; absent where a bounded observable was not measured or there are no bounds.
+    /// True if all bounds are met; absent where a bounded observable was not measured or there are no bounds.
     pub within_bounds: Option<bool>,
     pub intervals_within_bounds: Option<bool>,
 }
 
 impl Point {
-    /// True if it is a setting of a code at a stiffness.
+    /// Returns true if the point is a setting of a code at a stiffness.
     pub(super) fn is_of(&self, code: &str, stiffness_factor: f64) -> bool {
         self.code == code && self.stiffness_factor == stiffness_factor
     }
 
-    /// An observable's deviation.
+    /// Returns the deviation of an observable.
     pub fn deviation(&self, observable: &str) -> Option<&Deviation> {
         self.deviations.iter().find(|deviation| deviation.observable == observable)
     }
 }
 
-/// The fastest setting of a code that keeps all bounds.
+/// Fastest setting of a code that meets all bounds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[expect(missing_docs, reason = "validation/docs/json.md describes the fields of documents")]
 pub struct Fastest {
     pub code: String,
     pub stiffness_factor: f64,
     pub youngs_modulus: f64,
-    /// The setting; absent if none keeps them.
+    /// Setting; absent if none meets them.
     pub setting: Option<String>,
     pub wall_seconds_per_simulated_second: Option<f64>,
     pub intervals_within_bounds: Option<bool>,
-    /// Its wall time over that of Makadam's fastest setting at the same stiffness.
+    /// Wall time over that of Makadam's fastest setting at the same stiffness.
     pub ratio_to_makadam: Option<f64>,
-    /// Lower end of the 90% interval of this ratio, each setting being the fastest of a sample of the seeds; absent for Makadam, for
-    /// a single seed, and where the code keeps the bounds in no sample.
+    /// Lower end of the 90% interval of this ratio, with the fastest settings of each sample of the seeds. Absent for Makadam, for
+    /// a single seed, and where the code meets the bounds in no sample.
     pub ratio_low: Option<f64>,
-    /// Upper end; absent also where the code keeps the bounds in fewer than 95% of the samples.
+    /// Upper end; absent also where the code meets the bounds in fewer than 95% of the samples.
     pub ratio_high: Option<f64>,
 }
 
 /// Order of the time stepping.
 const FORMAL_ORDER: f64 = 1.0;
-/// Observed orders that are taken at their word.
+/// Range of credible observed orders.
 const CREDIBLE: std::ops::RangeInclusive<f64> = 0.5..=2.0;
 /// Safety factor where the order was observed, and where it was not.
 const SAFETY: [f64; 2] = [1.25, 3.0];
@@ -177,7 +177,7 @@ pub struct Convergence {
 }
 
 impl Convergence {
-    /// From the values on three grids, coarse to fine, each over the same seeds; absent without seeds.
+    /// Estimates from the values on three grids, coarse to fine, each over the same seeds; absent without seeds.
     pub fn of(grids: [&[f64]; 3]) -> Option<Convergence> {
         let [coarse, middle, fine] = grids;
         if fine.is_empty() || coarse.len() != fine.len() || middle.len() != fine.len() {
@@ -185,7 +185,7 @@ impl Convergence {
         }
         let differences = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<f64>>();
         let (outer, inner) = (differences(coarse, middle), differences(middle, fine));
-        // One seed's noise is not known.
+        // The noise of a single seed is not known.
         let audible = |steps: &[f64]| standard_error(steps).is_none_or(|error| mean(steps).abs() > error);
         let (step_out, step_in) = (mean(&outer), mean(&inner));
         let ratio = step_out / step_in;

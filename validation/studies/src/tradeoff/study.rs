@@ -1,4 +1,4 @@
-//! The study: from runs to rows. Ranking of settings: Pareto fronts, the fastest settings within the bounds, and the effect of chance on
+//! Study: from runs to rows. Ranking of settings: Pareto fronts, the fastest settings within the bounds, and the effect of chance on
 //! that choice.
 
 use super::campaign::Outcome;
@@ -28,7 +28,7 @@ pub struct Terms {
 }
 
 impl Terms {
-    /// The tolerated deviation of an observable.
+    /// Tolerated deviation of an observable.
     pub(super) fn bound(&self, observable: &str) -> Option<f64> {
         self.bounds.iter().find(|bound| bound.observable == observable).map(|bound| bound.value)
     }
@@ -42,21 +42,21 @@ pub struct Study {
     pub command: String,
     pub scene: String,
     pub particles: usize,
-    /// True if everything that was planned has run; what failed counts as run.
+    /// True if all planned runs have ended; failed ones count as ended.
     pub complete: bool,
     #[serde(flatten)]
     pub terms: Terms,
-    /// Converged references of Makadam, an observable after the other, by stiffness.
+    /// Converged references of Makadam, one observable after the other, by stiffness.
     pub references: Vec<Reference>,
     pub points: Vec<Point>,
-    /// The fastest setting within the bounds of each code at each stiffness; empty without bounds.
+    /// Fastest setting within the bounds of each code at each stiffness; empty without bounds.
     pub fastest: Vec<Fastest>,
     pub findings: Vec<String>,
     pub notes: Vec<String>,
 }
 
 impl Study {
-    /// Puts runs into rows.
+    /// Converts runs to rows.
     pub fn new(scene: &MeasuredScene, plan: &Plan, outcome: &Outcome, mut terms: Terms) -> Study {
         let names = observables(scene, plan, outcome, &terms.bounds);
         terms.bounds.retain(|bound| names.iter().any(|(name, _)| *name == bound.observable));
@@ -81,7 +81,7 @@ impl Study {
         study
     }
 
-    /// The reference of an observable at a stiffness.
+    /// Reference of an observable at a stiffness.
     pub fn reference(&self, observable: &str, stiffness_factor: f64) -> Option<&Reference> {
         self.references.iter().find(|row| row.observable == observable && row.stiffness_factor == stiffness_factor)
     }
@@ -98,7 +98,7 @@ impl Study {
         names
     }
 
-    /// True if some setting of a code, other than the reference, keeps all bounds at the scene's stiffness; absent
+    /// Returns true if some setting of a code, other than the reference, is within all bounds at the scene's stiffness; absent
     /// without bounds or without points of the code.
     pub fn reaches_bounds(&self, code: &str) -> Option<bool> {
         let own = |point: &&Point| point.code == code && point.stiffness_factor == 1.0 && !point.reference;
@@ -107,7 +107,7 @@ impl Study {
     }
 }
 
-/// Names and units of what is compared: what the scene compares and what is bounded, as far as a reference has it.
+/// Names and units of the observables that are compared by the scene or bounded, if a reference has them.
 fn observables(scene: &MeasuredScene, plan: &Plan, outcome: &Outcome, bounds: &[Bound]) -> Vec<(String, String)> {
     let mut names: Vec<(String, String)> = Vec::new();
     let finest = plan.refinements.iter().flat_map(|refinement| &outcome.runs[refinement.grids[2]]);
@@ -120,13 +120,13 @@ fn observables(scene: &MeasuredScene, plan: &Plan, outcome: &Outcome, bounds: &[
             names.push((name.clone(), measurement.unit.clone()));
         }
     }
-    // In the order of the scene, which puts the most telling first.
+    // In the order of the scene, which puts the most significant first.
     let rank = |name: &str| scene.compare.iter().position(|e| e.observable == name).unwrap_or(usize::MAX);
     names.sort_by_key(|(name, _)| rank(name));
     names
 }
 
-/// Everything that rows are made from.
+/// Input of all rows.
 struct Table<'a> {
     scene: &'a MeasuredScene,
     plan: &'a Plan,
@@ -149,13 +149,13 @@ impl Table<'_> {
         runs.filter_map(|run| Some((run.seed, run.value(observable)?))).collect()
     }
 
-    /// Differences from the reference at a stiffness, of the seeds that both have.
+    /// Differences from the reference at a stiffness, of the seeds common to both.
     fn differences(&self, values: &Values, factor: f64, observable: &str) -> Option<Values> {
         let converged = self.values(self.plan.refinement(factor)?.grids[2], observable);
         Some(values.iter().filter_map(|(seed, value)| Some((*seed, value - converged.get(seed)?))).collect())
     }
 
-    /// The rows of a converged reference.
+    /// Rows of a converged reference.
     fn references(&self, refinement: &Refinement) -> Vec<Reference> {
         let configurations = refinement.grids.map(|place| &self.plan.configurations[place]);
         let factor = refinement.stiffness_factor;
@@ -190,7 +190,7 @@ impl Table<'_> {
         self.names.iter().filter_map(row).collect()
     }
 
-    /// The row of a configuration; absent if it has not run.
+    /// Row of a configuration; absent if it has not run.
     fn point(&self, place: usize) -> Option<Point> {
         let configuration = &self.plan.configurations[place];
         let runs = &self.outcome.runs[place];
@@ -236,7 +236,7 @@ impl Table<'_> {
         let shared: Vec<f64> = differences.keys().map(|seed| own[seed]).collect();
         let ensemble = Ensemble::of(&differences.values().copied().collect::<Vec<f64>>())?;
         let bound = self.terms.bound(observable);
-        // The reference's deviation is zero by definition, and says nothing of its interval.
+        // The reference's deviation is zero by definition, and carries no information on its interval.
         let is_reference = self.plan.refinement(factor)?.grids[2] == place;
         let interval90 = ensemble.interval90().filter(|_| !is_reference);
         Some(Deviation {
@@ -257,7 +257,7 @@ impl Table<'_> {
     }
 }
 
-/// Places of the points of each code and stiffness, in the order of the plan.
+/// Indices of the points of each code and stiffness, in the order of the plan.
 fn groups(points: &[Point]) -> Vec<Vec<usize>> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
     for (place, point) in points.iter().enumerate() {
@@ -273,7 +273,7 @@ fn groups(points: &[Point]) -> Vec<Vec<usize>> {
     groups
 }
 
-/// Marks the Pareto front of every code and observable at every stiffness. The reference is no point of it: its error
+/// Marks the Pareto front of every code and observable at every stiffness. The reference is not a point of it: its error
 /// is zero by definition.
 fn mark_fronts(points: &mut [Point], names: &[(String, String)]) {
     for group in groups(points) {
@@ -286,7 +286,7 @@ fn mark_fronts(points: &mut [Point], names: &[(String, String)]) {
                 Some((place, coordinates, *deviation_standard_error))
             };
             let members: Vec<(usize, [f64; 2], Option<f64>)> = group.iter().copied().filter_map(member).collect();
-            // Seed noise: the smallest error that can be told from none.
+            // Seed noise: the smallest error that can be distinguished from zero.
             let noise = median(members.iter().filter_map(|member| member.2));
             let coordinates: Vec<[f64; 2]> = members.iter().map(|member| member.1).collect();
             for place in pareto_front(&coordinates, if noise.is_finite() { noise } else { 0.0 }) {
@@ -297,7 +297,7 @@ fn mark_fronts(points: &mut [Point], names: &[(String, String)]) {
     }
 }
 
-/// The fastest setting within all bounds, by stiffness and code in the order of the plan.
+/// Fastest setting within all bounds, by stiffness and code in the order of the plan.
 fn fastest(points: &[Point], bounds: &[Bound]) -> Vec<Fastest> {
     if bounds.is_empty() {
         return Vec::new();
@@ -326,7 +326,7 @@ fn fastest(points: &[Point], bounds: &[Bound]) -> Vec<Fastest> {
     rows
 }
 
-/// The fastest of some points that keep all bounds.
+/// Returns the fastest of some points that are within all bounds.
 fn fastest_within<'a>(points: impl Iterator<Item = &'a Point>) -> Option<&'a Point> {
     let pace = |point: &Point| point.wall_seconds_per_simulated_second;
     points.filter(|point| point.within_bounds == Some(true)).min_by(|a, b| pace(a).total_cmp(&pace(b)))
@@ -350,13 +350,13 @@ pub fn pareto_front(points: &[[f64; 2]], floor: f64) -> Vec<usize> {
     order
 }
 
-/// Samples of the seeds that are drawn.
+/// Number of samples of the seeds.
 const SAMPLES: usize = 2_000;
 
-/// Share of the samples that lies outside the interval, at either end.
+/// Fraction of the samples outside the interval, at either end.
 const TAIL: f64 = 0.05;
 
-/// True if the mean deviations of a point over a sample of seeds keep all bounds.
+/// Returns true if the mean deviations of a point over a sample of seeds are within all bounds.
 fn keeps_bounds(point: &Point, bounds: &[Bound], sample: &[u64]) -> bool {
     !point.failed
         && bounds.iter().all(|bound| {
@@ -367,7 +367,7 @@ fn keeps_bounds(point: &Point, bounds: &[Bound], sample: &[u64]) -> bool {
 }
 
 /// Fills in the intervals of the ratios: seeds are drawn with replacement, the same for every configuration, since all start from
-/// the same grains; each sample has its own fastest settings, and a code that has none is slower than any number (percentile
+/// the same grains. Each sample has its own fastest settings, and a code that has none is slower than any number (percentile
 /// bootstrap, Efron and Tibshirani, An Introduction to the Bootstrap, 1993, chapter 13).
 fn fill_intervals(rows: &mut [Fastest], points: &[Point], bounds: &[Bound]) {
     let deviations = points.iter().filter(|point| !point.failed).flat_map(|point| &point.deviations);

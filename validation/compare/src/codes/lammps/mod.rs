@@ -1,15 +1,15 @@
 //! LAMMPS with its package GRANULAR, an explicit soft-sphere code: the deck `deck.in`, the law of its contacts, its walls, its log.
 //!
-//! Walls are regions, each with one smooth surface, that variables move:
+//! Walls are regions, each with one smooth surface, whose motion is given by variables:
 //!
 //! ```text
 //! plane      plane, endless                                       one side
 //! box        a plane a closed face, endless                       one side
 //! cylinder   cylinder, both ends open: a thin shell with rims     two sides
-//! disc       cylinder from outside, too short to be seen          two sides
+//! disc       cylinder from outside, too short for a contact       two sides
 //! ```
 //!
-//! `fix wall/gran/region` tells of one contact a grain, so that a box is not a `block`: its six surfaces would share that one. Cylinders
+//! `fix wall/gran/region` reports one contact per grain, so that a box is not a `block`: its six surfaces would share that one. Cylinders
 //! and discs lie along x, y or z; others are refused.
 
 use super::deck::{DeckRun, HAS, data, manifest, render, values};
@@ -82,7 +82,7 @@ const ROLLING_OVERLAP: f64 = 0.004;
 const PAIR_NAMES: [&str; 8] = ["id1", "id2", "fnx", "fny", "fnz", "ftx", "fty", "ftz"];
 const WALL_NAMES: [&str; 8] = ["id1", "fx", "fy", "fz", "px", "py", "pz", "wall"];
 
-/// Returns the deck and the names of its dumps, the grains first; grains of a kind and a surface have a fix and a dump of their own.
+/// Returns the deck and the names of its dumps, the grains first. Each kind of grain and surface has a fix and a dump of its own.
 ///
 /// # Errors
 /// Limit of LAMMPS.
@@ -114,7 +114,7 @@ fn deck(
         columns => [listed("c_ids", 2), listed("c_pairs", 6)].concat() },
     ];
     dumps.extend((0..meetings.len()).filter(|_| measures).map(|number| {
-        // The first column states contact.
+        // The first column is the contact flag.
         let felt = listed(&format!("f_wall{number}"), 7);
         let columns = [&["id".into()], &felt[1..], &[format!("v_met{number}")]].concat();
         let thresh = format!(" thresh {} > 0.5", felt[0]);
@@ -130,13 +130,13 @@ fn deck(
     Ok((deck, names))
 }
 
-/// The law of every contact.
+/// Law of every contact.
 struct Laws<'a> {
     palette: &'a Palette<'a>,
     materials: Vec<&'a Material>,
     /// Mean radius of the grains, m.
     radius: f64,
-    /// True if a contact resists rolling: all contacts have the same parts.
+    /// True if a contact resists rolling: all contacts have the same terms.
     rolls: bool,
 }
 
@@ -150,18 +150,18 @@ impl<'a> Laws<'a> {
         Ok(Laws { palette, materials: palette.materials().collect(), radius, rolls })
     }
 
-    /// Returns the law of two entries of the palette. Hertz and Mindlin with the moduli of both: the style that takes Young's modulus and
-    /// Poisson's ratio takes one of each for a pair. Damping as in LIGGGHTS, whose force may attract at the end of an impact: one that is
-    /// limited changes restitution.
+    /// Returns the law of two entries of the palette: Hertz and Mindlin with the moduli of both. The style that takes Young's modulus and
+    /// Poisson's ratio takes one of each for a pair. Damping is that of LIGGGHTS, whose force may attract at the end of an impact: a limited
+    /// force changes restitution.
     ///
-    /// The tangential spring stores a force, as in YADE. With a displacement, which LIGGGHTS stores, a contact that slides keeps a damped
-    /// fraction of the cap, and falls short of the cap during unloading: in `packing` friction mobilisation is then 0.368 ± 0.002 instead
+    /// The tangential spring stores a force, as in YADE. With a displacement, which LIGGGHTS stores, a sliding contact retains a damped
+    /// fraction of the cap, and falls short of the cap during unloading. In `packing` friction mobilisation is then 0.368 ± 0.002 instead
     /// of 0.397 ± 0.003 with a force and 0.401 ± 0.003 in LIGGGHTS.
     fn of(&self, a: usize, b: usize, pair: &ContactCoefficients) -> String {
         let (normal, shear) = (self.effective(a, b, softness), self.effective(a, b, shear_softness));
         let (stiffness, tangential) = (4.0 / 3.0 * normal, 8.0 * shear);
-        // As the other codes have it, that of the normal spring at the tangential stiffness: over the coefficient of the normal spring
-        // 2 E* a, the root of the ratio of both springs.
+        // As in the other codes, the damping is that of the normal spring at the tangential stiffness. Over the coefficient of the normal spring
+        // 2 E* a, it is the root of the ratio of both springs.
         let damping = (4.0 * shear / normal).sqrt();
         let ContactCoefficients { friction, restitution, rolling_friction, .. } = pair;
         let mut law = format!(
@@ -181,12 +181,12 @@ impl<'a> Laws<'a> {
     }
 }
 
-/// Share of a material in the inverse of the effective modulus of Hertz, 1/Pa.
+/// Contribution of a material to the inverse of the effective modulus of Hertz, 1/Pa.
 fn softness(material: &Material) -> f64 {
     (1.0 - material.poisson_ratio.powi(2)) / material.youngs_modulus
 }
 
-/// Share of a material in the inverse of the effective shear modulus of Mindlin, 1/Pa.
+/// Contribution of a material to the inverse of the effective shear modulus of Mindlin, 1/Pa.
 fn shear_softness(material: &Material) -> f64 {
     2.0 * (2.0 - material.poisson_ratio) * (1.0 + material.poisson_ratio) / material.youngs_modulus
 }
@@ -202,7 +202,7 @@ pub fn loop_seconds(log: &str) -> f64 {
     let number = |word: Option<&str>| word.and_then(|word| word.trim().parse::<f64>().ok()).filter(|n| n.is_finite());
     let of = |line: &str| match line.strip_prefix("Loop time of ") {
         Some(rest) => number(rest.split(' ').next()).unwrap_or(0.0),
-        // Section, least, mean and largest time of the processes, of which there is one.
+        // Section, then minimum, mean and maximum time over the processes; there is one process.
         None if line.starts_with("Output ") => -number(line.split('|').nth(2)).unwrap_or(0.0),
         None => 0.0,
     };
@@ -210,19 +210,19 @@ pub fn loop_seconds(log: &str) -> f64 {
     if sum.is_finite() { sum.max(0.0) } else { 0.0 }
 }
 
-/// Thickness of a disc over the smallest radius: a centre that lies within it would feel nothing.
+/// Thickness of a disc over the smallest radius: a grain whose centre lies within the disc would have no contact with it.
 const THICKNESS: f64 = 1e-7;
 
 /// One smooth surface of a wall.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Surface {
-    /// Its wall, by its place in the scene.
+    /// Index of its wall in the scene.
     pub wall: usize,
     /// Style of the region, and its numbers.
     region: String,
 }
 
-/// The surfaces of all walls, in their order; an error says what LAMMPS cannot do.
+/// Returns the surfaces of all walls, in their order; an error states the limit of LAMMPS.
 pub(super) fn surfaces(walls: &[Wall], grains: &[Grain]) -> Result<Vec<Surface>, String> {
     let smallest = grains.iter().map(|grain| grain.radius).fold(f64::INFINITY, f64::min);
     let mut all = Vec::new();
@@ -260,7 +260,7 @@ fn plane([x, y, z]: [f64; 3], [u, v, w]: [f64; 3]) -> String {
     format!("plane {x:.17e} {y:.17e} {z:.17e} {u:.17e} {v:.17e} {w:.17e}")
 }
 
-/// A cylinder between two places along its axis, from its base.
+/// Returns a cylinder between two positions along its axis, measured from its base.
 fn cylinder(base: &[f64; 3], axis: &[f64; 3], radius: f64, ends: [f64; 2]) -> Result<String, String> {
     let (along, sign) = along(axis).ok_or("its cylinders and discs lie along x, y or z")?;
     let [low, high] = if sign > 0.0 { ends } else { [-ends[1], -ends[0]] }.map(|end| base[along] + end);
@@ -280,7 +280,7 @@ pub(super) fn lines(scene: &MeasuredScene, surfaces: &[Surface], plan: &Plan) ->
     lines
 }
 
-/// Variables that state the pose of a wall; none where it is at rest.
+/// Returns the variables that state the pose of a wall; none where the wall is at rest.
 fn variables(wall: usize, motion: &Motion, plan: &Plan) -> Vec<String> {
     let phases = plan.phases(motion);
     if phases.is_empty() {
@@ -302,7 +302,7 @@ fn variables(wall: usize, motion: &Motion, plan: &Plan) -> Vec<String> {
     }
 }
 
-/// Steps for which a wall has moved, less those backwards, as a formula of LAMMPS.
+/// Returns the number of steps of a wall's motion, forward minus backward, as a formula of LAMMPS.
 fn steps_in(phases: &[MotionPhase]) -> String {
     let of = |MotionPhase { first, last, direction }: &MotionPhase| {
         let whole = last - first;

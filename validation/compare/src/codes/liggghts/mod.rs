@@ -4,10 +4,10 @@
 //! walls        measuring                    timing
 //! curved       fine mesh                    primitive where it is one, else coarse mesh
 //! flat         mesh                         primitive where it is one, else mesh
-//! contacts     dumped                       not told: a primitive has none that can be dumped beside those of meshes
+//! contacts     dumped                       missing: a primitive has none that can be dumped together with those of meshes
 //! ```
 //!
-//! For timing a drum about y lies along z, since its primitive cylinders turn about x and z alone.
+//! For timing, a drum about y lies along z: the primitive cylinders turn about x and z alone.
 
 use super::deck::{DeckRun, HAS, data, manifest, render, values};
 use super::input::{AXES, Palette, Plan, Primitive, primitives, stl};
@@ -39,7 +39,7 @@ impl Code for Liggghts {
     }
 
     fn version(&self) -> Option<String> {
-        // Without a log, since it would leave one behind wherever it is asked.
+        // Without a log: LIGGGHTS would write one into the current folder.
         self.program.version(&["-help", "-log", "none"], version_in)
     }
 
@@ -80,7 +80,7 @@ fn write_input(job: &Job<'_>) -> Result<(Plan, Turn), CodeError> {
     let deck = deck.map_err(|reason| CodeError::Unsupported { code: NAME, reason })?;
     let mut contacts = vec!["pairs.dump".to_string()];
     contacts.extend(walls.are_told().then(|| "walls.dump".into()));
-    // Its local computes have no names of columns.
+    // The local computes have no column names.
     let numbers: Vec<usize> = walls.meshes.iter().map(|(wall, _)| *wall).collect();
     let list = |names: &str| names.split(',').map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", ");
     let columns = format!(
@@ -110,7 +110,7 @@ fn deck(
     palette: &Palette<'_>,
 ) -> Result<String, String> {
     let entries = || (0..palette.len()).flat_map(|a| (0..palette.len()).map(move |b| (a, b)));
-    // Walls never touch each other; the numbers of such a pair have no effect.
+    // Walls have no contacts with each other; the numbers of such a pair have no effect.
     let pairs: Vec<_> = entries().map(|(a, b)| palette.coefficients(a, b)).collect();
     let restitution: Vec<f64> = pairs.iter().map(|pair| pair.map_or(0.5, |pair| pair.restitution)).collect();
     if let Some(low) = restitution.iter().find(|restitution| **restitution <= 0.05) {
@@ -118,7 +118,7 @@ fn deck(
     }
     let kind = |wall: usize| palette.index(&scene.wall[wall].material, true) + 1;
     let meshes = walls.meshes.iter().map(|(wall, mesh)| {
-        // Contacts keep their history from one triangle of a curved surface to the next.
+        // Contacts retain their history from one triangle of a curved surface to the next.
         let curved = || format!(" curvature {:.6} curvature_tolerant yes", 1.2 * mesh.bend);
         let curvature = if mesh.bend > 0.0 { curved() } else { String::new() };
         context! { wall, kind => kind(*wall), curvature }
@@ -138,8 +138,8 @@ fn deck(
     Ok(render(include_str!("deck.in"), context! { ..own, ..values(scene, grains, plan, walls.purpose) }))
 }
 
-/// Returns the dumps: grains; contacts between grains, with three ids, force on the first grain and contact point; contacts with walls, with
-/// point on the wall, centre of the grain, three ids and force on the grain (the keyword `contactPoint` gives zeros there).
+/// Returns the dumps: grains; contacts between grains, with three ids, force on the first grain and contact point; contacts with walls. The
+/// latter have point on the wall, centre of the grain, three ids and force on the grain (the keyword `contactPoint` gives zeros there).
 fn tables(walls: bool) -> Vec<Value> {
     let local = |name: &str, count: usize| {
         let columns = (1..=count).map(|at| format!(" c_{name}[{at}]")).collect::<String>();
@@ -181,7 +181,7 @@ fn pieces(scene: &MeasuredScene, walls: &Walls, plan: &Plan) -> Vec<Value> {
     boundaries.array_windows().map(piece).collect()
 }
 
-/// Returns a motion as `fix move/mesh` takes it; none for a wall at rest.
+/// Returns a motion as arguments of `fix move/mesh`; none for a wall at rest.
 fn motion_words(motion: &Motion, direction: f64) -> Option<String> {
     Some(match motion {
         Motion::Fixed | Motion::ForceDriven { .. } | Motion::TorqueDriven { .. } => return None,
@@ -200,7 +200,7 @@ fn motion_words(motion: &Motion, direction: f64) -> Option<String> {
     })
 }
 
-/// The version in the words "LIGGGHTS (Version LIGGGHTS-PUBLIC 3.8.0, compiled ...".
+/// Finds the version in "LIGGGHTS (Version LIGGGHTS-PUBLIC 3.8.0, compiled ...".
 fn version_in(words: &str) -> Option<&str> {
     let after = words.split_once("LIGGGHTS-PUBLIC ")?.1;
     after.split([',', ' ', ')']).next().filter(|version| !version.is_empty())
@@ -221,12 +221,12 @@ pub fn loop_seconds(log: &str) -> f64 {
     if sum.is_finite() { sum.max(0.0) } else { 0.0 }
 }
 
-/// True if coordinates are turned: z, x, y instead of x, y, z. A rotation, so that spins turn as positions do.
+/// True if the coordinates are permuted: z, x, y instead of x, y, z. The permutation is a rotation, so that spins follow positions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Turn(bool);
 
 impl Turn {
-    /// The turn with which most cylinders of a scene that turn are primitives.
+    /// Returns the turn with which most of the turning cylinders of a scene are primitives.
     pub fn of(scene: &MeasuredScene) -> Turn {
         let about = |wanted: usize| {
             let turning = scene.wall.iter().filter(|wall| matches!(wall.shape, Shape::Cylinder { .. }));
@@ -236,7 +236,7 @@ impl Turn {
             });
             axes.filter(|axis| (0..3).all(|at| (axis[at] == 0.0) == (at != wanted))).count()
         };
-        // About y before it is about z, and about x it would be about y.
+        // An axis along y then lies along z; an axis along x would lie along y.
         Turn(about(1) > about(0))
     }
 
@@ -248,7 +248,7 @@ impl Turn {
         if self.0 { [y, z, x] } else { [x, y, z] }
     }
 
-    /// The scene in these coordinates; its populations stay, since its grains are given.
+    /// Returns the scene in these coordinates. Its populations are unchanged, since the grains are given.
     pub fn scene(self, scene: &MeasuredScene) -> MeasuredScene {
         let mut turned = scene.clone();
         turned.gravity = self.forth(scene.gravity);
@@ -275,7 +275,7 @@ impl Turn {
         }
     }
 
-    /// The name of a face: what is along x before is along y after.
+    /// Returns the name of a face after the turn: x before is y after.
     fn face(self, name: &str) -> String {
         let turn = |letter: char| match letter {
             'x' if self.0 => 'y',
@@ -299,7 +299,7 @@ impl Turn {
         }
     }
 
-    /// Grains in these coordinates.
+    /// Returns grains in these coordinates.
     pub fn grains(self, grains: &[Grain]) -> Vec<Grain> {
         let turn = |grain: &Grain| Grain {
             position: self.forth(grain.position),
@@ -325,17 +325,17 @@ impl Turn {
 /// Largest relative error of the velocity of a turning wall that is a primitive.
 const VELOCITY_ERROR: f64 = 0.01;
 
-/// The walls of a deck.
+/// Walls of a deck.
 pub(super) struct Walls {
     pub purpose: Purpose,
-    /// The walls that are meshes, by their place in the scene: LIGGGHTS numbers its meshes itself, and a wall without triangles has none.
+    /// Walls that are meshes, by their index in the scene: LIGGGHTS numbers its meshes itself, and a wall without triangles has none.
     pub meshes: Vec<(usize, Mesh)>,
-    /// The primitives of the other walls, in the words of `fix wall/gran`.
+    /// Primitives of the other walls, as arguments of `fix wall/gran`.
     pub primitives: Vec<(usize, String)>,
 }
 
 impl Walls {
-    /// Meshes alone for measuring; for timing, what is fastest with the same physics.
+    /// Chooses meshes alone for measuring; for timing, the fastest surfaces with the same physics.
     pub fn new(scene: &MeasuredScene, grains: &[Grain], purpose: Purpose) -> Walls {
         let smallest = grains.iter().map(|grain| grain.radius).fold(f64::INFINITY, f64::min);
         let (fineness, found) = match purpose {
@@ -356,17 +356,17 @@ impl Walls {
         walls
     }
 
-    /// Returns true if their contacts are dumped.
+    /// Returns true if the contacts of the walls are dumped.
     pub fn are_told(&self) -> bool {
         self.purpose == Purpose::Measuring && !self.meshes.is_empty()
     }
 }
 
-/// A primitive in the words of `fix wall/gran`; nothing for one that it cannot have.
+/// Returns a primitive as arguments of `fix wall/gran`; none where LIGGGHTS lacks the primitive.
 ///
-/// A cylinder turns by `shear`: the word of a direction across its axis, and the angular velocity. The velocity is taken at the centre of the
-/// grain in place of the surface, so that the angular velocity is raised by the ratio of both distances from the axis: exact for the mean
-/// grain. About y it is wrong: the two coordinates of the distance are interchanged, and grains are not dragged along ([`Turn`]).
+/// A cylinder turns by `shear`: the name of a direction across its axis, and the angular velocity. LIGGGHTS takes the velocity at the
+/// centre of the grain instead of the surface. So the angular velocity is raised by the ratio of both distances from the axis: exact for the
+/// mean grain. About y the velocity is wrong: the two coordinates of the distance are interchanged, and grains are not dragged along ([`Turn`]).
 fn words(primitive: &Primitive, grains: &[Grain]) -> Option<String> {
     match *primitive {
         Primitive::Plane { axis, at } => Some(format!("{}plane {at:.17e}", AXES[axis])),

@@ -20,15 +20,15 @@ pub enum ReferenceError {
     /// A file cannot be read.
     #[error("{}: cannot be read: {source}; restore it from the repository, or remove its folder and record anew with 'makadam compare SCENE --record'", file.display())]
     Io {
-        /// The file.
+        /// File.
         file: PathBuf,
         /// Reason.
         source: std::io::Error,
     },
-    /// A line is not what it should be.
+    /// A line is invalid.
     #[error("{}:{line}: {problem}; restore the file from the repository, or remove its folder and record anew with 'makadam compare SCENE --record'", file.display())]
     Line {
-        /// The file.
+        /// File.
         file: PathBuf,
         /// Line, from 1.
         line: u64,
@@ -42,7 +42,7 @@ impl Reference {
     /// of a changed scene.
     ///
     /// # Errors
-    /// As [`Reference::load`].
+    /// [`Reference::load`] states them.
     pub fn of_scene(scene_file: &Path) -> Result<Option<Reference>, ReferenceError> {
         let scene_file = &scenes::origin(scene_file);
         let folder = Reference::folder(scene_file);
@@ -60,11 +60,11 @@ impl Reference {
         Reference::read(folder, &|file| std::fs::read(file))
     }
 
-    /// Reads the references in a folder from what `bytes` gives for its files; `None` if it finds no `runs.csv`. Any bytes are
+    /// Reads the references in a folder from the contents that `bytes` returns; `None` if there is no `runs.csv`. Any bytes are
     /// either references or an error.
     ///
     /// # Errors
-    /// As [`Reference::load`].
+    /// [`Reference::load`] states them.
     pub fn read(folder: &Path, bytes: Bytes<'_>) -> Result<Option<Reference>, ReferenceError> {
         let Some(runs) = lines_if_there::<MeasuredRun>(&folder.join("runs.csv"), RUN_COLUMNS, bytes)? else {
             return Ok(None);
@@ -134,7 +134,7 @@ impl Reference {
         Ok(())
     }
 
-    /// Pictures are welcome, not needed: a code without a file has none.
+    /// Pictures are optional: a code without a file has none.
     fn read_final_states(&mut self, folder: &Path, bytes: Bytes<'_>) -> Result<(), ReferenceError> {
         for code in self.codes() {
             let file = folder.join(final_state_file(&code));
@@ -185,10 +185,10 @@ fn all_alike(runs: &[(u64, MeasuredRun)]) -> Result<(), (u64, String)> {
     Ok(())
 }
 
-/// Gives the bytes of a file.
+/// Returns the bytes of a file.
 type Bytes<'a> = &'a dyn Fn(&Path) -> std::io::Result<Vec<u8>>;
 
-/// All lines of a CSV file of these columns with their numbers.
+/// Reads all lines of a CSV file of these columns with their numbers.
 fn lines<T: DeserializeOwned>(file: &Path, columns: &str, bytes: Bytes<'_>) -> Result<Vec<(u64, T)>, ReferenceError> {
     let bytes = bytes(file).map_err(|source| ReferenceError::Io { file: file.to_path_buf(), source })?;
     parse(columns, &bytes).map_err(|(line, problem)| ReferenceError::Line { file: file.to_path_buf(), line, problem })
@@ -206,7 +206,7 @@ fn lines_if_there<T: DeserializeOwned>(
     }
 }
 
-/// All lines of a CSV document with their numbers, or the number of a line and what is wrong with it.
+/// Returns all lines of a CSV document with their numbers, or the number of a line and its fault.
 fn parse<T: DeserializeOwned>(columns: &str, bytes: &[u8]) -> Result<Vec<(u64, T)>, (u64, String)> {
     let failed = |error: csv::Error| {
         let line = error.position().map_or(1, csv::Position::line);
@@ -228,7 +228,7 @@ fn parse<T: DeserializeOwned>(columns: &str, bytes: &[u8]) -> Result<Vec<(u64, T
     let mut record = csv::StringRecord::new();
     while reader.read_record(&mut record).map_err(failed)? {
         let line = record.position().map_or(1, csv::Position::line);
-        // No name or unit reads as "inf" or "NaN", so these words stand where a number belongs.
+        // No name or unit reads as "inf" or "NaN", so such a field is always meant as a number.
         for (name, field) in headers.iter().zip(&record) {
             if field.parse::<f64>().is_ok_and(|number| !number.is_finite()) {
                 return Err((line, format!("'{field}' in column {name} is not a finite number")));
@@ -242,10 +242,10 @@ fn parse<T: DeserializeOwned>(columns: &str, bytes: &[u8]) -> Result<Vec<(u64, T
 }
 
 impl Reference {
-    /// Writes the recorded references into a folder; returns false if its files hold them already, and stay as they are.
+    /// Writes the recorded references into a folder; returns false if its files are already equal, and leaves them unchanged.
     ///
     /// # Errors
-    /// [`WriteError`] if the system refuses; files not yet reached stay as they were.
+    /// [`WriteError`] if the system refuses; files not yet written are unchanged.
     pub fn save(&self, folder: &Path) -> Result<bool, WriteError> {
         create_folder(folder)?;
         let tables = [self.run_lines(), self.measurement_lines(), self.force_lines(), self.series_lines()];
@@ -329,7 +329,7 @@ impl Reference {
     }
 }
 
-/// Six significant digits.
+/// Rounds to six significant digits.
 fn rounded(value: f64) -> f64 {
     format!("{value:.5e}").parse().unwrap_or(value)
 }

@@ -1,9 +1,9 @@
-//! Recorded references: what other codes measured once on a scene, kept as CSV beside it.
+//! Recorded references: measurements of other codes on a scene, stored as CSV next to the scene.
 //!
 //! | file | holds |
 //! | --- | --- |
-//! | `runs.csv` | one line a run: code, version, contact law, seed, time step, wall time, processor, date, hash of the scene |
-//! | `measurements.csv` | one line a run and observable |
+//! | `runs.csv` | one line per run: code, version, contact law, seed, time step, wall time, processor, date, hash of the scene |
+//! | `measurements.csv` | one line per run and observable |
 //! | `forces.csv` | distribution of normal forces over their mean, all seeds of a code pooled |
 //! | `series.csv` | observables over time, of each code's first seed |
 //! | `final-state-CODE.csv` | grains at the end, of each code's first seed, to six significant digits |
@@ -18,12 +18,12 @@ use makadam_measure::observables::{ForceDistribution, Series};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
-/// The recorded references of one scene.
+/// Recorded references of one scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Reference {
     /// All runs, by code and seed.
     pub runs: Vec<MeasuredRun>,
-    /// Distributions of normal forces, one a code.
+    /// Distributions of normal forces, one per code.
     pub forces: Vec<ForceDistribution>,
     /// Observables over time, of the first seed of each code.
     pub series: Vec<Series>,
@@ -32,7 +32,7 @@ pub struct Reference {
 }
 
 impl Reference {
-    /// Folder of a scene's references: `reference` beside a `scene.toml`, `NAME-reference` beside any other file.
+    /// Returns the folder of a scene's references: `reference` next to a `scene.toml`, `NAME-reference` next to any other file.
     pub fn folder(scene_file: &Path) -> PathBuf {
         match scene_file.file_stem().and_then(|stem| stem.to_str()) {
             Some("scene") | None => scene_file.with_file_name("reference"),
@@ -54,7 +54,7 @@ impl Reference {
         distinct(self.runs.iter().map(|run| run.code.as_str())).into_iter().map(String::from).collect()
     }
 
-    /// Number of seeds of the code that has most of them.
+    /// Largest number of seeds of any code.
     pub fn seeds(&self) -> u64 {
         let of = |code: &String| self.of(code).count() as u64;
         self.codes().iter().map(of).max().unwrap_or(0)
@@ -112,7 +112,7 @@ impl Reference {
         Some(runs.all(|run| run.scene_hash == now))
     }
 
-    /// Lists the reasons for which the recorded runs of a code are out of date, given its present law of contacts.
+    /// Lists the reasons why the recorded runs of a code are out of date, given its present contact law.
     pub fn out_of_date(&self, code: &str, contact_law: &str, scene: &MeasuredScene) -> Vec<String> {
         let mut reasons = Vec::new();
         if self.is_current(code, scene) == Some(false) {
@@ -138,7 +138,7 @@ impl Reference {
     }
 }
 
-/// The day on which runs ended, or the first and the last of several.
+/// Returns the day on which runs ended, or the first and the last of several.
 fn days(runs: &[MeasuredRun]) -> String {
     let days = || runs.iter().map(|run| run.date.split('T').next().unwrap_or_default());
     match (days().min().unwrap_or_default(), days().max().unwrap_or_default()) {
@@ -184,7 +184,7 @@ fn final_state_file(code: &str) -> String {
 }
 
 impl Reference {
-    /// Takes in runs of one code, in place of what was recorded of it.
+    /// Replaces the recorded runs of one code.
     pub fn replace(&mut self, code: CodeRuns, scene_hash: &str) {
         let name = code.code;
         let stamped = code.runs.into_iter().map(|run| MeasuredRun { scene_hash: scene_hash.into(), ..run });
@@ -197,7 +197,7 @@ impl Reference {
     }
 }
 
-/// Puts new entries where the old ones were, or at the end, so that files change only where numbers do.
+/// Puts new entries at the positions of the old ones, or at the end, so that files change only where numbers do.
 fn exchange<T>(list: &mut Vec<T>, is_old: impl Fn(&T) -> bool, new: impl IntoIterator<Item = T>) {
     let place = list.iter().position(&is_old).unwrap_or(list.len());
     list.retain(|entry| !is_old(entry));

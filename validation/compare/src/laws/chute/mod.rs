@@ -1,13 +1,13 @@
-//! A layer that flows down a rough chute without end: Bagnold's velocity profile, and the friction law mu(I).
+//! Layer that flows down a rough, endless chute: Bagnold's velocity profile, and the friction law mu(I).
 //!
 //! In a steady, uniform flow the stresses at a depth D are those of the weight above it, `P = rho phi g D cos(angle)` and
-//! `tau = P tan(angle)`, so the friction `mu = tau/P` is the same everywhere, and so is the inertial number
+//! `tau = P tan(angle)`. So the friction `mu = tau/P` is the same everywhere. So is the inertial number
 //! `I = (dv/dz) d sqrt(rho/P)` if friction depends on it alone. Then `dv/dz` goes as `sqrt(D)` and the velocity as
-//! `v = v_s - A D^(3/2)`: Bagnold's profile. Depth counts the solid above a place, so that it needs no surface.
+//! `v = v_s - A D^(3/2)`: Bagnold's profile. Depth is the amount of solid above a point, so that it needs no surface.
 //!
-//! Two pressures are in use. On a chute `P` is the normal stress on planes along it, as above; where spheres are sheared evenly, by
-//! Chialvo, Sun & Sundaresan, it is the mean of the three normal stresses. They differ, since the stress across the chute is less
-//! than the other two, so friction and inertial number are measured with either, and judged with that of the law.
+//! Two pressures are in use. On a chute `P` is the normal stress on planes along it, as above. For evenly sheared spheres,
+//! Chialvo, Sun & Sundaresan use the mean of the three normal stresses. The two differ, since the stress across the chute is less
+//! than the other two. So friction and inertial number are measured with either, and tested with that of the law.
 
 mod profile;
 
@@ -27,12 +27,12 @@ use std::f64::consts::PI;
 /// Friction and restitution of grains and bed: those of Silbert et al. (2001).
 const FRICTION: f64 = 0.5;
 const RESTITUTION: f64 = 0.88;
-/// Young's modulus, Pa: a ten thousandth of it is more than the pressure at the bed.
+/// Young's modulus, Pa: a ten thousandth of the modulus exceeds the pressure at the bed.
 const MODULUS: f64 = 1e8;
 /// Periods along the chute and across it, in diameters.
 const PERIOD: [f64; 2] = [12.0, 8.0];
-/// Time step, s, and sweeps a step. Twice the step lets the lower half of a fast layer shear too readily, and the more so the faster
-/// it shears, which bends the profile: the steepest case is repeated with it, and reported.
+/// Time step, s, and sweeps per step. Twice the step lets the lower half of a fast layer shear too readily, and the more so at higher
+/// shear rates, which bends the profile. The steepest case is repeated with twice the step, and reported.
 const SOLVE: (f64, u32) = (1.25e-4, 10);
 /// Time between frames, s.
 const INTERVAL: f64 = 0.02;
@@ -44,15 +44,15 @@ const TOLERANCE: (f64, f64) = (0.1, 0.02);
 struct Layer {
     /// Depth, in diameters at a solid fraction of 0.57.
     depth: f64,
-    /// Time at which measuring begins and ends, s: a deep layer takes long to gain its speed.
+    /// Start and end of measurement, s: a deep layer accelerates for a long time.
     measured: [f64; 2],
 }
 
-/// As deep as the layers of Silbert et al.: near the depth at which a slope lets it stop, a layer has a straighter profile.
+/// Depth of the layers of Silbert et al.: near the depth at which flow stops on a slope, a layer has a straighter profile.
 const DEEP: Layer = Layer { depth: 40.0, measured: [60.0, 70.0] };
 const SHALLOW: Layer = Layer { depth: 18.0, measured: [20.0, 28.0] };
 
-/// The laws of flow down a chute.
+/// Laws of flow down a chute.
 pub(super) const LAW: Law = Law {
     name: "chute",
     statement: "a layer of spheres on a rough chute flows at v = v_s - A D^(3/2) with the depth D, and its friction is \
@@ -65,14 +65,14 @@ pub(super) const LAW: Law = Law {
     figures,
 };
 
-/// Friction at an inertial number of spheres with a friction of 0.5, sheared evenly (Chialvo, Sun & Sundaresan 2012, the inertial
+/// Friction at an inertial number of evenly sheared spheres with a friction of 0.5 (Chialvo, Sun & Sundaresan 2012, the inertial
 /// part of their model).
 fn friction(inertial: f64) -> f64 {
     0.382 + 0.37 / ((0.32 / inertial).powf(1.5) + 1.0)
 }
 
-/// Friction of glass beads in experiments (Jop, Forterre & Pouliquen 2006: the tangents of 20.9 and 32.76 degrees, and 0.279). They are
-/// no perfect spheres.
+/// Friction of glass beads in experiments (Jop, Forterre & Pouliquen 2006: the tangents of 20.9 and 32.76 degrees, and 0.279). The
+/// beads are not perfect spheres.
 fn friction_of_beads(inertial: f64) -> f64 {
     let [least, most] = [20.9_f64, 32.76].map(|angle| angle.to_radians().tan());
     least + (most - least) / (0.279 / inertial + 1.0)
@@ -174,7 +174,7 @@ fn repeats(mean: &Mean, means: &[Mean]) -> bool {
     same.any(|other| other.of_value("coarseness") < mean.of_value("coarseness"))
 }
 
-/// A layer on a bed of spheres, inclined by an angle (degrees), simulated with so many times the usual step.
+/// Returns a layer on a bed of spheres, inclined by an angle (degrees), with a multiple of the usual time step.
 fn case(angle: f64, layer: Layer, coarseness: f64) -> Case {
     let [length, width] = PERIOD.map(|diameters| diameters * DIAMETER);
     let (radius, turn) = (0.5 * DIAMETER, angle.to_radians());
@@ -192,7 +192,7 @@ fn case(angle: f64, layer: Layer, coarseness: f64) -> Case {
         .friction(FRICTION)
         .restitution(RESTITUTION)
         .wall(Shape::Spheres { centres: bed(), radius })
-        // A grain that finds a gap in the bed does not fall through it.
+        // This plane stops grains that fall through a gap in the bed.
         .named_wall(
             "beneath",
             "wall",
@@ -208,7 +208,7 @@ fn case(angle: f64, layer: Layer, coarseness: f64) -> Case {
         )
         .with(|scene| {
             scene.domain.periodic = vec![Periodic::X, Periodic::Y];
-            // That of the recorded rows; by the scales of the grains it would be 0.0501.
+            // Value of the recorded rows; the scales of the grains would give 0.0501.
             scene.solver.restitution_threshold = Some(0.05);
         });
     let given =
@@ -216,12 +216,12 @@ fn case(angle: f64, layer: Layer, coarseness: f64) -> Case {
     Case::new(scene.scene(), given)
 }
 
-/// Rows of the spheres that the bed is made of, along and across: about 1.2 diameters apart.
+/// Rows of the spheres of the bed, along and across: about 1.2 diameters apart.
 const ROWS: [usize; 2] = [10, 7];
 /// Largest shifts from their lattice along, across and upwards, in diameters: an even bed would let layers slide.
 const SHIFT: [f64; 3] = [0.12, 0.12, 0.2];
 
-/// Centres of the bed's spheres, m: a lattice with shifts that look random and are always the same.
+/// Centres of the bed's spheres, m: a lattice with pseudorandom, reproducible shifts.
 fn bed() -> Vec<[f64; 3]> {
     let mut state = 1_u64;
     let mut shift = |most: f64| {
@@ -246,7 +246,7 @@ fn force_on_walls(frame: &Snapshot) -> [f64; 3] {
     on_walls.map(|contact| contact.force_on_partner()).sum::<Vector3<f64>>().into()
 }
 
-/// Kinetic energy of translation over the density, m5/s2.
+/// Translational kinetic energy over the density, m5/s2.
 fn kinetic(frame: &Snapshot) -> f64 {
     let of = |radius: f64, velocity: [f64; 3]| radius.powi(3) * velocity.iter().map(|v| v * v).sum::<f64>();
     2.0 / 3.0 * PI * frame.particles.iter().map(|grain| of(grain.radius, grain.velocity)).sum::<f64>()

@@ -2,7 +2,7 @@
 //!
 //! Stresses are those of contacts, the force on one partner times the branch vector to it from the other, and of the velocities
 //! about their mean (Irving & Kirkwood 1950; Goldhirsch, Granular Matter 12, 239, 2010), compression positive. A contact counts in
-//! the bin of its point. Grains here overlap by some ten thousandths, so the branch is as long as the radii together.
+//! the bin of its point. Grains here overlap by some ten thousandths, so the branch is as long as the sum of the radii.
 
 use super::super::results::{least, line};
 use super::{DIAMETER, PERIOD};
@@ -12,9 +12,9 @@ use std::f64::consts::PI;
 
 /// Height of a bin, in diameters.
 const BIN: f64 = 0.5;
-/// The profile is fitted where the bed and the surface are at least so far away, in diameters.
+/// Least distance of the fitted range from the bed and from the surface, in diameters.
 const MARGIN: f64 = 3.0;
-/// Components of a stress that are gathered: along the chute, across it, normal to it, and the shear.
+/// Summed components of a stress: along the chute, across it, normal to it, and the shear.
 const COMPONENTS: [(usize, usize); 4] = [(0, 0), (1, 1), (2, 2), (0, 2)];
 
 /// Sums over the grains and the contacts of a bin.
@@ -30,7 +30,7 @@ struct Bin {
     virial: [f64; 4],
 }
 
-/// The bins of a layer.
+/// Bins of a layer.
 #[derive(Default)]
 pub(super) struct Profile {
     bins: Vec<Bin>,
@@ -45,9 +45,9 @@ pub(super) struct Fit {
     /// v_s, m/s, and A, m^(-1/2)/s, of Bagnold's profile.
     pub(super) surface_speed: f64,
     pub(super) bagnold: f64,
-    /// The exponent of the depth that fits best.
+    /// Exponent of the depth with the best fit.
     pub(super) exponent: f64,
-    /// Mean stress where the profile is fitted.
+    /// Mean stress over the fitted range.
     pub(super) stress: Stress,
 }
 
@@ -103,7 +103,7 @@ impl Profile {
         &mut self.bins[number]
     }
 
-    /// Fits velocities over depths, and takes the mean of stresses there.
+    /// Fits velocities over depths, and averages stresses over the same range.
     pub(super) fn fit(&self) -> Fit {
         let room = BIN * DIAMETER * PERIOD[0] * PERIOD[1] * DIAMETER * DIAMETER * self.frames as f64;
         let solid: Vec<f64> = self.bins.iter().map(|bin| bin.volume / room).collect();
@@ -140,7 +140,7 @@ impl Profile {
     }
 }
 
-/// Mean stress over bins, each of which had this volume times frames (m3).
+/// Mean stress over bins with this volume times frames each (m3).
 fn stress<'a>(bins: impl Iterator<Item = &'a Bin>, room: f64) -> Stress {
     let (mut sum, mut count) = ([0.0; 4], 0);
     for bin in bins {
@@ -151,7 +151,7 @@ fn stress<'a>(bins: impl Iterator<Item = &'a Bin>, room: f64) -> Stress {
         }
     }
     let [along, across, normal, shear] = sum.map(|sum| sum / f64::from(count));
-    // What lies above drags what lies below it along the chute: the component is negative.
+    // The layer above a plane drags the layer below along the chute: the component is negative.
     Stress { along, across, normal, shear: -shear }
 }
 

@@ -7,30 +7,30 @@ use makadam::scene::{Motion, Reaction, Region, Shape};
 use makadam_frames::plan::MeasuredScene;
 use std::f64::consts::{PI, SQRT_2};
 
-/// Friction of the grains: sand's and glass's.
+/// Friction of the grains: that of sand and glass.
 const FRICTION: f64 = 0.5;
-/// Rolling friction of the grains, by which spheres stand for angular ones: a [`heap`] of them has the angle of repose of sand. With
-/// 0.1 it has that of rounded grains.
+/// Rolling friction of the grains, which models the angularity: a [`heap`] of them has the angle of repose of sand. With
+/// 0.1 the angle is that of rounded grains.
 const ROLLING_FRICTION: f64 = 0.3;
-/// Friction and rolling friction of the plane: a base with grains glued to it holds single grains up to slopes of about 25
+/// Friction and rolling friction of the plane: single grains on a base of glued grains stay at rest on slopes of up to about 25
 /// degrees, half the normal force.
 const BASE: [f64; 2] = [1.0, 0.5];
 /// Speed of the tube over `sqrt(g h0)`.
 const LIFT: f64 = 5.0;
-/// Speed of the tube, m/s, that leaves a heap, and time after which nothing moves any more, s.
+/// Speed of the tube, m/s, that leaves a heap, and time until all grains are at rest, s.
 const HEAP: (f64, f64) = (0.05, 1.0);
-/// Time step, s, and sweeps a step.
+/// Time step, s, and sweeps per step.
 const SOLVE: (f64, u32) = (5e-4, 10);
-/// Solid fraction by which grains are counted out.
+/// Solid fraction for the number of grains.
 const SOLID: f64 = 0.6;
 /// Longest time until rest, over `sqrt(h0/g)`.
 const PATIENCE: f64 = 12.0;
 
-/// Part of a column that is simulated.
+/// Simulated part of a column.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Part {
     Whole,
-    /// Between the planes x = 0 and y = 0, which are smooth and without friction, as planes of symmetry are.
+    /// Quarter between the planes x = 0 and y = 0, which are smooth and without friction, as planes of symmetry are.
     Quarter,
 }
 
@@ -47,7 +47,7 @@ impl Part {
     }
 }
 
-/// A column of so many diameters in radius.
+/// Returns a column of the given radius in diameters.
 pub(super) fn case(radius_in_diameters: f64, aspect: f64, part: Part) -> Case {
     let radius = radius_in_diameters * DIAMETER;
     let height = aspect * radius;
@@ -65,7 +65,7 @@ pub(super) fn case(radius_in_diameters: f64, aspect: f64, part: Part) -> Case {
     Case::new(scene, given)
 }
 
-/// A heap for the angle of repose of these grains, from a tube of eight diameters in radius, filled to four times that and lifted slowly.
+/// Returns a heap for the angle of repose, from a tube of eight diameters in radius, filled to four times that and lifted slowly.
 pub(super) fn heap() -> Case {
     let radius = 8.0 * DIAMETER;
     let height = 4.0 * radius;
@@ -81,12 +81,12 @@ fn release(height: f64) -> f64 {
     0.4 + 2.5 * (2.0 * height / GRAVITY).sqrt()
 }
 
-/// A tube of some radius, filled to some height (m), that is lifted off at a speed (m/s); the plane under it reaches as far as
-/// told (m).
+/// Returns a tube of some radius, filled to some height (m), that is lifted off at a speed (m/s); the plane under it has the
+/// given extent (m).
 fn lifted([radius, height]: [f64; 2], part: Part, lift: f64, reach: f64, until: f64) -> MeasuredScene {
     let grain = 0.5 * DIAMETER;
     let count = grains_of(part.share() * SOLID * PI * radius * radius * height);
-    // The lattice that grains start on is less than half as dense as the column.
+    // The initial lattice of the grains is less than half as dense as the column.
     let room = 3.0 * height + 10.0 * DIAMETER;
     let tube = Motion::Translating { velocity: [0.0, 0.0, lift], start: release(height), stop: None };
     let up = [0.0, 0.0, 1.0];
@@ -106,7 +106,7 @@ fn lifted([radius, height]: [f64; 2], part: Part, lift: f64, reach: f64, until: 
         )
         // Single grains may roll away.
         .with(|scene| scene.watch.on_escape = Reaction::Ignore)
-        // The tube slides off without a pull.
+        // The tube slides off without friction on the grains.
         .change_material("wall", |wall| wall.friction = 0.0)
         .change_material("grain", |grain| (grain.friction, grain.rolling_friction) = (FRICTION, ROLLING_FRICTION))
         .named_wall("plate", "plate", Shape::Plane { point: [0.0; 3], normal: up }, Motion::Fixed);
@@ -119,15 +119,15 @@ fn lifted([radius, height]: [f64; 2], part: Part, lift: f64, reach: f64, until: 
     sketch.scene()
 }
 
-/// A quarter of a tube as boxes, each one lattice site wide along x and as long along y as the tube has room, and the number of
+/// Quarter of a tube as boxes, each one lattice site wide along x and as long along y as the tube allows, and the number of
 /// grains in each: the same number of layers everywhere.
 fn strips(radius: f64, room: f64, count: usize) -> Vec<(usize, Region)> {
     let largest = 0.5 * DIAMETER * (1.0 + SPREAD);
     let pitch = 2.0 * largest * SPACING;
     let jitter = 0.5 * pitch - largest;
-    // A grain's site may be moved along a diagonal.
+    // A grain's site may be displaced along a diagonal.
     let arm = radius - largest - jitter * SQRT_2;
-    // A hair wider than a site, so that rounding does not leave it without one.
+    // Slightly wider than a site, so that rounding leaves one site.
     let width = pitch * (1.0 + 1e-6);
     let middles = (0..).map(|number| (f64::from(number) + 0.5) * width).take_while(|x| *x < arm);
     let lengths = middles.map(|x| (x, (arm * arm - x * x).sqrt())).filter(|(_, y)| *y >= 0.5 * pitch);
@@ -138,7 +138,7 @@ fn strips(radius: f64, room: f64, count: usize) -> Vec<(usize, Region)> {
     let mut regions = Vec::new();
     for (x, y, own) in strips {
         before += own;
-        // Rounding what has been placed so far keeps the sum.
+        // Rounding the cumulative number preserves the sum.
         let until = (count * before + sites / 2) / sites;
         let region = Region::Box { min: [x - 0.5 * width, 0.0, 0.0], max: [x + 0.5 * width, y + 0.5 * pitch, room] };
         regions.push((until - placed, region));

@@ -11,7 +11,7 @@ use makadam_measure::observables::static_angle;
 use makadam_measure::observables::static_angle::HeapFields;
 use std::f64::consts::{FRAC_PI_2, PI, SQRT_2};
 
-/// Grains closer to a plane of symmetry than this (m) do not count for the edge: a smooth plane orders those beside it in layers.
+/// Distance from a plane of symmetry below which grains do not count for the edge, m: a smooth plane orders nearby grains in layers.
 const MARGIN: f64 = 2.0 * DIAMETER;
 /// Sectors of a whole deposit over which the outermost grains are averaged.
 const SECTORS: usize = 36;
@@ -51,7 +51,7 @@ fn area(distance: f64, part: Part) -> f64 {
     let square = distance * distance;
     match part {
         Part::Whole => PI * square,
-        // The integral of s (pi/2 - 2 asin(m/s)) ds from sqrt(2) m on, where both planes are a margin m away.
+        // The integral of s (pi/2 - 2 asin(m/s)) ds from sqrt(2) m, where both planes are a margin m away.
         Part::Quarter if distance > SQRT_2 * MARGIN => {
             let side = (square - MARGIN * MARGIN).sqrt();
             square * (0.5 * FRAC_PI_2 - (MARGIN / distance).asin()) - MARGIN * side + MARGIN * MARGIN
@@ -60,7 +60,7 @@ fn area(distance: f64, part: Part) -> f64 {
     }
 }
 
-/// Cross-sections of the grains of each ring about the axis, a diameter wide, over the ring's area; zero where a ring has no
+/// Cross-sections of the grains of each ring about the axis, one diameter wide, over the ring's area; zero where a ring has no
 /// area.
 pub(super) fn coverage(grains: &[Particle], part: Part) -> Vec<f64> {
     let rings = grains.iter().map(|grain| distance(grain) / DIAMETER).fold(0.0, f64::max) as usize + 2;
@@ -76,7 +76,7 @@ pub(super) fn coverage(grains: &[Particle], part: Part) -> Vec<f64> {
     covered.iter().enumerate().map(over).collect()
 }
 
-/// Outermost distance from the axis (m) at which the coverage is at a level; linear between the middles of rings.
+/// Outermost distance from the axis (m) at which the coverage reaches a level; linear between the middles of rings.
 pub(super) fn edge(coverage: &[f64], level: f64) -> f64 {
     let middle = |ring: usize| (ring as f64 + 0.5) * DIAMETER;
     match coverage.iter().rposition(|&covered| covered >= level) {
@@ -88,7 +88,7 @@ pub(super) fn edge(coverage: &[f64], level: f64) -> f64 {
     }
 }
 
-/// Distance from the axis (m) of the outermost grain that hangs together with the deposit over gaps of up to a tenth of a
+/// Distance from the axis (m) of the outermost grain connected to the deposit over gaps of up to a tenth of a
 /// diameter, the mean over sectors of ten degrees.
 pub(super) fn connected(grains: &[Particle], part: Part) -> f64 {
     let mut root: Vec<usize> = (0..grains.len()).collect();
@@ -117,7 +117,7 @@ pub(super) fn connected(grains: &[Particle], part: Part) -> f64 {
     outermost.iter().sum::<f64>() / (part.share() * SECTORS as f64)
 }
 
-/// Distance from the axis (m) that holds a share of the solid volume.
+/// Distance from the axis (m) within which a fraction of the solid volume lies.
 pub(super) fn holding(frame: &Snapshot, share: f64) -> f64 {
     let mut grains: Vec<&Particle> = frame.particles.iter().collect();
     grains.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
@@ -129,7 +129,7 @@ pub(super) fn holding(frame: &Snapshot, share: f64) -> f64 {
     last.map_or(f64::NAN, |grain| distance(grain))
 }
 
-/// Inclination of a heap's flank ([`static_angle`]), degrees; not a number where there is none.
+/// Inclination of a heap's flank ([`static_angle`]), degrees; NaN where there is none.
 pub(super) fn angle_of_repose(scene: &MeasuredScene, frame: &Snapshot) -> f64 {
     let properties = Properties::new(scene);
     let setting = Setting::new(&properties, frame);

@@ -1,23 +1,23 @@
-//! Collapse of a column: how far it runs out.
+//! Collapse of a column: the run-out length.
 //!
-//! A tube full of grains on a rough plane is lifted off. The run-out over the first radius, `(r - r0)/r0`, depends on the
+//! A tube full of grains on a rough plane is lifted off. The run-out over the initial radius, `(r - r0)/r0`, depends on the
 //! aspect ratio `a = h0/r0` alone: 1.24 a up to a = 1.7 and 1.6 sqrt(a) beyond.
 //!
-//! That is so where the column is hundreds of grains wide, as in the experiments. A deposit of few grains ends where it is about a
-//! grain thick, so that a length is missing, and the ratio to the law is less by as many diameters over `r0`. Hence each aspect
-//! ratio is run at several radii, and what is judged is the ratio at `d/r0 = 0` of the line through the ratios over `d/r0`: the
-//! first-order term of what a finite grain changes. Columns of less than 12 diameters are reported but not fitted, since their
+//! The law holds where the column is hundreds of grains wide, as in the experiments. A deposit of few grains ends where it is about one
+//! grain thick: a length is missing, and the ratio to the law falls by that length over `r0`. So each aspect ratio is run at several
+//! radii. The tested value is the ratio at `d/r0 = 0` of the line through the ratios over `d/r0`: the
+//! first-order effect of a finite grain. Columns of less than 12 diameters are reported but not fitted, since their
 //! deposits are less than three grains thick in the mean. Where fewer than three widths are left, as in quick runs, there is no
-//! such line, and the widest column itself is judged.
+//! such line, and the widest column itself is tested.
 //!
-//! The experiments were made with sand, salt, sugar, rice and couscous. Spheres stand for angular grains by a rolling friction, which
-//! is chosen by the angle of repose of a heap, not by run-outs; the heap is run first, and its angle reported.
+//! The experiments were made with sand, salt, sugar, rice and couscous. Rolling friction of spheres models the angularity. The coefficient
+//! is chosen by the angle of repose of a heap, not by run-outs. The heap is run first, and its angle reported.
 //!
 //! Wide columns are run as a quarter of the column between two smooth planes without friction, planes of symmetry in the mean;
 //! one column is run whole as well.
 //!
 //! ```text
-//! column ─> Run ─> deposit ─> run-outs of a case ─> line over d/r0 ─> judged
+//! column ─> Run ─> deposit ─> run-outs of a case ─> line over d/r0 ─> finding
 //! ```
 
 mod column;
@@ -38,19 +38,19 @@ use makadam_view::draw::plot::{Axis, Key, Plot};
 use makadam_view::draw::svg::Anchor;
 use std::f64::consts::PI;
 
-/// Coverage at which the deposit ends: half the plane under grains. Deposits thinner than that are scattered grains, which the
-/// experiments leave out.
+/// Coverage at which the deposit ends: half the plane under grains. Thinner deposits are scattered grains, which the
+/// experiments exclude.
 const EDGE: f64 = 0.5;
-/// Grains that move slower than this in the mean, over `sqrt(g d)`, are at rest.
+/// Mean speed over `sqrt(g d)` below which grains are at rest.
 const REST: f64 = 0.01;
-/// Radius of the narrowest column that is fitted, diameters.
+/// Radius of the narrowest fitted column, diameters.
 const NARROWEST: f64 = 12.0;
 /// Tolerated deviation from the law.
 const TOLERANCE: f64 = 0.1;
-/// The angle of repose among measured values, degrees.
+/// Name of the measured angle of repose, degrees.
 const REPOSE: &str = "angle_of_repose";
 
-/// The law of the run-out.
+/// Law of the run-out.
 pub(super) const LAW: Law = Law {
     name: "collapse",
     statement: "a column of radius r0 and height h0 = a r0 runs out to r with (r - r0)/r0 = 1.24 a for a < 1.7, 1.6 sqrt(a) beyond",
@@ -62,7 +62,7 @@ pub(super) const LAW: Law = Law {
     figures,
 };
 
-/// Run-out over the first radius at an aspect ratio (Lube et al. 2004, equations 3.1 and 3.2).
+/// Run-out over the initial radius at an aspect ratio (Lube et al. 2004, equations 3.1 and 3.2).
 fn law(aspect: f64) -> f64 {
     if aspect < 1.7 { 1.24 * aspect } else { 1.6 * aspect.sqrt() }
 }
@@ -85,7 +85,7 @@ fn cases(quick: bool) -> Vec<Case> {
 }
 
 fn measure(case: &Case, run: &mut Run<'_>) -> Result<Values, RunError> {
-    // Of the heap nothing is chosen.
+    // The heap has no chosen values.
     if case.given.is_empty() {
         run.to(case.scene.duration)?;
         return Ok(values([(REPOSE, angle_of_repose(&case.scene, &run.frame()))]));
@@ -163,7 +163,7 @@ fn figures(means: &[Mean]) -> Vec<Figure> {
     vec![run_outs(&all), widths(&all)]
 }
 
-/// Other definitions of the deposit's edge, reported beside the one that is judged.
+/// Other definitions of the deposit's edge, reported in addition to the tested one.
 const ALTERNATIVES: [(&str, &str); 5] = [
     ("run_out_coverage_25", "a quarter covered"),
     ("run_out_coverage_100", "fully covered"),
@@ -172,15 +172,15 @@ const ALTERNATIVES: [(&str, &str); 5] = [
     ("run_out_99_percent", "99% of the solid volume"),
 ];
 
-/// The columns of one aspect ratio, narrow ones first.
+/// Columns of one aspect ratio, narrow ones first.
 struct Series<'a> {
-    /// Aspect ratio that was asked for.
+    /// Requested aspect ratio.
     aspect: f64,
     columns: Vec<&'a Mean>,
 }
 
 impl<'a> Series<'a> {
-    /// One for each aspect ratio, in their order.
+    /// Returns a series for each aspect ratio, in their order.
     fn all(means: &'a [Mean]) -> Vec<Series<'a>> {
         let groups = means.chunk_by(|a, b| a.of_value("nominal_aspect") == b.of_value("nominal_aspect"));
         let columns = groups.filter(|group| group[0].values.contains_key("nominal_aspect"));
@@ -193,7 +193,7 @@ impl<'a> Series<'a> {
         self.columns[self.columns.len() - 1]
     }
 
-    /// Columns that are wide enough to be fitted: `d/r0`, and a run-out over the law's.
+    /// Columns wide enough for the fit: `d/r0`, and the run-out over the law's.
     fn fitted(&self, name: &str) -> Vec<[f64; 2]> {
         self.columns.iter().filter(|column| is_fitted(column)).map(|column| point(column, name)).collect()
     }
@@ -203,17 +203,17 @@ fn is_fitted(mean: &Mean) -> bool {
     mean.of_value("radius") > (NARROWEST - 0.5) * DIAMETER
 }
 
-/// `d/r0`, and a run-out over the law's.
+/// `d/r0`, and the run-out over the law's.
 fn point(mean: &Mean, name: &str) -> [f64; 2] {
     [DIAMETER / mean.of_value("radius"), ratio(mean, name)]
 }
 
-/// A run-out over the law's.
+/// Run-out over the law's.
 fn ratio(mean: &Mean, name: &str) -> f64 {
     mean.of_value(name) / law(mean.of_value("aspect"))
 }
 
-/// Aspect ratio and radius of a column, and whether it is a quarter.
+/// Aspect ratio and radius of a column, with a note for a quarter column.
 fn words(mean: &Mean) -> String {
     let part = if mean.of_value("share") < 1.0 { ", a quarter" } else { "" };
     format!("a = {:.2}, r0 = {:.0} d{part}", mean.of_value("aspect"), mean.of_value("radius") / DIAMETER)
@@ -222,7 +222,7 @@ fn words(mean: &Mean) -> String {
 const OWN: CodeStyle = CodeStyle { class: "code-makadam", marker: Marker::Circle };
 const OTHER: CodeStyle = CodeStyle { class: "code-other", marker: Marker::Diamond };
 
-/// Run-outs over the aspect ratio, beside the law.
+/// Run-outs over the aspect ratio, with the law.
 fn run_outs(all: &[Series<'_>]) -> Figure {
     let columns = || all.iter().flat_map(|series| series.columns.iter());
     let aspects: Vec<f64> = columns().map(|mean| mean.of_value("aspect")).collect();
@@ -251,7 +251,7 @@ fn run_outs(all: &[Series<'_>]) -> Figure {
     figure("run-out", plot, "Run-out of collapsing columns", "measured, and the law of Lube et al. (2004).")
 }
 
-/// Ratios to the law over `d/r0`, with the lines that are judged at zero.
+/// Ratios to the law over `d/r0`, with the lines whose values at zero are tested.
 fn widths(all: &[Series<'_>]) -> Figure {
     let keys = [Key::Points(OWN, "measured (open: not fitted)"), Key::Line("curve neutral", "line of an aspect ratio")];
     let (x, y) = (Axis::linear("d/r0", 0.0, 0.14), Axis::linear("run-out over the law's", 0.3, 1.3));

@@ -75,7 +75,7 @@ fn seam(name: &str, level: f64, faces: &[Shape]) -> Case {
     let sketch = Sketch::new(name, 0.5)
         .domain([-0.5; 3], [0.5; 3])
         .interval(0.0025)
-        // Off the middle, so that the seam is not met at a corner.
+        // Off the middle, so that the grain does not cross the seam at a corner.
         .moving_grain(RADIUS, [-0.125, 0.013, height], [SPEED, 0.0, 0.0], spin);
     let scene = faces.iter().fold(sketch, |sketch, face| sketch.wall(face.clone())).scene();
     let right = "a ball that rolls over a seam between two faces of one height keeps its speed and its height";
@@ -96,7 +96,7 @@ fn around_a_cylinder(name: &str, friction: f64, inertia: f64) -> Case {
     let (sine, cosine) = swing.sin_cos();
     let arm = WIDE - RADIUS;
     let overlap = hertz_overlap(mass(RADIUS) * GRAVITY, [1e7; 2], RADIUS);
-    // The circle's own correction: theta^2/16 of the period.
+    // Finite-amplitude correction: theta^2/16 of the period.
     let period = TAU * (inertia * (arm + overlap) / GRAVITY).sqrt() * (1.0 + swing * swing / 16.0);
     let scene = Sketch::new(name, 3.0 * period)
         .friction(friction)
@@ -122,7 +122,7 @@ fn around_a_cylinder(name: &str, friction: f64, inertia: f64) -> Case {
     })
 }
 
-/// A grain between two planes that come closer to less than its diameter.
+/// Returns a grain between two planes that approach each other to less than its diameter.
 fn closing(name: &str, gap: f64) -> Sketch {
     const SPEED: f64 = 0.1;
     let stop = (3.0 * RADIUS - gap) / SPEED;

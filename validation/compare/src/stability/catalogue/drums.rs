@@ -1,4 +1,4 @@
-//! Drums from creeping to centrifuging, stopped and reversed, and the grain that lets go.
+//! Drums from creeping to centrifuging, stopped and reversed, and the grain that leaves the shell.
 
 use crate::sketch::{GRAVITY, RADIUS, Sketch, turning};
 use crate::stability::{Case, Evidence};
@@ -37,7 +37,7 @@ fn rate(froude: f64) -> f64 {
     (froude * GRAVITY / WIDE).sqrt()
 }
 
-/// A third of a drum of grains about the y axis, with end caps.
+/// Returns a drum about the y axis, one third full of grains, with end caps.
 fn drum(name: String, duration: f64, motion: Motion) -> Sketch {
     let (base, axis) = ([0.0, -0.5 * LONG, 0.0], [0.0, 1.0, 0.0]);
     let cap = |side: f64| Shape::Disc {
@@ -66,7 +66,7 @@ fn mean(values: impl Iterator<Item = f64>) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// Grains whose centre lies outside the shell or beyond a cap at the end.
+/// Grains with centres outside the shell or beyond an end cap.
 fn escaped(evidence: &Evidence<'_>) -> Finding {
     let outside = evidence.last().particles.iter().filter(|grain| {
         let [x, y, z] = grain.position;
@@ -84,7 +84,7 @@ fn rolling(froude: f64, duration: f64) -> Case {
 fn rolling_findings(evidence: &Evidence<'_>, froude: f64) -> Vec<Finding> {
     let ending = evidence.ending(0.3);
     let leaning = mean(ending.iter().map(|frame| lean(evidence, frame)));
-    // What falls through the drum is as fast as a free fall over its diameter.
+    // A grain that falls through the drum reaches the speed of a free fall over its diameter.
     let fastest = rate(froude) * WIDE + (2.0 * GRAVITY * 2.0 * WIDE).sqrt();
     vec![
         Finding::between("lean of the bed", leaning, 5.0, 60.0).in_unit("degrees"),
@@ -110,10 +110,10 @@ fn critical() -> Case {
 
 fn centrifuging() -> Case {
     let froude = 2.0;
-    // Smooth or rolling grains slip or roll back on the rising side, whatever presses them to the shell.
+    // Smooth or rolling grains slip or roll back on the rising side, whatever their normal force on the shell.
     let scene = drum("drum-froude-2".into(), 5.0, turning(rate(froude), None, None))
         .friction(2.0)
-        // YADE knows no other ratio of both.
+        // YADE has no other ratio of both.
         .materials(|material| material.rolling_friction = 2.0)
         .change_material("wall", |wall| wall.rolling_friction = 1.5)
         .interval(0.05)
@@ -143,7 +143,7 @@ fn lone_grain(froude: f64) -> Case {
     let arm = WIDE - RADIUS;
     let rate = (froude * GRAVITY / arm).sqrt();
     let stays = froude > 1.0;
-    // A grain that lets go flies on a parabola that meets the shell again after this time.
+    // A grain that leaves the shell flies on a parabola that reaches the shell again after this time.
     let flight = 2.0 * ((1.0 - froude).max(0.0) * arm / GRAVITY).sqrt();
     let (duration, right, source) = match stays {
         true => (

@@ -1,4 +1,4 @@
-//! Impacts: too fast for the step, with and without restitution, and the same scene at steps from a microsecond to a tenth of a
+//! Impacts: too fast for the step, with and without restitution, and one scene at steps from a microsecond to a tenth of a
 //! second.
 
 use crate::sketch::{GRAVITY, RADIUS, Sketch};
@@ -12,7 +12,7 @@ const NEWTON: &str = "Newton's law of impact";
 /// Time step of the impacts that are too fast for it, s.
 const STEP: f64 = 5e-4;
 
-/// A hundred diameters a step, m/s.
+/// Speed of a hundred diameters per step, m/s.
 const FAST: f64 = 100.0 * 2.0 * RADIUS / STEP;
 
 /// Restitution of walls that are hit fast.
@@ -28,7 +28,7 @@ pub(super) fn cases() -> Vec<Case> {
     cases
 }
 
-/// A space in which grains may fly for twenty steps.
+/// Returns a space in which grains may fly for twenty steps.
 fn fast(name: &str) -> Sketch {
     Sketch::new(name, 20.0 * STEP)
         .gravity([0.0; 3])
@@ -40,7 +40,7 @@ fn fast(name: &str) -> Sketch {
         .interval(STEP)
 }
 
-/// A case of a grain that flies fast, in which all codes have one time step.
+/// Returns a case of a fast grain, in which all codes have one time step.
 fn impact(
     sketch: Sketch,
     right: impl Into<String>,
@@ -61,7 +61,7 @@ fn plane(name: &str, restitution: f64, law: NormalLaw) -> Case {
     impact(sketch, right, move |evidence| rebound(evidence, [0.0, 0.0, 1.0], restitution))
 }
 
-/// Speed along a direction after the impact, and on which side of the face the grain is.
+/// Speed along a direction after the impact, and the side of the face on which the grain is.
 fn rebound(evidence: &Evidence<'_>, away: [f64; 3], restitution: f64) -> Vec<Finding> {
     let along = |vector: [f64; 3]| vector.iter().zip(away).map(|(a, b)| a * b).sum::<f64>();
     let grain = evidence.grain(0);
@@ -148,7 +148,7 @@ fn time_step(step: f64) -> Case {
         .open_box([-0.03, -0.03, 0.0], [0.03, 0.03, 0.5]);
     for place in 0..8 {
         let at = |bit: i32| f64::from(place >> bit & 1);
-        // A little aside, so that the upper ones roll off.
+        // Slightly off the axis, so that the upper ones roll off.
         let aside = 0.1 * RADIUS * at(2);
         let [x, y] = [0, 1].map(|bit| 2.2 * RADIUS * (at(bit) - 0.5) + aside);
         sketch = sketch.grain(RADIUS, [x, y, RADIUS + fall + 2.2 * RADIUS * at(2)]);
@@ -158,7 +158,7 @@ fn time_step(step: f64) -> Case {
     let right = format!("at a step of {step:.0e} s grains fall into a box, gain no energy and come to rest");
     let source = "conservation of energy; the box is closed below; balance of forces";
     Case::new("time steps", sketch.scene(), right, source, move |evidence| {
-        // Nothing is stored at the start, so kinetic and potential energy alone never exceed what they are then.
+        // No elastic energy is stored at the start, so kinetic and potential energy alone never exceed their initial sum.
         let energy = |frame: &Snapshot| evidence.mechanical(frame) - evidence.elastic(frame);
         let start = energy(&evidence.frames()[0]);
         let highest = evidence.frames().iter().map(energy).fold(f64::NEG_INFINITY, f64::max);

@@ -1,4 +1,4 @@
-//! Loads that a solver has to carry through: mass ratios, stacks, deep columns, hyperstatic jams, size and stiffness ratios.
+//! Loads that a solver has to carry: mass ratios, stacks, deep columns, hyperstatic jams, size and stiffness ratios.
 
 use crate::sketch::{DENSITY, GRAVITY, RADIUS, Sketch, hertz_overlap, mass};
 use crate::stability::{Case, Evidence};
@@ -8,10 +8,10 @@ use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 
 const BALANCE: &str = "balance of forces and Hertz's law (Johnson, Contact Mechanics, 1985, 4.2)";
 
-/// Share of the weight by which the force on walls may differ from it at rest.
+/// Tolerated deviation of the force on walls at rest, as a fraction of the weight.
 const WEIGHT: f64 = 0.01;
 
-/// Speed of grains at rest, m/s: a grain falls from that high in a step of 0.1 ms.
+/// Speed of grains at rest, m/s: the speed gained in free fall during a step of 0.1 ms.
 const AT_REST: f64 = 1e-3;
 
 pub(super) fn cases() -> Vec<Case> {
@@ -25,7 +25,7 @@ pub(super) fn cases() -> Vec<Case> {
     cases
 }
 
-/// Figures of a case, then those of rest: the walls carry the weight, nothing moves.
+/// Figures of a case, then those of rest: the walls carry the weight, all speeds are small.
 fn resting(evidence: &Evidence<'_>, own: Vec<Finding>) -> Vec<Finding> {
     let at_rest = [
         Finding::near("force on walls over weight", evidence.carried(0.1), 1.0, WEIGHT),
@@ -108,8 +108,8 @@ fn deep_column() -> Case {
         .sweeps(50)
         .scene();
     let pressure = mass(RADIUS) * GRAVITY * COUNT as f64 / (WIDTH * WIDTH);
-    // Grains rain down by up to this; between rough walls the bed keeps stress that their impact put into it. The momentum that
-    // they bring is at most that of a stream as dense as the bed.
+    // Grains rain down by up to this height; between rough walls the bed retains stress of their impact. Their momentum
+    // is at most that of a stream as dense as the bed.
     let drop = height - 200.0 * 2.0 * RADIUS;
     let impact = 0.6 * DENSITY * 2.0 * GRAVITY * drop;
     let bearable = (pressure + impact) * 4.0 * RADIUS * RADIUS;
@@ -209,7 +209,7 @@ fn size_ratio(ratio: f64) -> Case {
     let third = mass(LARGE) * GRAVITY / 3.0;
     let static_overlaps =
         hertz_overlap(third, [MODULUS; 2], small) + hertz_overlap(third, [MODULUS; 2], small * LARGE / touch);
-    // A little more than the static overlaps, since the small grains may lean apart while they load.
+    // Slightly more than the static overlaps, since the small grains may lean apart under load.
     let most = 2.0 * static_overlaps / small + 0.01;
     let right = format!("a grain {ratio} times as large stays on three small ones, whose friction is enough");
     let source = "Coulomb's cone holds: the tangent of half the lean, 3/(ratio + 1), is below the friction of 0.5";

@@ -1,7 +1,7 @@
-//! The hard cases, group by group.
+//! Stress tests, group by group.
 //!
-//! Each case says what is right and why. Bounds come from closed forms, conservation laws or what the wall of a container is
-//! for, never from what a code happened to give.
+//! Each case states its expected outcome and the reason. Bounds come from closed forms, conservation laws or the purpose of a
+//! container's wall, never from the result of a code.
 
 mod contacts;
 mod drums;
@@ -13,7 +13,7 @@ use crate::stability::Case;
 use crate::study::Finding;
 use makadam::scene::Region;
 
-/// All cases, in the order in which they are shown.
+/// Returns all cases, in the order of tables.
 pub fn catalogue() -> Vec<Case> {
     [loads::cases(), starts(), impacts::cases(), contacts::cases(), drums::cases()].into_iter().flatten().collect()
 }

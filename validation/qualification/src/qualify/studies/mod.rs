@@ -16,17 +16,17 @@ use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 
-/// A study under way: its section, still without results, and its items.
+/// Study in progress: its section, still without results, and its items.
 pub(super) struct Part<'a> {
     section: StudySection,
     items: Vec<Item<'a>>,
 }
 
-/// A case, a scene or a problem of a study.
+/// Case, scene or problem of a study.
 struct Item<'a> {
-    /// Each stores a result.
+    /// Jobs; each stores a result.
     jobs: Vec<Job<'a>>,
-    /// Puts the stored results together.
+    /// Combines the stored results.
     solved: Box<dyn FnOnce() -> Result<Solved, RunError> + 'a>,
 }
 
@@ -42,7 +42,7 @@ struct Solved {
 }
 
 impl<'a> Item<'a> {
-    /// An item of one job, whose result is that of the item.
+    /// Returns an item of one job, whose result is that of the item.
     fn of(
         identity: String,
         weight: f64,
@@ -67,7 +67,7 @@ impl<'a> Part<'a> {
         Part { section: StudySection { name, title, scope: scope.into(), ..StudySection::default() }, items }
     }
 
-    /// Hands out its jobs.
+    /// Takes the jobs out of the study.
     pub(super) fn jobs(&mut self) -> Vec<Job<'a>> {
         self.items.iter_mut().flat_map(|item| std::mem::take(&mut item.jobs)).collect()
     }
@@ -107,7 +107,7 @@ impl Place<'_> {
     }
 }
 
-/// A scene by its name in the table of tiers, with its file.
+/// Scene by its name in the table of tiers, with its file.
 #[derive(Clone)]
 struct Named {
     name: &'static str,
@@ -134,7 +134,7 @@ pub(super) fn open<'a>(study: &Study, place: Place<'a>) -> Result<Part<'a>, Qual
     }
 }
 
-/// Lets a job fail only if no other may follow: a run that fails by itself shows in the tests.
+/// Lets a job fail only if no other may follow: a run that fails by itself appears in the tests.
 fn unless_fatal<T>(result: Result<T, RunError>) -> Result<(), RunError> {
     match result {
         Err(error) if error.ends_all() => Err(error),

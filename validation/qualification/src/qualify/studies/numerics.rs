@@ -21,15 +21,15 @@ use makadam_view::draw::numbers::Rounding;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Seed of the scenes whose contact problems are posed.
+/// Seed of the scenes of the contact problems.
 const SEED: u64 = 1;
 
 const PROBLEMS: &str = "contact-problems";
 
-/// The contact problem of one step by Makadam's sweeps, by two solvers apart from them, and by Siconos, a code of contact dynamics that shares
+/// Contact problem of one step, solved by Makadam's sweeps, by two independent solvers, and by Siconos, a code of contact dynamics that shares
 /// no line with them.
 ///
-/// The problem is posed by this build. The recorded answers of Siconos are to recorded problems, which Makadam's solvers then solve too.
+/// This build poses the problem. The recorded answers of Siconos belong to recorded problems, which Makadam's solvers then solve too.
 pub(super) fn contact_problems(place: Place<'_>) -> Result<Part<'_>, QualifyError> {
     let cache = Arc::new(place.open(PROBLEMS)?);
     let item = |recorded: &'static Recorded| {
@@ -48,7 +48,7 @@ pub(super) fn contact_problems(place: Place<'_>) -> Result<Part<'_>, QualifyErro
     Ok(Part::new(PROBLEMS, "Contact problems", scope, RECORDED.iter().map(item).collect()))
 }
 
-/// Poses the problem of a scene, and has it and the recorded one solved by every solver there is.
+/// Poses the problem of a scene, and solves it and the recorded one by every available solver.
 fn solve_problem(recorded: &Recorded, place: Place<'_>) -> Result<Solved, RunError> {
     let clock = Instant::now();
     let share = (place.settings.announce)(&format!("{} contact problem", recorded.name));
@@ -102,7 +102,7 @@ fn problem_test(recorded: &Recorded, check: &Check, method: Method) -> StudyTest
 /// Effort of each method: that of `makadam lab convergence`.
 const EFFORT: Effort = Effort { iterations: 200, repetitions: 3 };
 
-/// Root mean square residual that every method has to reach, in the unit of the study: a hundredth of what gravity does in a step.
+/// Root mean square residual required of every method, in the unit of the study: a hundredth of the velocity that gravity adds in a step.
 const REACHED: f64 = TOLERANCES[1];
 
 /// Scene and method that are known not to reach it, with the reason.
@@ -161,7 +161,7 @@ fn solve_step(Named { name, file, scene }: &Named, place: Place<'_>) -> Result<S
     })
 }
 
-/// Tests that a method reaches the residual that it has to.
+/// Tests that a method reaches the required residual.
 fn method_test(scene: &str, curve: &Curve, unit: &str) -> StudyTest {
     let reached =
         curve.reached.iter().find(|reached| reached.tolerance == REACHED).expect("it is one of the tolerances");
@@ -176,7 +176,7 @@ fn method_test(scene: &str, curve: &Curve, unit: &str) -> StudyTest {
     test.with_exception(known.map(|(.., reason)| *reason))
 }
 
-/// The settings of the scenes against their converged references, over as many seeds as it takes to tell.
+/// Settings of the scenes compared with their converged references, over the number of seeds needed for a verdict.
 pub(super) fn tradeoff<'a>(scenes: &[(&'static str, u64)], place: Place<'a>) -> Result<Part<'a>, QualifyError> {
     let item = |&(name, seeds): &(&'static str, u64)| {
         let own = Arc::new(OwnSettings::new(Named::open(name, place)?, seeds, place));
@@ -188,13 +188,13 @@ pub(super) fn tradeoff<'a>(scenes: &[(&'static str, u64)], place: Place<'a>) -> 
     Ok(Part::new("tradeoff", "Accuracy of the settings of scenes", scope, items))
 }
 
-/// A scene with the settings of its file, and with those of its converged reference.
+/// Scene with the settings of its file, and with those of its converged reference.
 struct OwnSettings<'a> {
     place: Place<'a>,
     named: Named,
-    /// The scene, and its reference.
+    /// Scene and its reference.
     versions: [MeasuredScene; 2],
-    /// The reference's settings in words.
+    /// Settings of the reference as text.
     reference: String,
     seeds: u64,
 }
@@ -276,7 +276,7 @@ impl<'a> OwnSettings<'a> {
     }
 }
 
-/// Verdict on a deviation from the reference; it is absent where a seed has no value.
+/// Verdict on a deviation from the reference, which is absent where a seed has no value.
 fn verdict(deviation: Option<Ensemble>, bound: f64) -> (String, StudyOutcome) {
     let interval = deviation.and_then(|deviation| deviation.interval90());
     let (Some(deviation), Some([low, high])) = (deviation, interval) else {

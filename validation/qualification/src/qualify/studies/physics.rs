@@ -13,7 +13,7 @@ use std::sync::Arc;
 /// Wall time after which a stress test is stopped, s: that of the whole catalogue.
 const TIME_LIMIT: f64 = 600.0;
 
-/// The stress tests of `makadam stability`, in Makadam.
+/// Stress tests of `makadam stability`, in Makadam.
 pub(super) fn stress_tests<'a>(filters: &[&str], place: Place<'a>) -> Result<Part<'a>, QualifyError> {
     let cache = Arc::new(place.open("stability")?);
     let is_wanted = |case: &Case| filters.is_empty() || filters.iter().any(|filter| case.matches(filter));
@@ -40,7 +40,7 @@ fn case_test(case: &Case, outcome: &Outcome) -> StudyTest {
     StudyTest { remark, ..test }.with_exception(known_exception(&case.name))
 }
 
-/// Sweeps of a step, which turn the work of a law (grains times steps) into that of other jobs.
+/// Sweeps of a step, which convert the work of a law (grains times steps) to that of other jobs.
 const SWEEPS: f64 = 20.0;
 
 /// Published laws.
@@ -100,14 +100,14 @@ fn law_tests(result: &LawResult) -> Vec<StudyTest> {
     let bounded = result.findings.iter().filter(|finding| [finding.low, finding.high] != [None, None]);
     let tests = bounded.map(|finding| {
         let [measured, right] = figure_and_bounds(finding);
-        // A measured number is no part of a name.
+        // A measured number does not belong to a name.
         let what = finding.what.split(", I = ").next().unwrap_or(&finding.what);
         StudyTest::of(format!("{}: {what}", result.name), measured, right, finding.holds())
     });
     tests.collect()
 }
 
-/// Scenes with each of their effects off, or on: an effect that a scene is known to need must move a measured value.
+/// Scenes with each of their effects off, or on: an effect that a scene is known to need must change a measured value.
 pub(super) fn ablations<'a>(scenes: &[Ablated], place: Place<'a>) -> Result<Part<'a>, QualifyError> {
     let scope = "Scenes with each of their effects off, and resistance to turning on: what a scene is known to need must move an observable by \
                  more than its margin.";
@@ -162,7 +162,7 @@ fn ablation_rows(scene: &str, ablation: &Ablation) -> Result<File, DocumentError
     Table::named(columns).of(&ablation.rows, row).csv(&format!("effects-{scene}"))
 }
 
-/// Tests that the scene as it is has all its observables, and that it needs its effects.
+/// Tests that the unchanged scene has all its observables, and that it needs its effects.
 fn ablation_tests(ablated: &Ablated, ablation: &Ablation) -> Vec<StudyTest> {
     let unmeasured = |test: StudyTest| StudyTest { outcome: StudyOutcome::NotMeasured, ..test };
     let lacking: Vec<&str> =
@@ -177,7 +177,7 @@ fn ablation_tests(ablated: &Ablated, ablation: &Ablation) -> Vec<StudyTest> {
     for effect in ablated.needed.split(", ") {
         let rows: Vec<&Row> = ablation.rows.iter().filter(|row| row.effect == effect).collect();
         let lacks = |row: &&&Row| row.mean.is_some() && row.changed_mean.is_none();
-        // Where nothing can be measured without the effect, and that is known, the scene needs it as well.
+        // Where an effect is known to be necessary for any measurement, the scene needs it as well.
         let counts = ablated.unmeasurable.split(", ").any(|known| known == effect);
         let is_needed = |row: &&&Row| row.need == Need::Needed || counts && lacks(row);
         let names = |rows: Vec<&&Row>| rows.iter().map(|row| row.observable.as_str()).collect::<Vec<_>>().join(", ");
