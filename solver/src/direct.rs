@@ -1,7 +1,7 @@
 //! Direct reference solution: the contact problem of one small step, solved to rounding with dense matrices.
 //!
-//! With the relative velocities `u = G v`, the operator `A = G M^-1 G^T + Sigma'` and `w = A lambda + c`, where c holds the
-//! velocities without impulses and the biases (the [`LocalProblem`]), a solution is a zero of Alart and Curnier's function
+//! Let `u = G v` be the relative velocities, `A = G M^-1 G^T + Sigma'` the operator, and `w = A lambda + c`. The vector c contains the
+//! velocities without impulses and the biases (the [`LocalProblem`]). A solution is a zero of Alart and Curnier's function
 //!
 //! ```text
 //! y_n = lambda_n - w_n / D_n      Phi_n = lambda_n - max(0, y_n)

@@ -1,9 +1,9 @@
 //! Requests to stop a simulation within a step.
 //!
 //! A step with a long solve polls for stop requests between sweeps. On a request, the step is abandoned: positions are
-//! unchanged, velocities, spins and dynamic walls are restored to their state at its start, impulses are those of the
-//! last step, and no contacts are laid out, as after a resume from a checkpoint. Later steps, also after a resume from
-//! a checkpoint of this state, have the same bits as without the request.
+//! unchanged; velocities, spins and dynamic walls are restored to their state at its start; impulses are those of the
+//! last step. No contacts are laid out, as after a resume from a checkpoint. Later steps, also after a resume from a
+//! checkpoint of this state, have the same bits as without the request.
 
 use crate::scene::SolverSettings;
 use std::sync::Arc;

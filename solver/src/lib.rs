@@ -42,8 +42,8 @@
 //! Each module imports only from modules to its left and below it; `ARCHITECTURE.md` lists all modules, and
 //! [`docs/method.md`](method) describes the method: equations, stages, write access.
 //!
-//! **Same bits.** A scene and a seed give the same bits on any number of threads, with any scheduler and on any instruction set:
-//! boxes, stages and lane groups depend on the scene alone, the lane width of eight is a part of the algorithm, and every lane
+//! **Same bits.** A scene and a seed give the same bits on any number of threads, with any scheduler and on any instruction set.
+//! Boxes, stages and lane groups depend on the scene alone, and the lane width of eight is a part of the algorithm. Every lane
 //! has the same IEEE operations, without fused multiply-add and without approximate division or roots.
 
 /// Setters of a builder: name, value, and assignment of each setter.

@@ -8,8 +8,8 @@
 //! this value. Residuals, which have no scale in a field that passes through zero, and the scale of energies use the
 //! largest `|g|` of the run.
 //!
-//! Potential energy is `-m g(t) x`. A change of the field therefore adds or removes energy at rest, `-m x` times the change of g, which is
-//! a separate entry of the energy balance; x is the position half a step earlier, as in all potential energies of the balance.
+//! Potential energy is `-m g(t) x`. A change of the field therefore adds or removes energy at rest, `-m x` times the change of g, a
+//! separate entry of the energy balance. The position x is that half a step earlier, as in all potential energies of the balance.
 
 use super::catalogue::{Call, Change, Effect};
 use crate::scene::{DocumentPath, GravityChange, Scene};

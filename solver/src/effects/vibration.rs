@@ -15,7 +15,7 @@
 use super::catalogue::{Call, Change, Effect};
 use crate::scene::{DocumentPath, Motion, Scene};
 
-/// Prescribed motion of walls, of which vibration is one kind.
+/// Prescribed motion of walls, including vibration.
 pub static WALL_MOTION: Effect = Effect {
     off: Some(Change { words: "off", apply: |scene| stop(scene, |motion| !motion.is_driven()) }),
     ..Effect::of_scene("wall motion", |scene| {

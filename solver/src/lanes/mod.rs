@@ -154,7 +154,7 @@ pub trait Lanes: Number {
     unsafe fn load_pairs(base: *const Line, first: &[u32; LANES], second: &[u32; LANES]) -> [[Self; 4]; 2];
 
     /// Adds the transposed `halves` to the first three numbers of each half of the lines `base + indices[lane]`, times
-    /// the fourth number of the half and a factor for each half; unless `WHOLE`, to their first halves only.
+    /// the fourth number of the half and a factor for each half. Unless `WHOLE`, only first halves change.
     ///
     /// # Safety
     /// Each of these lines must be in writable memory, without other accesses during the call.

@@ -1,12 +1,12 @@
 //! Elastic compliance of the normal contact, and the stabilisation of its overlap.
 //!
-//! SPOOK (Lacoursière 2007) treats an overlap d as a constraint of compliance eps and damping time tau. With
-//! `Y = 1/(1 + 4 tau/h)` a contact gets the regularisation `Sigma' = 4 Y eps/h^2` and the bias
-//! `q = (4/h) Y d + Y u_n0`, where u_n0 is the normal velocity at the start of the step.
+//! SPOOK (Lacoursière 2007) treats an overlap d as a constraint of compliance eps and damping time tau. With `Y = 1/(1
+//! + 4 tau/h)` and the normal velocity u_n0 at the start of the step, a contact has the regularisation `Sigma' = 4 Y
+//! eps/h^2` and the bias `q = (4/h) Y d + Y u_n0`.
 //!
 //! Hertz's potential `2/5 k_H d^(5/2)` equals `g^2/(2 eps)` with `g = d^(5/4)` and `eps = 5/(4 k_H)` (up to the sign of
-//! g); dividing the constraint by dg/dd = (5/4) d^(1/4) leaves the overlap 0.8 d and the compliance
-//! `1/(1.25 k_H sqrt(d))`. At rest this gives back `force = k_H d^(3/2)`.
+//! g). Division of the constraint by dg/dd = (5/4) d^(1/4) leaves the overlap 0.8 d and the compliance `1/(1.25 k_H
+//! sqrt(d))`. At rest, the force is again `k_H d^(3/2)`.
 
 use crate::lanes::Number;
 use serde::{Deserialize, Serialize};
@@ -18,7 +18,7 @@ use serde::{Deserialize, Serialize};
 pub enum NormalLaw {
     /// No compliance.
     Rigid,
-    /// A linear spring.
+    /// Linear spring.
     Linear {
         /// Stiffness, N/m.
         stiffness: f64,

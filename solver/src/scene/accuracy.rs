@@ -140,8 +140,8 @@ impl Bed {
 
     /// Returns the longest step (s) in which no wall drives a grain past another grain and impacts stay within [`Watch::overlap`].
     ///
-    /// A bed that falls on itself at a speed v penetrates by c v h while the sweeps have not yet propagated the stop through the
-    /// whole bed (`docs/scene-checks.md`); v is the speed after a fall through the domain to the top of the bed.
+    /// A bed that falls on itself at a speed v penetrates by c v h while the sweeps have not yet stopped the whole bed
+    /// (`docs/scene-checks.md`). The speed v is that after a fall through the domain to the top of the bed.
     ///
     /// [`Watch::overlap`]: super::Watch::overlap
     fn longest_step(&self, scene: &Scene) -> f64 {

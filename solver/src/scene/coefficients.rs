@@ -150,9 +150,9 @@ pub struct Ceiling {
 pub enum Absent {
     /// Error: the coefficient is required.
     Refused,
-    /// This default value.
+    /// Default value.
     Value(f64),
-    /// The value of another key.
+    /// Value of another key.
     SameAs(&'static str),
     /// None: the effect is off.
     Off,

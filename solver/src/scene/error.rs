@@ -209,8 +209,8 @@ pub(super) fn label(path: &[Step]) -> String {
     label.trim_start_matches('.').to_string()
 }
 
-/// Returns the line (from 1) in the text of a scene of the value at a path such as `["material", "grain", "friction"]` or
-/// `["wall", "0", "motion"]`; for an absent value, the line of the nearest enclosing table; `None` if the text has neither.
+/// Returns the line (from 1) of the value at a path such as `["material", "grain", "friction"]` or `["wall", "0", "motion"]` in
+/// the text of a scene. Absent values have the line of the nearest enclosing table; `None` if the text has neither.
 pub fn line_of(text: &str, path: &[&str]) -> Option<usize> {
     let step = |step: &&str| step.parse().map_or_else(|_| Step::Name(step.to_string()), Step::Index);
     span_start(text, &path.iter().map(step).collect::<Vec<_>>()).map(|at| line_at(text, at))

@@ -174,7 +174,7 @@ fn jittered_lattice(
     if sites.len() < population.count {
         return Err(Misfit::TooSmall(sites.len()));
     }
-    // The lowest sites come first, so that the bed forms without a long fall; ties keep lattice order.
+    // The lowest sites come first, so that the bed forms without a long fall; sites of equal height retain lattice order.
     let up = -Vector3::from(scene.gravity);
     let layer = |site: &Vector3<f64>| (site.dot(&up) / (up.norm().max(1e-300) * 0.5 * lattice.pitch)).round() as i64;
     sites.sort_by_key(layer);
@@ -200,7 +200,7 @@ struct Lattice {
     jitter: f64,
     /// Largest radius, m.
     largest: f64,
-    /// The first site, m.
+    /// First site, m.
     start: Vector3<f64>,
     /// Number of further sites after the first along each axis; negative if no site fits.
     beyond: Vector3<f64>,

@@ -90,9 +90,9 @@ impl SolverSettings {
     /// Returns the approach speed (m/s) above which a contact with an unresolved impact has restitution, for a mean
     /// radius (m) and gravity (m/s2).
     ///
-    /// The speed is `restitution_threshold` if present. Otherwise it is the larger of `5 g h`, because a bounce of
-    /// fewer than ten steps is not resolved, and `0.16 sqrt(g d)`, the speed of grains in a bed at rest that settle by
-    /// a hundredth of a diameter. Without gravity, no bed comes to rest, and the speed is 0.
+    /// The speed is `restitution_threshold` if present, otherwise the larger of `5 g h` and `0.16 sqrt(g d)`. A bounce
+    /// of fewer than ten steps is not resolved (`5 g h`), and grains in a bed at rest that settle by a hundredth of a
+    /// diameter have such speeds (`0.16 sqrt(g d)`). Without gravity, no bed comes to rest, and the speed is 0.
     pub fn slowest_impact(&self, radius: f64, gravity: f64) -> f64 {
         let by_scales = (SLOWEST_BOUNCE * gravity * self.step).max(SHORTEST_FALL * (gravity * 2.0 * radius).sqrt());
         self.restitution_threshold.unwrap_or(by_scales)

@@ -3,8 +3,8 @@
 /// Returns at most `most` known names that are close to a word, the closest first; an empty list if no known name is close.
 ///
 /// A name is close if at most a third of the letters of the word must be added, dropped, changed or swapped with a
-/// neighbour, or if either name is a sequence of whole parts of the other, such as `below` in `share_below_mean`.
-/// Hyphens equal underscores, and case is ignored.
+/// neighbour. A name is also close if either name is a sequence of whole parts of the other, such as `below` in
+/// `share_below_mean`. Hyphens equal underscores, and case is ignored.
 pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>, most: usize) -> Vec<&'a str> {
     let word = plain(word);
     let letters = letters_of(&word);

@@ -186,7 +186,7 @@ impl Walls {
     }
 
     /// Returns an upper bound of the displacement (m) between two times (s) of a point of a wall within `radius` (m) of
-    /// the centre of its motion; for dynamic walls, since the build of the list.
+    /// the centre of its motion. The displacement of a dynamic wall is that since the build of the list.
     pub(crate) fn largest_shift(&self, from: f64, to: f64, radius: f64) -> f64 {
         let walls = self.walls.iter().filter(|wall| !wall.faces.is_empty());
         walls.map(|wall| wall.movement.largest_shift(from, to, radius)).fold(0.0, f64::max)
@@ -208,7 +208,7 @@ impl Walls {
     }
 
     /// Returns the pose of a wall at the start of a step of length `step` (s), with the velocity that leads to its
-    /// position at the end; a dynamic wall moves at `rate` (m/s or rad/s).
+    /// position at the end. A dynamic wall moves at `rate` (m/s or rad/s).
     pub(crate) fn pose_through(&self, wall: u32, time: f64, step: f64, rate: f64) -> Pose {
         self.walls[wall as usize].movement.through(time, step, rate)
     }

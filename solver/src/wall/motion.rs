@@ -295,8 +295,8 @@ impl Movement {
         self.steered.is_some() || !matches!(self.motion, Motion::Fixed)
     }
 
-    /// Returns an upper bound of the displacement (m) between two times (s) of a point of the wall within `radius` (m) of the
-    /// centre of the motion, unless the motion maps the wall onto itself; for a dynamic wall, since the build of the list.
+    /// Returns an upper bound of the displacement (m) between two times (s) of a point within `radius` (m) of the centre of the motion,
+    /// unless the motion maps the wall onto itself. The displacement of a dynamic wall is that since the build of the list.
     pub fn largest_shift(&self, from: f64, to: f64, radius: f64) -> f64 {
         if let Some(steered) = &self.steered {
             return steered.largest_shift(radius, self.turns);
