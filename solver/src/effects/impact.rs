@@ -66,8 +66,8 @@ pub struct Decision<N: Number> {
 }
 
 impl<N: Number> Impact<N> {
-    /// Creates the impact of a contact from its overlap (m), its normal velocity at the start of the step (m/s), its
-    /// stored speed and velocity (m/s), and the velocity due to its impulse in the last step (m/s).
+    /// Creates the impact of a contact. Input: overlap (m), normal velocity at the start of the step (m/s), stored
+    /// speed and velocity (m/s), and the velocity due to the impulse of the contact in the last step (m/s).
     #[inline(always)]
     pub fn of([overlap, velocity]: [N; 2], [speed, velocity_before]: [N; 2], given: N) -> Self {
         let zero = N::zero();

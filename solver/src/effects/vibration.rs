@@ -6,11 +6,11 @@
 //!
 //! with the amplitude vector A (m) and the frequency f (Hz); the largest acceleration is `A (2 pi f)^2`.
 //!
-//! A step moves grains by their velocity at its end, so the velocity of a wall in a step is the mean `(x(t+h) -
-//! x(t))/h`. A grain that stays in contact therefore follows the wall exactly, under the force `m (g + a)` with `a` the
-//! second difference of x over `h^2`. The approach speed at the start of the step, which distinguishes impacts from
-//! rest, is relative to the wall's mean velocity in the previous step: an accelerating wall does not impact resting
-//! grains. A start or a stop is a jump, as for any other motion.
+//! A step moves grains by their velocity at its end, so the velocity of a wall in a step is the mean
+//! `(x(t+h) - x(t))/h`. A grain that stays in contact therefore follows the wall exactly, under the force `m (g + a)`
+//! with `a` the second difference of x over `h^2`. The approach speed at the start of the step, which distinguishes
+//! impacts from rest, is relative to the wall's mean velocity in the previous step: an accelerating wall does not
+//! impact resting grains. A start or a stop is a jump, as for any other motion.
 
 use super::catalogue::{Call, Change, Effect};
 use crate::scene::{DocumentPath, Motion, Scene};

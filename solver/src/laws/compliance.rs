@@ -1,12 +1,12 @@
 //! Elastic compliance of the normal contact, and the stabilisation of its overlap.
 //!
-//! SPOOK (Lacoursière 2007) treats an overlap d as a constraint of compliance eps and damping time tau. With `Y = 1/(1
-//! + 4 tau/h)` and the normal velocity u_n0 at the start of the step, a contact has the regularisation `Sigma' = 4 Y
-//! eps/h^2` and the bias `q = (4/h) Y d + Y u_n0`.
+//! SPOOK (Lacoursière 2007) treats an overlap d as a constraint of compliance eps and damping time tau. With
+//! `Y = 1/(1 + 4 tau/h)`, the regularisation of a contact is `Sigma' = 4 Y eps/h^2` and its bias is
+//! `q = (4/h) Y d + Y u_n0`. The velocity u_n0 is the normal velocity at the start of the step.
 //!
 //! Hertz's potential `2/5 k_H d^(5/2)` equals `g^2/(2 eps)` with `g = d^(5/4)` and `eps = 5/(4 k_H)` (up to the sign of
-//! g). Division of the constraint by dg/dd = (5/4) d^(1/4) leaves the overlap 0.8 d and the compliance `1/(1.25 k_H
-//! sqrt(d))`. At rest, the force is again `k_H d^(3/2)`.
+//! g). Division of the constraint by dg/dd = (5/4) d^(1/4) leaves the overlap 0.8 d and the compliance
+//! `1/(1.25 k_H sqrt(d))`. At rest, the force is again `k_H d^(3/2)`.
 
 use crate::lanes::Number;
 use serde::{Deserialize, Serialize};
@@ -123,10 +123,10 @@ pub(crate) fn effective_radius<N: Number>(first: N, second: N) -> N {
 
 /// Returns the damping ratio, in [0, 10], of an impact without attraction and with the restitution `e`.
 ///
-/// For a linear spring and dashpot with a contact that ends at zero force (Schwager & Pöschel, Granular Matter 9,
-/// 2007), `ln e = -z/w (pi - atan2(2 z w, 1 - 2 z^2))` with `w = sqrt(1 - z^2)`, continued beyond z = 1. Hertz's law
-/// with damping in proportion to `d^(1/4)` has the same restitution at any speed: with `x = d^(5/4)` and the time `ds =
-/// d^(1/4) dt`, the law is a linear oscillator of `w0^2 = 5/4 k_H/m` (after Antypov & Elliott, EPL 94, 2011).
+/// A linear spring and dashpot with a contact that ends at zero force (Schwager & Pöschel, Granular Matter 9, 2007) has
+/// `ln e = -z/w (pi - atan2(2 z w, 1 - 2 z^2))` with `w = sqrt(1 - z^2)`, continued beyond z = 1. Hertz's law with
+/// damping in proportion to `d^(1/4)` has the same restitution at any speed. With `x = d^(5/4)` and the time
+/// `ds = d^(1/4) dt`, the law is a linear oscillator of `w0^2 = 5/4 k_H/m` (after Antypov & Elliott, EPL 94, 2011).
 pub fn damping_ratio(restitution: f64) -> f64 {
     // At this limit, the restitution is 0.0025. More damping would make contacts creep: their relaxation time is 2 zeta/w.
     const LARGEST: f64 = 10.0;

@@ -28,8 +28,8 @@ pub struct Material {
     /// Impact speed up to which restitution is constant, m/s; above it, restitution falls as the fourth root. Default: constant.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub restitution_speed: Option<f64>,
-    /// Coefficient of rolling friction: largest torque over effective radius times normal force. The effective radius is `r_a r_b / (r_a +
-    /// r_b)`, or the grain's radius at a wall.
+    /// Coefficient of rolling friction: largest torque over effective radius times normal force. The effective radius
+    /// is `r_a r_b / (r_a + r_b)`, or the grain's radius at a wall.
     #[serde(default, skip_serializing_if = "super::types::is_zero")]
     pub rolling_friction: f64,
     /// Coefficient of twisting friction, defined like `rolling_friction` for the torque along the normal.

@@ -258,8 +258,8 @@ impl Scene {
         pairs(false).chain(pairs(true))
     }
 
-    /// Returns the Rayleigh time step of explicit codes (s): the smallest over `grains` of `pi r sqrt(rho/G) / (0.1631
-    /// nu + 0.8766)`, with `G = E / (2 (1 + nu))`.
+    /// Returns the Rayleigh time step of explicit codes (s): the smallest over `grains` of
+    /// `pi r sqrt(rho/G) / (0.1631 nu + 0.8766)`, with `G = E / (2 (1 + nu))`.
     ///
     /// # Panics
     /// Panics if the material of a grain is not in the scene.

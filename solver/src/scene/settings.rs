@@ -75,8 +75,8 @@ pub enum TangentialLaw {
     },
 }
 
-/// Optimal cutoff of a candidate list beyond contact for long steps, over the mean radius and the root of `h
-/// sqrt(g/r)`: measured on drum and packing at 1 and 2 ms.
+/// Optimal cutoff of a candidate list beyond contact for long steps, over the mean radius and the root of
+/// `h sqrt(g/r)`: measured on drum and packing at 1 and 2 ms.
 const REACH: f64 = 4.0;
 /// Upper limit of the cutoff beyond contact for long steps, over the mean radius: longer steps were not measured.
 const LONGEST_REACH: f64 = 1.5;
@@ -100,9 +100,9 @@ impl SolverSettings {
 
     /// Returns the cutoff of the candidate list beyond contact (m) for a mean radius (m) and gravity (m/s2).
     ///
-    /// Neighbours separate at speeds of the order of `sqrt(g r)`. A list of cutoff `s` lives for about `s / (h sqrt(g
-    /// r))` steps, and the number of candidates per step grows in proportion to `s`. The total work is least if `s`
-    /// over the radius is proportional to the root of `h sqrt(g/r)`.
+    /// Neighbours separate at speeds of the order of `sqrt(g r)`. A list of cutoff `s` lives for about
+    /// `s / (h sqrt(g r))` steps, and the number of candidates per step grows in proportion to `s`. The total work is
+    /// least if `s` over the radius is proportional to the root of `h sqrt(g/r)`.
     pub fn reach(&self, radius: f64, gravity: f64) -> f64 {
         if radius <= 0.0 {
             return 0.0;

@@ -281,10 +281,10 @@ impl<'a> WallsAt<'a> {
 
     /// Returns the contact of a grain with a face in a step.
     ///
-    /// Input: index of the face; centre (m) and velocity (m/s) of the grain at the start; its radius (m); the step (s);
-    /// the velocity increment by gravity (m/s). Output: distance from the centre to the face (m), or to its tangent
-    /// plane at the impact of a grain too fast for the step; unit normal towards the face; true for a swept contact;
-    /// velocity of the wall at the contact, its change without a jump, and its drift in a rotation, m/s.
+    /// Input: index of the face; centre (m) and velocity (m/s) of the grain at the start; its radius (m); the step (s); the
+    /// velocity increment by gravity (m/s). Output: distance from the centre to the face (m), or to its tangent plane at the
+    /// impact of a grain too fast for the step; unit normal towards the face; true for a swept contact. Further output, m/s:
+    /// velocity of the wall at the contact, its change without a jump, and its drift in a rotation.
     #[inline]
     pub fn contact(
         &self,
