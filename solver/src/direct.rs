@@ -56,8 +56,8 @@ pub enum DirectError {
     /// The direct solution has no angular impulses.
     #[error("contacts resist rolling or twisting, which the direct solution leaves out; take a scene without")]
     Torques,
-    /// Neither Newton steps nor sweeps converge, as for some piles of rigid frictional grains, whose solutions are not
-    /// isolated.
+    /// Neither Newton steps nor sweeps converge, as for some piles of rigid frictional grains with solutions that are
+    /// not isolated.
     #[error("the direct solution stopped at a residual of {residual:e} m/s; there may be none at this friction")]
     NotConverged {
         /// Largest natural-map residual, m/s.

@@ -36,7 +36,7 @@ use std::ops::Range;
 
 type Vector = Vector3<f64>;
 
-/// Fraction of its radius: a grain with a smaller displacement per step, at a larger distance from a face, cannot cross the face.
+/// Fraction of the grain radius. A grain with a smaller displacement per step and a larger distance from a face cannot cross the face.
 pub(crate) const SHORT_WAY: f64 = 0.5;
 
 /// All walls of a scene, with their positions in the scene and their motions.
