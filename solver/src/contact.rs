@@ -1,15 +1,15 @@
-//! The geometry of a contact, for all who ask for it: the set-up of a step, the ledger, energies, snapshots, the contact problem.
+//! Geometry of a contact, shared by the set-up of a step, the energy balance, snapshots and the contact problem.
 //!
-//! Two spheres of radii a and b whose centres are an arm c apart, or a sphere of radius a at a distance D from a face of a wall:
+//! Two spheres of radii a and b with an arm c between their centres, or a sphere of radius a at a distance D from a face of a wall:
 //!
 //! ```text
 //! pair   D = |c|    n = c / D             gap = D - a - b    R* = a b / (a + b)    contact point at (D + a - b) / 2
 //! wall   D          n towards the face    gap = D - a        R* = a                contact point at a
 //! ```
 //!
-//! n is the unit normal from the first partner to the second, R* the effective radius; the contact point lies on n from the first
-//! centre. An overlap is a gap below zero. Impulses act at the arms a n and -b n: on the surfaces, not at the contact point. Friction P then
-//! takes `d n x P` from the angular momentum of two grains that overlap by d, which the ledger enters.
+//! n is the unit normal from the first partner to the second, R* the effective radius; the contact point lies on n from the first centre.
+//! An overlap is a gap below zero. Impulses act at the arms a n and -b n: on the surfaces, not at the contact point. Friction P then
+//! removes `d n x P` from the angular momentum of two grains with an overlap d; the balance has an entry for this term.
 
 use crate::detect::{PairCandidate, WallCandidate};
 use crate::lanes::{Number, dot, times};
@@ -19,14 +19,14 @@ use crate::laws::period::Period;
 use crate::world::{ContactMaterial, Sphere, World, WorldBesideBodies};
 use nalgebra::Vector3;
 
-/// Geometry of one contact, or of eight.
+/// Geometry of one contact, or of eight contacts.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ContactGeometry<N> {
     /// Unit normal from the first partner to the second.
     pub normal: [N; 3],
-    /// Gap, m; negative where the two overlap.
+    /// Gap, m; negative for an overlap.
     pub gap: N,
-    /// Overlap, m; negative where there is a gap. Of pairs it is not minus the gap to the last digit: each is rounded on its own.
+    /// Overlap, m; negative for a gap. For pairs, overlap and negative gap may differ in the last digit: each is rounded independently.
     pub overlap: N,
     /// Effective radius R*, m.
     pub effective_radius: N,
@@ -35,8 +35,8 @@ pub(crate) struct ContactGeometry<N> {
 }
 
 impl<N: Number> ContactGeometry<N> {
-    /// Of two spheres, given the arm from the first centre to the second (m) and their radii (m). Two with one centre have no
-    /// normal; any direction parts them.
+    /// Creates the geometry of two spheres from the arm from the first centre to the second (m) and their radii (m).
+    /// Coincident centres define no normal, and +z is used: any direction separates the spheres.
     #[inline(always)]
     pub fn of_pair(arm: [N; 3], [first, second]: [N; 2]) -> Self {
         let distance = dot(arm, arm).sqrt();
@@ -52,16 +52,16 @@ impl<N: Number> ContactGeometry<N> {
         }
     }
 
-    /// Of a sphere and a wall, given the distance from its centre to the face and the normal towards it: see
-    /// [`PlacedFace::nearest`](crate::wall::PlacedFace::nearest).
+    /// Creates the geometry of a sphere and a wall from the distance of its centre to the face and the normal towards
+    /// the face: see [`PlacedFace::nearest`](crate::wall::PlacedFace::nearest).
     #[inline(always)]
     pub fn with_wall(distance: N, normal: [N; 3], radius: N) -> Self {
         let (gap, overlap) = (distance - radius, radius - distance);
         ContactGeometry { normal, gap, overlap, effective_radius: radius, point: radius }
     }
 
-    /// Input of the normal laws, given the velocity along the normal (m/s), the sum of the inverse masses (1/kg), the effective
-    /// modulus (Pa) and the damping ratio.
+    /// Returns the input of the normal laws from the normal velocity (m/s), the sum of the inverse masses (1/kg), the
+    /// effective modulus (Pa) and the damping ratio.
     #[inline(always)]
     pub fn normal_contact(
         &self,
@@ -75,19 +75,19 @@ impl<N: Number> ContactGeometry<N> {
     }
 }
 
-/// Arms from the centres of two spheres to where impulses act on them, m.
+/// Returns the arms from the centres of two spheres to the points of action of impulses, m.
 pub(crate) fn lever_arms(normal: &Vector3<f64>, [first, second]: [f64; 2]) -> [Vector3<f64>; 2] {
     [normal * first, normal * -second]
 }
 
 impl World {
-    /// Geometry of the contact of two grains, by their places, where they are.
+    /// Returns the geometry of the contact between the grains in two slots, at their present positions.
     #[inline]
     pub(crate) fn pair_geometry(&self, first: usize, second: usize) -> ContactGeometry<f64> {
         between(&self.spheres, &self.period, first, second)
     }
 
-    /// The contact of two grains where they are, and its pull; without its velocity.
+    /// Returns the contact between two grains at their present positions, without its velocity, and its cohesive force.
     pub(crate) fn pair_contact(&self, pair: &PairCandidate) -> (NormalContact<f64>, Pull) {
         let (first, second) = (pair.first as usize, pair.second as usize);
         let material = self.table.between_grains(self.materials[first], self.materials[second]);
@@ -95,7 +95,7 @@ impl World {
         as_it_is(&self.pair_geometry(first, second), inverse_mass, material)
     }
 
-    /// The contact of a grain with a wall whose face is so far (m) from its centre, and its pull; without its velocity.
+    /// Returns the contact between a grain and a wall at a distance (m) from its centre, without its velocity, and its cohesive force.
     pub(crate) fn wall_contact(&self, wall: &WallCandidate, distance: f64) -> (NormalContact<f64>, Pull) {
         let grain = wall.body as usize;
         let geometry = ContactGeometry::with_wall(distance, [0.0; 3], self.spheres[grain].radius);
@@ -104,7 +104,7 @@ impl World {
 }
 
 impl WorldBesideBodies<'_> {
-    /// As [`World::pair_geometry`].
+    /// Returns the geometry, as [`World::pair_geometry`] does.
     #[inline]
     pub(crate) fn pair_geometry(&self, first: usize, second: usize) -> ContactGeometry<f64> {
         between(self.spheres, self.period, first, second)
@@ -117,7 +117,7 @@ fn between(spheres: &[Sphere], period: &Period, first: usize, second: usize) -> 
     ContactGeometry::of_pair(period.arm(&one.centre, &other.centre).into(), [one.radius, other.radius])
 }
 
-/// A contact without its velocity, and its pull.
+/// Returns a contact without its velocity, and its cohesive force.
 fn as_it_is(
     geometry: &ContactGeometry<f64>,
     inverse_mass: f64,

@@ -1,63 +1,63 @@
-//! A direct reference: the contact problem of one small step, solved to rounding with dense matrices.
+//! Direct reference solution: the contact problem of one small step, solved to rounding with dense matrices.
 //!
-//! With the relative velocities `u = G v`, the operator `A = G M^-1 G^T + Sigma'` and `w = A lambda + c`, where c holds the
-//! velocities without impulses and the biases (the [`LocalProblem`]), a solution is a zero of Alart and Curnier's function
+//! Let `u = G v` be the relative velocities, `A = G M^-1 G^T + Sigma'` the operator, and `w = A lambda + c`. The vector c contains the
+//! velocities without impulses and the biases (the [`LocalProblem`]). A solution is a zero of Alart and Curnier's function
 //!
 //! ```text
 //! y_n = lambda_n - w_n / D_n      Phi_n = lambda_n - max(0, y_n)
 //! y_t = lambda_t - w_t / D_t      Phi_t = lambda_t - P_r[y_t]        r = mu max(0, y_n)
 //! ```
 //!
-//! with the exact disc. Phi is piecewise smooth; Newton's method with one of its Jacobians ends after a few steps, once the sets of
-//! open, sticking and sliding contacts are right (P. Alart and A. Curnier, *A mixed formulation for frictional contact problems prone
-//! to Newton like solution methods*, Computer Methods in Applied Mechanics and Engineering 92, 1991). Far from there it may run in
-//! circles: a step counts only if a line search finds that `|D Phi|` falls, else Gauss-Seidel sweeps take over for a
-//! while. Where impulses are not determined the Jacobian is singular or nearly so. Directions then come from an operator
-//! with a little compliance, as in the proximal-point method (R. T. Rockafellar, SIAM Journal on Control and Optimization 14, 1976);
-//! the function whose zero is sought stays what it is.
+//! with the exact disc. Phi is piecewise smooth. Newton's method with one of its Jacobians converges in a few steps,
+//! once the sets of open, sticking and sliding contacts are correct (P. Alart and A. Curnier, *A mixed formulation for
+//! frictional contact problems prone to Newton like solution methods*, Computer Methods in Applied Mechanics and
+//! Engineering 92, 1991). Far from the solution, the method may cycle: a step is accepted only if a line search reduces
+//! `|D Phi|`, otherwise Gauss-Seidel sweeps follow. For indeterminate impulses, the Jacobian is singular or nearly
+//! singular. Directions then use an operator with a little compliance, as in the proximal-point method (R. T.
+//! Rockafellar, SIAM Journal on Control and Optimization 14, 1976); the function Phi is unchanged.
 //!
-//! Nothing here is shared with the kernels but the [problem](crate::problem) as plain data: it is a witness for all methods.
+//! This module shares only the [problem](crate::problem) as plain data with the kernels: an independent reference for all methods.
 
 use crate::Simulation;
 use crate::effects::drive::Drive;
 use crate::problem::LocalProblem;
 use nalgebra::{DMatrix, DVector, Vector2, Vector3};
 
-/// Most contacts: matrices are dense, and a step takes time with the third power.
+/// Largest number of contacts: matrices are dense, and the time of a step grows with the third power.
 pub const MOST_CONTACTS: usize = 500;
 
-/// Sweeps before the first Newton step, and where one fails.
+/// Sweeps before the first Newton step, and after a failed one.
 const SWEEPS: usize = 100;
 
-/// Rounds of Newton steps and sweeps before it gives up.
+/// Largest number of rounds of Newton steps and sweeps.
 const ROUNDS: usize = 300;
 
-/// Halvings of a Newton step.
+/// Largest number of halvings of a Newton step.
 const HALVINGS: usize = 12;
 
-/// Natural-map residual over the largest velocity of the problem at which it is solved.
+/// Natural-map residual of a solution, over the largest velocity of the problem.
 const TOLERANCE: f64 = 1e-14;
 
-/// Residual, over the same, that is no longer a solution.
+/// Largest accepted residual, over the largest velocity of the problem.
 const WORST: f64 = 1e-12;
 
-/// Shares of the operator's diagonal that are added to it in Newton's direction, one after the other until one leads down.
+/// Fractions of the operator's diagonal, added in Newton's direction one after another until a direction of descent is found.
 const REGULARISATIONS: [f64; 5] = [0.0, 1e-9, 1e-6, 1e-4, 1e-2];
 
 /// Reason for the lack of a direct solution.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum DirectError {
-    /// Matrices would be too large.
+    /// The matrices would be too large.
     #[error("{contacts} contacts are too many for dense matrices; take a scene with at most {MOST_CONTACTS}")]
     TooLarge {
-        /// Contacts of the step.
+        /// Number of contacts of the step.
         contacts: usize,
     },
-    /// Angular impulses have no place in it.
+    /// The direct solution has no angular impulses.
     #[error("contacts resist rolling or twisting, which the direct solution leaves out; take a scene without")]
     Torques,
-    /// Neither Newton steps nor sweeps arrive: so it is with some piles of rigid grains with friction, whose solutions are not
-    /// isolated.
+    /// Neither Newton steps nor sweeps converge, as for some piles of rigid frictional grains with solutions that are
+    /// not isolated.
     #[error("the direct solution stopped at a residual of {residual:e} m/s; there may be none at this friction")]
     NotConverged {
         /// Largest natural-map residual, m/s.
@@ -65,25 +65,25 @@ pub enum DirectError {
     },
 }
 
-/// A step's solution to rounding.
+/// Solution of a step to rounding.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DirectSolution {
     /// Velocities at the end of the step, by grain id, m/s.
     pub velocities: Vec<[f64; 3]>,
     /// Surface speeds (radius times angular velocity) at the end of the step, by grain id, m/s.
     pub scaled_spins: Vec<[f64; 3]>,
-    /// Rates of driven walls at the end of the step, in the order of the scene, m/s or rad/s.
+    /// Rates of dynamic walls at the end of the step, in the order of the scene, m/s or rad/s.
     pub wall_rates: Vec<f64>,
-    /// Impulses on the second body or wall of each contact that may bear one, N s.
+    /// Impulses on the second body or wall of each contact that may be active, N s.
     pub impulses: Vec<[f64; 3]>,
     /// Certificate: largest natural-map residual `|change of lambda| D` of any contact, m/s.
     pub residual: f64,
-    /// Newton steps that it took.
+    /// Number of Newton steps.
     pub newton_steps: usize,
 }
 
 impl Simulation {
-    /// Solves the contact problem of the next step directly. The simulation itself stays as it is.
+    /// Solves the contact problem of the next step directly. The simulation remains unchanged.
     ///
     /// # Errors
     /// [`DirectError`] if there are more than [`MOST_CONTACTS`] contacts or no solution was found.
@@ -114,14 +114,14 @@ impl Simulation {
     }
 }
 
-/// The solution of a local problem to rounding.
+/// Solution of a local problem to rounding.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LocalSolution {
     /// Impulses in the frames of the contacts, N s.
     pub impulses: Vec<Vector3<f64>>,
     /// Certificate: largest natural-map residual `|change of lambda| D` of any contact, m/s.
     pub residual: f64,
-    /// Newton steps that it took.
+    /// Number of Newton steps.
     pub newton_steps: usize,
 }
 
@@ -145,7 +145,7 @@ impl LocalProblem {
     }
 }
 
-/// The problem as dense matrices, three rows a contact.
+/// Problem as dense matrices, three rows per contact.
 struct Dense {
     /// Coefficient of friction of each contact.
     friction: Vec<f64>,
@@ -171,7 +171,7 @@ impl Dense {
         let flat = |vectors: &[Vector3<f64>]| DVector::from_iterator(rows, vectors.iter().flatten().copied());
         let (offset, mut diagonal) = (flat(&local.offset), operator.diagonal());
         for row in (0..rows).step_by(3) {
-            // Sliding opposes the velocity only if both directions are scaled alike: a driven wall gives more way in one.
+            // Sliding opposes the velocity only if both directions have the same scale: a dynamic wall is more mobile in one direction.
             let larger = diagonal[row + 1].max(diagonal[row + 2]);
             diagonal.rows_mut(row + 1, 2).fill(larger);
         }
@@ -179,7 +179,7 @@ impl Dense {
         Dense { friction: local.friction.clone(), operator, offset, diagonal, impulses: flat(&local.impulses), scale }
     }
 
-    /// Newton steps, with sweeps where they fail; returns the number of steps. Leaves impulses inside their cones.
+    /// Runs Newton steps, with sweeps after failed ones; returns the number of steps. The resulting impulses are inside their cones.
     fn solve(&mut self) -> usize {
         let mut steps = 0;
         self.sweep(SWEEPS);
@@ -196,7 +196,7 @@ impl Dense {
                 None => self.sweep(SWEEPS),
             }
         }
-        // At the zero this changes nothing but rounding.
+        // At the zero of Phi, the projection changes only rounding.
         let projected = self.projected(&self.impulses);
         let worse = self.scaled_function(&projected).amax() > 2.0 * self.scaled_function(&self.impulses).amax();
         if !worse {
@@ -205,7 +205,7 @@ impl Dense {
         steps
     }
 
-    /// The point of a line search along Newton's direction where `|D Phi|` has fallen; absent where there is none.
+    /// Returns the point of a line search along Newton's direction with a smaller `|D Phi|`, if any.
     fn newton_step(&self, residual: &DVector<f64>) -> Option<DVector<f64>> {
         let norm = residual.norm();
         for regularisation in REGULARISATIONS {
@@ -223,7 +223,7 @@ impl Dense {
         None
     }
 
-    /// `lambda - w / D`, all of it.
+    /// Returns the complete target `lambda - w / D`.
     fn target(&self, impulses: &DVector<f64>) -> DVector<f64> {
         impulses - (&self.operator * impulses + &self.offset).component_div(&self.diagonal)
     }
@@ -239,16 +239,16 @@ impl Dense {
         projected
     }
 
-    /// `D Phi`, m/s: the natural map that methods report too.
+    /// Returns `D Phi`, m/s: the natural map that methods also report.
     fn scaled_function(&self, impulses: &DVector<f64>) -> DVector<f64> {
         (impulses - self.projected(&self.target(impulses))).component_mul(&self.diagonal)
     }
 
-    /// A Jacobian of `D Phi` by `D lambda`, of an operator that has a share of its diagonal added to it.
+    /// Returns a Jacobian of `D Phi` by `D lambda`, for an operator with a fraction of its diagonal added.
     fn jacobian(&self, regularisation: f64) -> DMatrix<f64> {
         let size = self.impulses.len();
         let target = self.target(&self.impulses);
-        // Of y by lambda: I - A / D.
+        // Derivative of y by lambda: I - A / D.
         let mut by_impulse = -&self.operator;
         for row in 0..size {
             by_impulse.row_mut(row).unscale_mut(self.diagonal[row]);
@@ -269,7 +269,7 @@ impl Dense {
                 if length <= radius {
                     change -= by_impulse.row(row + 1 + axis);
                 } else {
-                    // P = r y/|y|: it turns with y and grows with r.
+                    // P = r y/|y|: its direction follows y, and its magnitude follows r.
                     let along = tangential / length;
                     for other in 0..2 {
                         let turns = f64::from(u8::from(axis == other)) - along[axis] * along[other];
@@ -288,7 +288,7 @@ impl Dense {
         jacobian
     }
 
-    /// Gauss-Seidel over contacts.
+    /// Runs Gauss-Seidel sweeps over the contacts.
     fn sweep(&mut self, times: usize) {
         for _ in 0..times {
             for (index, &friction) in self.friction.iter().enumerate() {
@@ -305,7 +305,7 @@ impl Dense {
     }
 }
 
-/// Coulomb's law: repulsion, then the disc at that normal impulse.
+/// Projects by Coulomb's law: repulsion, then the disc for the resulting normal impulse.
 fn project([normal, u, v]: [f64; 3], friction: f64) -> [f64; 3] {
     let normal = normal.max(0.0);
     let (length, radius) = (u.hypot(v), friction * normal);

@@ -1,4 +1,4 @@
-//! All that can go wrong with the use of the library, as one type.
+//! Common error type of the library.
 
 use crate::SettingError;
 use crate::scene::{SceneError, SceneFileError};
@@ -9,22 +9,22 @@ use crate::solve::NotConverged;
 /// Error of the library.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// A scene breaks a rule, or its grains cannot be placed.
+    /// A scene is invalid, or its grains cannot be placed.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// A scene from a file breaks a rule, with the line.
+    /// A scene from a file is invalid; the error contains the line.
     #[error(transparent)]
     SceneFile(#[from] SceneFileError),
-    /// The machine, or the scene, does not go with a setting.
+    /// A setting is incompatible with the machine or the scene.
     #[error(transparent)]
     Setting(#[from] SettingError),
-    /// A checkpoint cannot be written, or gone on from.
+    /// A checkpoint cannot be written or resumed.
     #[error(transparent)]
     Checkpoint(#[from] CheckpointError),
     /// An intervention between steps cannot be applied.
     #[error(transparent)]
     Intervention(#[from] InterventionError),
-    /// A solve ended before it came to its bound.
+    /// A solve ended before its residual bound.
     #[error(transparent)]
     NotConverged(#[from] NotConverged),
 }

@@ -7,23 +7,23 @@ use crate::scene::{Precision, Scene, SolverMethod, Stop};
 use crate::schedule::Scheduler;
 use crate::{Error, SettingError};
 
-/// Threads, the way in which they share tasks, and the instruction set of the kernels. The result depends on none of them.
+/// Threads, their scheduler, and the instruction set of the kernels. The result does not depend on these settings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Execution {
-    /// Way in which threads share tasks.
+    /// Scheduler of the tasks.
     pub scheduler: Scheduler,
     /// Number of threads.
     pub threads: usize,
     /// Instruction set of the kernels.
     pub instruction_set: InstructionSet,
-    /// Lane groups ahead of a sweep whose bodies are fetched into the cache; 0 leaves it to the processor. Absent, as many as pay.
+    /// Prefetch distance of a sweep in lane groups; 0 disables software prefetching. Default: the distance that pays.
     pub prefetch: Option<usize>,
     /// Task granularity.
     pub portion: Portion,
 }
 
 impl Execution {
-    /// One thread on the widest instruction set.
+    /// Returns the settings of one thread on the widest instruction set.
     pub fn serial() -> Execution {
         Execution {
             scheduler: Scheduler::Serial,
@@ -34,16 +34,16 @@ impl Execution {
         }
     }
 
-    /// Returns true if this is the serial execution that a speed-up of the other one refers to.
+    /// Returns true if this is the serial reference for a speed-up of the other execution.
     pub fn is_serial_of(&self, other: &Execution) -> bool {
         self.scheduler == Scheduler::Serial
             && (self.instruction_set, self.portion) == (other.instruction_set, other.portion)
     }
 
-    /// Makes a simulation run so from its next step on.
+    /// Applies the settings to a simulation from its next step on.
     ///
     /// # Errors
-    /// [`SettingError::NoInstructionSet`] where the processor lacks it, [`SettingError::NoThreads`] where the system gives no more.
+    /// [`SettingError::NoInstructionSet`] if the processor lacks the set, [`SettingError::NoThreads`] if the system cannot start more threads.
     pub fn apply(&self, simulation: &mut Simulation) -> Result<(), SettingError> {
         simulation.use_instruction_set(self.instruction_set)?;
         simulation.use_prefetch(self.prefetch);
@@ -52,9 +52,9 @@ impl Execution {
     }
 }
 
-/// A simulation in the making: [`Simulation::builder`].
+/// Builder of a simulation: [`Simulation::builder`].
 ///
-/// What is not said goes by the scene, on one thread and the widest instruction set that the processor has.
+/// Defaults are the settings of the scene, one thread, and the widest instruction set of the processor.
 #[derive(Clone, Debug)]
 pub struct SimulationBuilder {
     scene: Scene,
@@ -63,7 +63,7 @@ pub struct SimulationBuilder {
 }
 
 impl Simulation {
-    /// A simulation of a scene in the making.
+    /// Returns a builder of a simulation of a scene.
     pub fn builder(scene: &Scene) -> SimulationBuilder {
         SimulationBuilder { scene: scene.clone(), seed: scene.seed, execution: Execution::serial() }
     }
@@ -71,9 +71,9 @@ impl Simulation {
 
 impl SimulationBuilder {
     crate::setters! {
-        /// Seed of the places and radii of grains; that of the scene where none is given.
+        /// Seed of the positions and radii of grains; default: the seed of the scene.
         seed(seed: u64) |builder| builder.seed = seed;
-        /// Way in which threads share tasks.
+        /// Scheduler of the tasks.
         scheduler(scheduler: Scheduler) |builder| builder.execution.scheduler = scheduler;
         /// Instruction set of the kernels; all give the same bits.
         instruction_set(instruction_set: InstructionSet) |builder| builder.execution.instruction_set = instruction_set;
@@ -83,13 +83,13 @@ impl SimulationBuilder {
         time_step(step: f64) |builder| builder.scene.solver.step = step;
         /// Stopping rule of a solve, instead of the scene's.
         stop(stop: Stop) |builder| builder.scene.solver.stop = stop;
-        /// Method of solution, instead of the scene's.
+        /// Solution method, instead of the scene's.
         method(method: SolverMethod) |builder| builder.scene.solver.method = method;
         /// Precision of the sweeps, instead of the scene's.
         precision(precision: Precision) |builder| builder.scene.solver.precision = precision;
     }
 
-    /// Number of threads; they steal work from each other unless a [`scheduler`](SimulationBuilder::scheduler) is given.
+    /// Number of threads; the default [`scheduler`](SimulationBuilder::scheduler) for several threads is work stealing.
     pub fn threads(mut self, threads: usize) -> SimulationBuilder {
         self.execution.threads = threads;
         if self.execution.scheduler == Scheduler::Serial && threads > 1 {
@@ -98,11 +98,11 @@ impl SimulationBuilder {
         self
     }
 
-    /// Places the grains and makes ready for the first step.
+    /// Places the grains and prepares the first step.
     ///
     /// # Errors
-    /// [`Error::Scene`] where the scene with these settings is not sound or its grains cannot be placed, [`Error::Setting`] where the
-    /// machine cannot carry it out so. Nothing is replaced in silence by what there is.
+    /// [`Error::Scene`] if the scene is invalid with these settings or its grains cannot be placed, [`Error::Setting`]
+    /// if the machine does not support a setting. No setting is replaced silently.
     pub fn build(self) -> Result<Simulation, Error> {
         let mut simulation = Simulation::new(&self.scene, self.seed)?;
         self.execution.apply(&mut simulation)?;

@@ -1,15 +1,15 @@
-//! Asking a simulation to stop inside a step.
+//! Requests to stop a simulation within a step.
 //!
-//! A step whose solve may be long looks between sweeps whether it was asked to stop. If so it is abandoned: nothing has moved,
-//! velocities, spins and driven walls get back what they had when it began, impulses are those that the last step left, and no
-//! contacts are laid out, as in a simulation that was resumed from a checkpoint. Later steps, and steps of what is resumed from a
-//! checkpoint of that state, have the bits that they would have had.
+//! A step with a long solve polls for stop requests between sweeps. On a request, the step is abandoned: positions are
+//! unchanged; velocities, spins and dynamic walls are restored to their state at its start; impulses are those of the
+//! last step. No contacts are laid out, as after a resume from a checkpoint. Later steps, also after a resume from a
+//! checkpoint of this state, have the same bits as without the request.
 
 use crate::scene::SolverSettings;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// A request to stop, shared by who asks and who is asked. Clones are one and the same.
+/// Request to stop, shared by the caller and the simulation. All clones share one request.
 #[derive(Clone, Debug, Default)]
 pub struct Interrupt(Arc<Request>);
 
@@ -19,32 +19,32 @@ struct Request {
 }
 
 impl Interrupt {
-    /// One that was not asked for yet.
+    /// Creates an interrupt without a request.
     pub fn new() -> Interrupt {
         Interrupt::default()
     }
 
-    /// Asks for a stop; whether it had been asked for before.
+    /// Requests a stop; returns true if a stop was already requested.
     pub fn request(&self) -> bool {
         self.0.made.swap(true, Ordering::SeqCst)
     }
 
-    /// Returns true if a stop was asked for.
+    /// Returns true if a stop is requested.
     #[inline]
     pub fn is_requested(&self) -> bool {
         self.0.made.load(Ordering::Relaxed)
     }
 
-    /// Takes the request back, between steps.
+    /// Clears the request, between steps.
     pub fn clear(&self) {
         self.0.made.store(false, Ordering::SeqCst);
     }
 }
 
-/// Sweeps that a solve may take unasked: so few are over soon, and need nothing kept to go back to.
+/// Largest number of sweeps of a solve without polls: short solves end soon, and need no stored state.
 const UNASKED: u64 = 64;
 
-/// Returns true if solves look for an interrupt.
+/// Returns true if solves poll for an interrupt.
 pub(crate) fn polls_interrupt(settings: &SolverSettings) -> bool {
     u64::from(settings.stop.max_sweeps()) * u64::from(settings.inner_sweeps.max(1)) > UNASKED
 }

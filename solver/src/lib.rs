@@ -25,8 +25,8 @@
 //! ```
 //!
 //! A scene comes from code, as here, or from a file ([`Scene::load`]); [`Simulation`] steps it; [`Frame`] and
-//! [`Snapshot`] are what leaves it; [`watch`] notices when its numbers are invalid; [`Error`] is all that can go
-//! wrong. The laws of contacts stand in [`effects`], walls in [`wall`], the methods of solution in [`methods`].
+//! [`Snapshot`] contain results; [`watch`] detects invalid runs; [`Error`] covers all errors. Contact laws are in
+//! [`effects`], walls in [`wall`], solution methods in [`methods`].
 //!
 //! ```text
 //! scene.toml, builder -- scene --> world (grains, walls, materials, clock)
@@ -34,19 +34,19 @@
 //!    +------------------- step (simulation) --------------------+
 //!    | detect ----> constrain ----> solve ----> move            | --> Frame, Snapshot, StepReport
 //!    |    \            /               \                        |
-//!    |     partition                    methods, sweep          |      in which order, and who may write what
-//!    |     schedule                                             |      who does it when
+//!    |     partition                    methods, sweep          |      order of contacts, write access
+//!    |     schedule                                             |      assignment of tasks to threads
 //!    +----------------------------------------------------------+
 //! ```
 //!
-//! Each room imports from those to its left and below it alone; `ARCHITECTURE.md` lists them all, and [`docs/method.md`](method) is the
-//! page of the method: equations, stages, who writes what.
+//! Each module imports only from modules to its left and below it; `ARCHITECTURE.md` lists all modules, and
+//! [`docs/method.md`](method) describes the method: equations, stages, write access.
 //!
-//! **Same bits.** A scene and a seed give the same bits on any number of threads, with any scheduler and on any instruction
-//! set: boxes, stages and lane groups depend on the scene alone, the lane width of eight is a part of the algorithm, and
-//! every lane does the same IEEE operations, without fused multiply-add and without approximate division or roots.
+//! **Same bits.** A scene and a seed give the same bits on any number of threads, with any scheduler and on any instruction set.
+//! Boxes, stages and lane groups depend on the scene alone, and the lane width of eight is a part of the algorithm. Every lane
+//! has the same IEEE operations, without fused multiply-add and without approximate division or roots.
 
-/// Setters of a builder: name, value, and the assignment that each makes.
+/// Setters of a builder: name, value, and assignment of each setter.
 macro_rules! setters {
     ($($(#[$about:meta])* $name:ident($value:ident: $kind:ty) |$builder:ident| $set:expr;)*) => {
         $($(#[$about])*
@@ -125,7 +125,7 @@ pub use snapshot::{Contact, Frame, Partner, Snapshot};
 pub use solve::{NotConverged, SolveReport, StopReason};
 pub use sweep::{Residual, Residuals};
 
-/// Identifier of this build among all builds whose bits may differ: the version and, behind a dash, 16 hexadecimal digits of a
-/// hash over the sources of the solver and the packages that compute. Builds of the same sources have the same, wherever and
-/// however they are made, and give the same bits; whatever keeps states or results to go on from keeps this with them.
+/// Identifier of this build among all builds with possibly different bits: the version and, after a dash, 16 hexadecimal digits
+/// of a hash over the sources of the solver and the numerical packages. All builds of the same sources have the same identifier
+/// and give the same bits; stored states and results that a run can resume from contain this identifier.
 pub const BUILD: &str = concat!(env!("CARGO_PKG_VERSION"), "-", env!("MAKADAM_BUILD_KEY"));

@@ -1,7 +1,7 @@
-//! All effects as data: how a scene calls for each, what it says of it, and what becomes of a scene without it.
+//! Catalogue of all effects: the condition in a scene, the description, and the change of a scene that switches an effect off.
 //!
-//! The descriptor of an effect is in its own file, next to its law. Compilation of effects, `makadam effects`, its ablation and the
-//! refusals of other codes go by [`CATALOGUE`]; a test compares it with the table of `docs/effects.md`.
+//! The descriptor of an effect is in its own file, next to its law. The compilation of effects, `makadam effects`, its ablation
+//! and the rejections of reference codes use [`CATALOGUE`]; a test compares it with the table of `docs/effects.md`.
 
 use super::EffectSet;
 pub use super::{
@@ -13,66 +13,66 @@ use crate::scene::coefficients::Coefficients;
 pub use crate::scene::coefficients::{Absent, Ceiling, Coefficient, Combination, Meeting, SMALLER, coefficients};
 use crate::scene::{ContactCoefficients, DocumentPath, Material, PairRule, Scene};
 
-/// An effect.
+/// Effect: its coefficients, its condition and its changes.
 #[derive(Debug)]
 pub struct Effect {
-    /// Its name in tables and messages.
+    /// Name in tables and messages.
     pub name: &'static str,
-    /// Coefficients that materials and rules of pairs give; empty where a scene calls for it elsewhere.
+    /// Coefficients of materials and pair rules; empty if another part of a scene enables the effect.
     pub coefficients: &'static [Coefficient],
-    /// Combination of two materials; absent where it has no coefficients.
+    /// Combination of two materials; absent for an effect without coefficients.
     pub combination: Option<Combination>,
-    /// Condition under which a scene has it.
+    /// Condition under which a scene has the effect.
     pub trigger: Trigger,
-    /// Change that switches it off; absent where there is no such scene to compare with.
+    /// Change that switches the effect off; absent if no such scene exists for a comparison.
     pub off: Option<Change>,
-    /// Change that switches it on for an ablation; absent where there is none.
+    /// Change that switches the effect on for an ablation, if any.
     pub tried: Option<Change>,
-    /// Member of [`EffectSet`]; absent where nothing is compiled, laid out or passed over for it.
+    /// Member of [`EffectSet`]; absent if no kernel, memory layout or pass depends on the effect.
     pub(crate) member: Option<fn(&mut EffectSet) -> &mut bool>,
 }
 
 /// Condition under which a scene has an effect.
 #[derive(Debug)]
 pub enum Trigger {
-    /// By the coefficients of some contact.
+    /// Coefficients of at least one contact.
     Contacts {
-        /// Returns true if a contact has it.
+        /// Returns true if a contact has the effect.
         acts: fn(&ContactCoefficients) -> bool,
         /// Statement for scenes without it.
         without: &'static str,
     },
-    /// By what it says elsewhere; an error is what is the case without it.
+    /// Another part of the scene; the error describes the case without the effect.
     Scene(fn(&Scene) -> Result<Call, &'static str>),
 }
 
-/// A scene's call for an effect.
+/// Part of a scene that enables an effect.
 #[derive(Clone)]
 pub struct Call {
-    /// Statement of the scene.
+    /// Description of the part.
     pub why: String,
-    /// Place in the document.
+    /// Path in the document.
     pub place: DocumentPath,
 }
 
-/// A change of a scene.
+/// Change of a scene.
 #[derive(Debug)]
 pub struct Change {
-    /// The change in words.
+    /// Description of the change.
     pub words: &'static str,
-    /// Makes it.
+    /// Applies the change.
     pub apply: fn(&mut Scene),
 }
 
 impl Change {
-    /// A change that switches an effect off.
+    /// Creates a change that switches an effect off.
     pub(super) const fn off(apply: fn(&mut Scene)) -> Option<Change> {
         Some(Change { words: "off", apply })
     }
 }
 
 impl Effect {
-    /// An effect of contacts.
+    /// Creates an effect of contacts.
     pub(super) const fn of_contacts(
         name: &'static str,
         (coefficients, combination): Coefficients,
@@ -83,16 +83,16 @@ impl Effect {
         Effect { name, coefficients, combination, trigger, off: None, tried: None, member: None }
     }
 
-    /// An effect without a coefficient.
+    /// Creates an effect without a coefficient.
     pub(super) const fn of_scene(name: &'static str, calls: fn(&Scene) -> Result<Call, &'static str>) -> Effect {
         let (off, tried, member) = (None, None, None);
         Effect { name, coefficients: &[], combination: None, trigger: Trigger::Scene(calls), off, tried, member }
     }
 
-    /// Finds the statement of a scene that enables the effect.
+    /// Finds the part of a scene that enables the effect.
     ///
     /// # Errors
-    /// What is the case without it, where nothing does.
+    /// Description of the case without the effect.
     pub fn called_by(&self, scene: &Scene) -> Result<Call, &'static str> {
         match &self.trigger {
             Trigger::Scene(calls) => calls(scene),
@@ -103,7 +103,7 @@ impl Effect {
         }
     }
 
-    /// The material, or else the rule, whose contacts have the effect.
+    /// Returns the first material, or else the first pair rule, with contacts that have the effect.
     fn first_that_says_so(&self, scene: &Scene, acts: fn(&ContactCoefficients) -> bool) -> Call {
         let root = DocumentPath::default();
         let alone = |one| Meeting { first: one, second: one, rule: None, wall: true };
@@ -124,7 +124,7 @@ impl Effect {
         of_material.flatten().or_else(of_rule).unwrap_or_else(|| Call { why: String::new(), place: root })
     }
 
-    /// The coefficients that a table gives in words, and the place of the first.
+    /// Returns the coefficients of a table as text, and the path of the first one.
     fn given(&self, at: &DocumentPath, of: impl Fn(&Coefficient) -> Option<f64>) -> Option<(String, DocumentPath)> {
         let given = || self.coefficients.iter().filter_map(|one| Some((one, of(one)?)));
         let words: Vec<String> = given().map(|(one, value)| format!("{} = {value}", one.key)).collect();
@@ -132,7 +132,7 @@ impl Effect {
     }
 }
 
-/// Changes all materials and all rules of a scene.
+/// Changes all materials and all pair rules of a scene.
 pub(super) fn change_coefficients(scene: &mut Scene, of_material: fn(&mut Material), of_rule: fn(&mut PairRule)) {
     scene.material.values_mut().for_each(of_material);
     scene.pair.iter_mut().for_each(of_rule);

@@ -1,4 +1,4 @@
-//! Cohesion between two grains, or a grain and a wall: the law is that of [`laws::cohesion`](crate::laws::cohesion).
+//! Cohesion between two grains, or a grain and a wall, by the law of [`laws::cohesion`](crate::laws::cohesion).
 
 use super::catalogue::{Change, Effect, change_coefficients};
 pub use crate::laws::cohesion::{Cohesion, Pull};

@@ -1,4 +1,4 @@
-//! Elastic compliance of contacts and their viscosity: the law is that of [`laws::compliance`](crate::laws::compliance).
+//! Elastic compliance and viscosity of contacts, by the law of [`laws::compliance`](crate::laws::compliance).
 
 use super::catalogue::{Call, Change, Effect};
 pub use crate::laws::compliance::{NormalConstraint, NormalContact, NormalLaw, NormalScheme, damping_ratio};
@@ -20,7 +20,7 @@ pub static COMPLIANCE: Effect = Effect {
     })
 };
 
-/// Viscosity: damping of impacts that the step resolves.
+/// Viscosity: damping of resolved impacts.
 pub static VISCOSITY: Effect = Effect::of_scene("contact viscosity", |scene| {
     if scene.solver.normal_law == NormalLaw::Rigid {
         return Err("rigid contacts have restitution alone");

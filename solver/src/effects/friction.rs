@@ -1,22 +1,22 @@
-//! Coulomb friction: the tangential impulse stays in a disc of radius `mu lambda_n`.
+//! Coulomb friction: the tangential impulse is limited to a disc of radius `mu lambda_n`.
 //!
-//! For two spheres the tangential operator is isotropic and does not couple with the normal, so the projection of the
-//! unconstrained impulse onto the disc is the exact solution of the one-contact problem: no box, no cone of facets.
+//! For two spheres, the tangential operator is isotropic and decoupled from the normal. The projection of the unconstrained
+//! impulse onto the disc is therefore the exact solution of the one-contact problem, without a box or a faceted cone.
 //!
-//! A contact that slides may have a smaller coefficient than one that sticks: Coulomb's `mu_k <= mu_s`. Which of the two it has is
-//! decided when it is set up, once a step, from the impulses of the last step and the velocity that this has left:
+//! The coefficient of a sliding contact may be smaller than that of a sticking one: Coulomb's `mu_k <= mu_s`. The
+//! choice is made at set-up, once per step, from the impulses of the last step and the resulting velocity:
 //!
 //! ```text
 //! mu = mu_k    if |u_t| > g h    and    |lambda_t| = mu_k lambda_n    or    |lambda_t| = mu_s lambda_n
 //! mu = mu_s    otherwise
 //! ```
 //!
-//! so that sweeps know one coefficient and a contact takes no more memory. By Coulomb's law friction is at its limit where a contact slides.
-//! A contact whose friction was below its limit has stuck, whatever speed the solve left it; this holds under any load, without gravity too.
-//! A contact at its limit sticks on as long as it is slower than g h (g is the largest of the run). Of a contact that has borne nothing yet,
-//! as in an impact, only the speed is known, and it decides. A contact that begins to slide keeps mu_s until its speed is above g h: at an
-//! acceleration a that takes g/a steps. One that slides sticks again once friction has slowed it below g h. Both shrink with h, and the law
-//! becomes that of two coefficients.
+//! so that sweeps use one coefficient and a contact needs no more memory. By Coulomb's law, friction is at its limit if a contact
+//! slides. A contact with friction below its limit has stuck, whatever its speed after the solve; this holds under any load, also
+//! without gravity. A contact at its limit continues to stick while its speed is below g h (g is the largest of the run). For a
+//! contact without an earlier impulse, as in an impact, the speed alone decides. A contact at the onset of sliding retains mu_s
+//! until its speed exceeds g h: at an acceleration a, after g/a steps. A sliding contact sticks again once friction has reduced
+//! its speed below g h. Both effects shrink with h, and the law converges to that of two coefficients.
 
 use super::catalogue::{Call, Change, Effect, change_coefficients};
 use super::term::{ContactTerm, NormalLoad, Tangential, TangentialTerm, TermStart};
@@ -41,7 +41,7 @@ pub static FRICTION: Effect = Effect {
     )
 };
 
-/// Friction that is less while a contact slides.
+/// Friction that is smaller for a sliding contact.
 pub static KINETIC_FRICTION: Effect = Effect {
     off: Change::off(|scene| {
         change_coefficients(scene, |one| one.kinetic_friction = None, |rule| rule.kinetic_friction = None)
@@ -55,25 +55,25 @@ pub static KINETIC_FRICTION: Effect = Effect {
     )
 };
 
-/// Spin of grains: it goes with friction, since nothing else turns a grain.
+/// Spin of grains, present with friction: grains have no other torque.
 pub static SPIN: Effect = Effect::of_scene("spin", |scene| match FRICTION.called_by(scene) {
     Ok(call) => Ok(Call { why: "friction turns grains".into(), ..call }),
     Err(_) => Err("without friction nothing turns a grain"),
 });
 
-/// Speed (m/s) that rounding may leave to a contact that sticks, where there is no gravity to compare with.
+/// Speed (m/s) of a sticking contact due to rounding, for runs without gravity as a reference.
 const ROUNDING: f64 = 1e-9;
 
-/// Speed above which a contact slides, m/s, for a gravity (m/s2) and a step (s).
+/// Returns the speed (m/s) above which a contact slides, for a gravity (m/s2) and a step (s).
 pub fn slip_speed(gravity: f64, step: f64) -> f64 {
     (gravity * step).max(ROUNDING)
 }
 
-/// Share of a limit of friction by which an impulse at the limit may differ from it: rounding, in single precision too.
+/// Relative tolerance of the test for an impulse at the friction limit: rounding, in single precision too.
 const AT_THE_LIMIT: f64 = 1e-5;
 
-/// Coefficient of a contact that slides with the tangential velocity `sliding` (m/s), or sticks: if that is no more than `slip`, or if the
-/// friction that it bore in the last step was not at a limit. `borne` is its normal and tangential impulse then, N s.
+/// Returns the coefficient of a contact with the tangential velocity `sliding` (m/s). The contact sticks if the velocity is at most `slip`,
+/// or if the friction of the last step was not at a limit. `borne` is the normal and tangential impulse of that step, N s.
 #[inline(always)]
 pub fn while_sliding<N: Number>(sticking: N, kinetic: N, sliding: [N; 3], slip: N, borne: [N; 4]) -> N {
     let [normal, x, y, z] = borne;
@@ -84,7 +84,7 @@ pub fn while_sliding<N: Number>(sticking: N, kinetic: N, sliding: [N; 3], slip: 
     };
     let none = N::zero();
     let slow = dot(sliding, sliding).at_most(slip * slip);
-    // One that bears no friction is below the kinetic limit as well, but nothing is known of it.
+    // A contact without friction is below the kinetic limit as well, but its state is unknown.
     let below =
         N::select(none.below(friction), N::select(friction.below(limit(kinetic, -1.0)), sticking, kinetic), kinetic);
     let between = N::select(friction.below(limit(sticking, -1.0)), sticking, kinetic);
@@ -92,12 +92,12 @@ pub fn while_sliding<N: Number>(sticking: N, kinetic: N, sliding: [N; 3], slip: 
     N::select(slow, sticking, borne)
 }
 
-/// Factor by which the impulse (x, y, z) must shrink to lie in a disc of the given radius.
+/// Returns the factor that scales the impulse (x, y, z) into a disc of the given radius.
 #[inline(always)]
 pub fn disc_shrinkage<N: Number>(impulse: [N; 3], radius: N) -> N {
     let square = impulse[0] * impulse[0] + impulse[1] * impulse[1] + impulse[2] * impulse[2];
     let inside = square.at_most(radius * radius);
-    // Where it lies inside, the quotient may be 0/0; the selection leaves it out.
+    // Inside the disc, the quotient may be 0/0; the selection discards the quotient.
     N::select(inside, N::splat(1.0), radius / square.sqrt())
 }
 
@@ -131,7 +131,7 @@ impl<S: Copy + Default> Tangential<S> for FrictionLanes<S> {
     }
 }
 
-/// Friction in a kernel, by its coefficient, or none.
+/// Friction in a kernel: its coefficient, or no friction.
 #[derive(Clone, Copy)]
 pub struct Coulomb<N, const ACTS: bool>(N);
 

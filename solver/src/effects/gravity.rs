@@ -1,15 +1,15 @@
-//! Gravity that changes in time: straight between given moments, constant after the last.
+//! Time-dependent gravity: linear between given times, constant after the last time.
 //!
 //! ```text
 //! g(t) = g_i + (g_(i+1) - g_i) (t - t_i) / (t_(i+1) - t_i)          t_i <= t <= t_(i+1), with t_0 = 0
 //! ```
 //!
-//! A step takes gravity as it is at the step's start. Whatever compares with `g h` - reach of contacts, fall of a step - goes by
-//! that; residuals, which a field that passes through zero would leave without a measure, and the scale of energies go by the
+//! A step uses gravity at its start. Comparisons with `g h` - interaction range of contacts, free fall per step - use
+//! this value. Residuals, which have no scale in a field that passes through zero, and the scale of energies use the
 //! largest `|g|` of the run.
 //!
-//! Potential energy is `-m g(t) x`. So a change of the field gives or takes energy at rest, `-m x` times the change of g, which
-//! the ledger enters by itself; x is the place half a step earlier there, as in all its potential energies.
+//! Potential energy is `-m g(t) x`. A change of the field therefore adds or removes energy at rest, `-m x` times the change of g, a
+//! separate entry of the energy balance. The position x is that half a step earlier, as in all potential energies of the balance.
 
 use super::catalogue::{Call, Change, Effect};
 use crate::scene::{DocumentPath, GravityChange, Scene};
@@ -24,7 +24,7 @@ pub static GRAVITY: Effect = Effect::of_scene("gravity", |scene| {
     }
 });
 
-/// Gravity that changes in time.
+/// Time-dependent gravity.
 pub static CHANGING_GRAVITY: Effect = Effect {
     off: Some(Change { words: "off", apply: |scene| scene.gravity_changes.clear() }),
     ..Effect::of_scene("changing gravity", |scene| {
@@ -43,12 +43,12 @@ pub struct Field {
 }
 
 impl Field {
-    /// The field of a start at time 0 (m/s2) and of changes in the order of their times, which are above 0.
+    /// Creates the field from its value at time 0 (m/s2) and from changes in the order of their times, which are above 0.
     pub fn new(start: [f64; 3], changes: &[GravityChange]) -> Field {
         Field { start: start.into(), changes: changes.to_vec() }
     }
 
-    /// Gravity at a time (s), m/s2.
+    /// Returns gravity (m/s2) at a time (s).
     pub fn at(&self, time: f64) -> Vector3<f64> {
         let (mut since, mut gravity) = (0.0, self.start);
         for change in &self.changes {
@@ -61,18 +61,18 @@ impl Field {
         gravity
     }
 
-    /// Largest magnitude at any time, m/s2, as [`Scene`] has it.
+    /// Returns the largest magnitude at any time, m/s2, as for [`Scene`].
     pub fn largest(&self) -> f64 {
         self.changes.iter().map(|change| Vector3::from(change.gravity).norm()).fold(self.start.norm(), f64::max)
     }
 
-    /// Returns true if it ever changes.
+    /// Returns true if the field changes at any time.
     #[inline(always)]
     pub fn changes(&self) -> bool {
         !self.changes.is_empty()
     }
 
-    /// Returns true if it is the same from one time (s) to another.
+    /// Returns true if the field is constant between two times (s).
     pub fn is_constant(&self, from: f64, to: f64) -> bool {
         let between = self.changes.iter().filter(|change| change.time > from && change.time < to);
         let mut values = between.map(|change| change.gravity.into()).chain([self.at(to)]);
@@ -82,7 +82,7 @@ impl Field {
 }
 
 impl Scene {
-    /// Gravity over time.
+    /// Returns gravity over time.
     pub fn gravity_field(&self) -> Field {
         Field::new(self.gravity, &self.gravity_changes)
     }

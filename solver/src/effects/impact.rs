@@ -1,74 +1,73 @@
-//! Impacts: one decision each, at first touch, kept until the two separate.
+//! Impacts: one decision per impact, at first contact, valid until separation.
 //!
-//! An impact begins in the step in which two that approach overlap for the first time. The speed v0 at which they do decides how it is
-//! computed and what restitution e it has:
+//! An impact begins in the step in which two approaching bodies overlap for the first time. The approach speed v0 of
+//! this step determines the method of computation and the restitution e:
 //!
-//! - **resolved** by the step, if a contact of its stiffness takes enough steps for it ([`NormalContact::constraint`]): compliance and
+//! - **resolved** by the step, if a contact of this stiffness lasts for enough steps ([`NormalContact::constraint`]): compliance and
 //!   damping give the rebound;
-//! - **unresolved** elsewhere: Newton's law makes it leave at `e v0` within the step, as stiff as a rigid one. Slower approaches than
-//!   the restitution threshold are no impacts then, but contacts at rest.
+//! - **unresolved** otherwise: Newton's law sets the separation speed `e v0` within the step, with the stiffness of a rigid contact.
+//!   Approaches below the restitution threshold are then contacts at rest, not impacts.
 //!
-//! In steps that are long against the contact, the two leave at `w = e v0` and no faster, at whatever phase of the step they met. What
-//! such a step adds, by an overlap that nothing has worked for, or by a force that ends late, would push them apart at up to the
-//! speed of the approach. So in the steps after the first the bias is at most that with which the contact leaves at w,
+//! In steps that are long compared with the contact time, the bodies separate at most at `w = e v0`, whatever the phase of the step at
+//! first contact. Without a limit, such a step adds energy, by an overlap without elastic work or by a force that ends late, and the
+//! separation speed could reach the approach speed. In all later steps, the bias is therefore at most that of a separation at w,
 //!
 //! ```text
 //! q <- min(q, w + Sigma'/S (w - u))         u = u_n0 + (u_n0 - u_n0' - S lambda')
 //! ```
 //!
-//! where u is the velocity that the two would have without the contact if all else acted on them as in the last step, in which they
-//! had the velocity `u_n0'` and the impulse `lambda'`. A contact that bears a load keeps its compliance, since the load makes u smaller;
-//! one that nothing holds leaves at w. The contact stays as compliant as it is and pushes no harder than without the rule, so that it
-//! creates no energy, and the contact problem of a step keeps its form for every method that solves it.
+//! where u is the velocity of the two bodies without the contact, if all other forces act as in the last step, with the velocity
+//! `u_n0'` and the impulse `lambda'` of that step. A contact under load remains compliant, since the load reduces u; an unloaded
+//! contact separates at w. The rule leaves the compliance unchanged and never increases the impulse. It therefore creates no
+//! energy, and the contact problem of a step retains its form for every solution method.
 //!
-//! An impact ends when the two separate, or when they rest on each other: where they approach again without having been apart, which
-//! two that nothing else touches never do; where the step resolved it, once they store twice the energy that the impact brought, which
-//! only a load can give them; elsewhere as soon as compliance has taken over. What then happens to the contact happens to a contact at
-//! rest.
+//! An impact ends at separation, or when the contact comes to rest: on a renewed approach without separation, which
+//! requires a third body; for a resolved impact, once the stored energy is twice the impact energy, which requires a
+//! load; otherwise as soon as compliance acts. From then on, the contact is treated as a contact at rest.
 //!
 //! [`NormalContact::constraint`]: super::compliance::NormalContact::constraint
 
 use crate::lanes::Number;
 use crate::laws::compliance::{NormalConstraint, NormalLaw, NormalScheme};
 
-/// Least share of its speed at which an impact recovers the overlap that it has left: the restitution of the largest damping.
+/// Smallest recovery speed of the residual overlap, over the impact speed: the restitution at the largest damping.
 const LEAST_RECOVERY: f64 = 0.0025;
 
-/// Energy that a contact stores, over that of its impact, from which on it bears a load. More than one, because a step takes the two
-/// deeper than they would go.
+/// Stored energy, over the impact energy, from which on a contact carries a load. The ratio exceeds one, because a
+/// finite step overestimates the depth.
 const LOADED: f64 = 2.0;
 
-/// Speed to be remembered of a contact without an impact in progress.
+/// Stored speed of a contact without an impact in progress.
 pub const AT_REST: f64 = -1.0;
 
-/// Bias of a contact that must bear nothing, m/s: no contact separates as fast as that.
+/// Bias of an inactive contact, m/s: no contact separates at such a speed.
 const OUT_OF_TOUCH: f64 = -1e30;
 
-/// Impact of a contact, or of eight, at the start of a step.
+/// Impact of one contact, or of eight contacts, at the start of a step.
 #[derive(Clone, Copy)]
 pub struct Impact<N: Number> {
-    /// Speed of first touch, m/s; 0 without an impact.
+    /// Approach speed at first contact, m/s; 0 without an impact.
     pub speed: N,
-    /// True where the two touch for the first time, and approach.
+    /// True at the first contact of two approaching bodies.
     pub begins: N::Mask,
-    /// True where the two overlap.
+    /// True if the two bodies overlap.
     pub touches: N::Mask,
-    /// Velocity that all else gave the two in the last step, m/s.
+    /// Velocity due to all other impulses of the last step, m/s.
     pub external: N,
 }
 
-/// Constraint of a contact in a step, and the memory of its impact.
+/// Constraint of a contact in a step, and the stored state of its impact.
 #[derive(Clone, Copy)]
 pub struct Decision<N: Number> {
-    /// The contact's constraint.
+    /// Constraint of the contact.
     pub constraint: NormalConstraint<N>,
-    /// Speed to be remembered, m/s: that of the first touch, [`AT_REST`], or 0 where the two are apart.
+    /// Speed to be stored, m/s: that of the first contact, [`AT_REST`], or 0 for separated bodies.
     pub speed: N,
 }
 
 impl<N: Number> Impact<N> {
-    /// Of a contact with this overlap (m) and normal velocity at the start of the step (m/s), given the speed and the velocity that
-    /// are remembered of it (m/s), and the velocity that its impulse gave the two in the last step (m/s).
+    /// Creates the impact of a contact. Input: overlap (m), normal velocity at the start of the step (m/s), stored
+    /// speed and velocity (m/s), and the velocity due to the impulse of the contact in the last step (m/s).
     #[inline(always)]
     pub fn of([overlap, velocity]: [N; 2], [speed, velocity_before]: [N; 2], given: N) -> Self {
         let zero = N::zero();
@@ -84,7 +83,7 @@ impl<N: Number> Impact<N> {
         }
     }
 
-    /// Speed (m/s) by which a restitution that falls with it goes, given the normal velocity at the start of the step (m/s).
+    /// Returns the speed (m/s) for the speed-dependent restitution from the normal velocity at the start of the step (m/s).
     #[inline(always)]
     pub fn speed_of_restitution(&self, velocity: N) -> N {
         N::select(N::zero().below(self.speed), self.speed, -velocity)
@@ -93,10 +92,10 @@ impl<N: Number> Impact<N> {
     /// Applies the decision to the contact's constraint. `overlap` in m; `velocity`, at the start of the step, in m/s; `inverse_mass`
     /// in 1/kg.
     ///
-    /// A rigid contact has no elastic energy that an overlap could give back, so there stabilisation must not push: a contact that
-    /// already separates bears nothing, and a resting one recovers its overlap no faster than the threshold. Across a gap only a slow
-    /// approach is stopped, at touch; a fast one becomes an impact once the two overlap. A compliant contact whose impact the step
-    /// resolves bears nothing across a gap.
+    /// A rigid contact stores no elastic energy in an overlap, so stabilisation must not push: a separating contact is
+    /// inactive, and a resting one recovers its overlap at most at the threshold speed. Across a gap, only a slow
+    /// approach is stopped, at first contact; a fast approach becomes an impact once the two bodies overlap. A
+    /// compliant contact with a resolved impact is inactive across a gap.
     #[inline(always)]
     pub fn decide(
         &self,
@@ -111,15 +110,15 @@ impl<N: Number> Impact<N> {
         let (separates, approaches) = (threshold.below(velocity), velocity.below(-threshold));
         let NormalConstraint { regularisation, bias, resolves_impact: resolved, .. } = constraint;
         let is_rigid = scheme.law == NormalLaw::Rigid;
-        // An unresolved impact. A contact at rest that is pushed apart faster than it would rebound bears a load, or is deep: its
-        // compliance must go on telling how much, or the overlap would become speed.
+        // An unresolved impact. A contact at rest with a bias above its rebound speed is under load or deep: the
+        // impulse must continue to follow from its compliance, or the overlap would become speed.
         let rebound = -restitution * velocity;
         let strikes =
             if is_rigid { approaches } else { approaches & !resolved & !(!self.begins & !bias.below(rebound)) };
         let loaded = resolved & (N::splat(LOADED) * self.speed * self.speed).below(constraint.stored * inverse_mass);
         let lasts = zero.below(self.speed) & !(self.begins & !resolved) & !loaded;
         let speed = N::select(strikes, -velocity, N::select(lasts, self.speed, zero));
-        // The bias with which the contact, if all else acts as in the last step, leaves at the speed of the rebound.
+        // Bias of a separation at the rebound speed, if all other forces act as in the last step.
         let least = (N::splat(LEAST_RECOVERY) * speed).larger(N::splat(scheme.gravity * scheme.step));
         let fastest = (restitution * speed).larger(least);
         let fastest = if is_rigid { fastest.smaller(threshold) } else { fastest };
@@ -132,7 +131,7 @@ impl<N: Number> Impact<N> {
         let touching = if is_rigid { N::select(separates, never, touching) } else { touching };
         let stopped = !approaches & !separates & !resolved;
         let across = N::select(stopped, overlap / N::splat(scheme.step), never);
-        // What is remembered.
+        // Speed to be stored.
         let goes_on = zero.below(speed) & !(!acts & !resolved);
         let kept = N::select(goes_on, speed, N::splat(AT_REST));
         Decision {
@@ -147,7 +146,7 @@ impl<N: Number> Impact<N> {
     }
 }
 
-/// Returns true where a contact may bear something in this step.
+/// Returns true if a contact may be active in this step.
 #[inline(always)]
 pub fn bears<N: Number>(constraint: &NormalConstraint<N>) -> N::Mask {
     N::splat(OUT_OF_TOUCH).below(constraint.bias)

@@ -1,7 +1,7 @@
-//! The effects that a scene can have, one small file each: equations, their source, terms of contacts, descriptor.
+//! Effects of a scene, one small file each: equations, their source, contact terms, descriptor.
 //!
-//! Contact laws are here and in [`laws`](crate::laws) alone. `constrain` evaluates them once per contact and step, and the sweep kernel is
-//! compiled with the [terms](term) that the scene has. [`CATALOGUE`] lists the descriptors.
+//! Contact laws are only in this module and in [`laws`](crate::laws). `constrain` evaluates them once per contact and
+//! step, and the sweep kernel is compiled for the [terms](term) of the scene. [`CATALOGUE`] lists the descriptors.
 
 pub mod catalogue;
 pub mod cohesion;
@@ -32,7 +32,7 @@ pub use size_spread::SIZE_SPREAD;
 pub use spring::TANGENTIAL_SPRING;
 pub use vibration::WALL_MOTION;
 
-/// All effects, in the order in which a step meets them. A coefficient stands behind those that bound it.
+/// All effects, in their order within a step. A coefficient follows those that bound it.
 pub static CATALOGUE: [&Effect; 17] = [
     &GRAVITY,
     &CHANGING_GRAVITY,
@@ -56,7 +56,7 @@ pub static CATALOGUE: [&Effect; 17] = [
 /// Declares [`EffectSet`] with its members.
 macro_rules! members {
     ($($(#[$about:meta])* $member:ident;)*) => {
-        /// The effects of contacts that a scene calls for, as far as kernels, memory or passes depend on them.
+        /// Contact effects that a scene enables, for the selection of kernels, memory layout or passes.
         #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
         pub struct EffectSet { $($member: bool),* }
 
@@ -69,24 +69,24 @@ macro_rules! members {
 }
 
 members! {
-    /// Some contact can have friction.
+    /// At least one contact can have friction.
     friction;
-    /// Some contact can resist rolling.
+    /// At least one contact can resist rolling.
     rolling;
-    /// Some contact can resist twisting.
+    /// At least one contact can resist twisting.
     twisting;
-    /// Some contact pulls. Sweeps know nothing of it.
+    /// At least one contact has cohesion. Sweeps do not depend on this effect.
     cohesion;
-    /// Some contact has a restitution that falls with the speed of impact. Sweeps know nothing of it.
+    /// At least one contact has a restitution that decreases with the impact speed. Sweeps do not depend on this effect.
     falling_restitution;
-    /// Some contact has less friction while it slides. Sweeps know nothing of it.
+    /// At least one contact has less friction in sliding. Sweeps do not depend on this effect.
     kinetic_friction;
-    /// Contacts that stick have a tangential spring.
+    /// Sticking contacts have a tangential spring.
     spring;
 }
 
 impl EffectSet {
-    /// Every choice that a kernel is compiled for.
+    /// All combinations that a kernel is compiled for.
     pub const COMPILED: [EffectSet; 7] = [
         EffectSet::NONE,
         EffectSet { friction: true, ..EffectSet::NONE },
@@ -97,7 +97,7 @@ impl EffectSet {
         EffectSet { friction: true, rolling: true, twisting: true, spring: true, ..EffectSet::NONE },
     ];
 
-    /// Union of the effects of these contacts.
+    /// Returns the union of the effects of these contacts.
     pub fn of<'a>(contacts: impl Iterator<Item = &'a ContactCoefficients>) -> EffectSet {
         let mut set = EffectSet::NONE;
         for contact in contacts {
@@ -110,7 +110,7 @@ impl EffectSet {
         set
     }
 
-    /// Adds a tangential spring if the scene has one; without friction there is nothing for it to bear.
+    /// Adds a tangential spring if the scene has one; without friction, the spring carries no force.
     pub(crate) fn with_spring(self, spring: bool) -> EffectSet {
         EffectSet { spring: spring && self.friction, ..self }
     }
@@ -120,29 +120,29 @@ impl EffectSet {
         effect.member.map(|member| *member(&mut self))
     }
 
-    /// Returns true if contacts bear torques.
+    /// Returns true if contacts transmit torques.
     #[inline(always)]
     pub fn torques(&self) -> bool {
         self.rolling() || self.twisting()
     }
 
-    /// Returns true if contacts have a tangential part: with friction, and where grains resist turning, because they carry their spin. Whoever
-    /// lays contacts out and whoever works on them goes by this, and by nothing else.
+    /// Returns true if contacts have a tangential part: with friction, and with resistance to rolling or twisting,
+    /// because such grains have spin. The layout of contacts and all passes over contacts use this criterion alone.
     #[inline(always)]
     pub fn tangential(&self) -> bool {
         self.friction() || self.torques()
     }
 
-    /// The kernel that is run for it.
+    /// Returns the set of effects of the compiled kernel for this set.
     pub fn compiled(&self) -> EffectSet {
         let (friction, spring) = (self.tangential(), self.spring());
-        // With a spring both resistances go together.
+        // With a spring, both resistances are compiled together.
         let both = spring && self.torques();
         let (rolling, twisting) = (self.rolling() || both, self.twisting() || both);
         EffectSet { friction, rolling, twisting, spring, ..EffectSet::NONE }
     }
 
-    /// Its effects in words.
+    /// Returns the names of the effects as text.
     pub fn name(&self) -> &'static str {
         match (self.tangential(), self.rolling(), self.twisting()) {
             _ if self.spring() && self.torques() => "friction with a spring, rolling and twisting resistance",

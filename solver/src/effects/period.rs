@@ -1,4 +1,4 @@
-//! Periodic axes: distances are those of [`laws::period`](crate::laws::period).
+//! Periodic axes, with the distances of [`laws::period`](crate::laws::period).
 
 use super::catalogue::{Call, Change, Effect};
 pub use crate::laws::period::Period;

@@ -1,8 +1,8 @@
-//! Resistance to rolling and to twisting: torques that keep two grains from turning against each other.
+//! Resistance to rolling and twisting: torques that oppose the relative rotation of two grains.
 //!
-//! A contact bears an angular impulse `T` (N m s) on its second side and `-T` on its first. With the relative angular velocity
-//! `w = omega_b - omega_a` and the rotational operator `S_r = 1/I_a + 1/I_b` it is, as for friction, the projection of the impulse
-//! that would stop the turning,
+//! A contact exerts an angular impulse `T` (N m s) on its second side and `-T` on its first. With the relative angular
+//! velocity `w = omega_b - omega_a` and the rotational operator `S_r = 1/I_a + 1/I_b`, the impulse is, as for friction,
+//! the projection of the impulse that would stop the rotation,
 //!
 //! ```text
 //! T*     = T - w / S_r
@@ -10,10 +10,10 @@
 //! T_spin = T* along the normal, between -mu_t R* lambda_n and mu_t R* lambda_n
 //! ```
 //!
-//! with the effective radius `R* = r_a r_b / (r_a + r_b)`, that of the grain at a wall. The torque at most `mu_r R* F_n` against
-//! rolling is that of the models B and C of Ai, Chen, Rotter & Ooi, Powder Technology 206 (2011); a grain at rest is held by
-//! the smaller torque that it takes, without a spring that would have to be tuned. Rolling and twisting are apart: the inertia
-//! of a sphere is the same about every axis, so neither changes the other, nor the velocity at the contact along the normal.
+//! with the effective radius `R* = r_a r_b / (r_a + r_b)`, the grain's radius at a wall. The rolling torque of at most
+//! `mu_r R* F_n` is that of models B and C of Ai, Chen, Rotter & Ooi, Powder Technology 206 (2011). A smaller torque,
+//! without a spring and its parameters, holds a grain at rest. Rolling and twisting are decoupled: the inertia of a
+//! sphere is the same about every axis, so neither changes the other, nor the normal velocity at the contact.
 
 use super::catalogue::{Change, Effect, change_coefficients};
 use super::friction::disc_shrinkage;
@@ -21,7 +21,7 @@ use super::term::{ContactTerm, NormalLoad, TorqueTerm};
 use crate::lanes::{Eight, Number, dot, minus, plus, times};
 use crate::scene::{ContactCoefficients, coefficients};
 
-/// Descriptor of a resistance to turning by the coefficient of a key.
+/// Descriptor of a rolling or twisting resistance with the coefficient of a key.
 macro_rules! resistance {
     ($name:literal, $entry:ident, $coefficient:ident, $member:ident, $without:literal) => {
         Effect {
@@ -60,20 +60,20 @@ pub struct TorqueLanes {
 }
 
 impl TorqueLanes {
-    /// Sets a lane up for a step: coefficients of the contact, effective radius (m), angular impulse of the warm start (N m s).
+    /// Sets up a lane for a step: coefficients of the contact, effective radius (m), angular impulse of the warm start (N m s).
     pub(crate) fn fill(&mut self, lane: usize, contact: &ContactCoefficients, effective_radius: f64, start: [f64; 3]) {
         self.rolling_lever.0[lane] = contact.rolling_friction * effective_radius;
         self.twisting_lever.0[lane] = contact.twisting_friction * effective_radius;
         self.impulse.iter_mut().zip(start).for_each(|(own, component)| own.0[lane] = component);
     }
 
-    /// Angular impulse of the contact in a lane, N m s.
+    /// Returns the angular impulse of the contact in a lane, N m s.
     pub fn angular_impulse(&self, lane: usize) -> [f64; 3] {
         std::array::from_fn(|axis| self.impulse[axis].0[lane])
     }
 }
 
-/// Resistances that a kernel is compiled with, by their levers (m); each may be left out.
+/// Resistances of a compiled kernel with their levers (m); each is optional.
 #[derive(Clone, Copy)]
 pub struct Resistance<N, const ROLLING: bool, const TWISTING: bool>(N, N);
 
@@ -83,7 +83,7 @@ impl<N: Number, const ROLLING: bool, const TWISTING: bool> ContactTerm<N> for Re
     #[inline(always)]
     fn project(&self, impulse: [N; 3], (normal, normal_impulse): NormalLoad<N>) -> [N; 3] {
         let (rolling_cap, twisting_cap) = (self.0 * normal_impulse, self.1 * normal_impulse);
-        // Parts along the normal and across it, each projected by itself.
+        // Normal and tangential parts, projected separately.
         let along = dot(normal, impulse);
         let across = minus(impulse, times(normal, along));
         let mut borne = [N::zero(); 3];

@@ -1,17 +1,17 @@
-//! Coefficients of restitution: the share of its speed that an impact gives back.
+//! Coefficients of restitution: the ratio of separation speed to impact speed.
 //!
-//! The rule by which a contact leaves at `e` times the speed of its impact: [`impact`](super::impact).
+//! The rule for a separation at `e` times the impact speed: [`impact`](super::impact).
 //!
-//! Grains that yield give back less the faster they meet: `e ~ v^(-1/4)` (Johnson, Contact Mechanics, 1985, 11.4, for spheres that
-//! are plastic in the main). With a speed `v_y` up to which restitution is the material's,
+//! The restitution of plastically deformed grains decreases with the impact speed: `e ~ v^(-1/4)` (Johnson, Contact Mechanics, 1985, 11.4,
+//! for spheres with predominantly plastic deformation). With a speed `v_y` up to which restitution is that of the material,
 //!
 //! ```text
 //! e(v) = e                        v <= v_y
 //! e(v) = e (v_y / v)^(1/4)        v >  v_y
 //! ```
 //!
-//! with v the speed of the impact along the normal. This goes with impacts that are over within a step. Where the step resolves a
-//! compliant impact, its damping gives the restitution, the same at any speed. Scenes that ask for both are refused.
+//! with v the normal speed of the impact. This law applies to impacts that end within a step. If the step resolves a
+//! compliant impact, its damping gives the restitution, the same at any speed. Scenes with both are rejected.
 
 use super::catalogue::{Change, Effect, change_coefficients};
 use crate::lanes::Number;
@@ -29,7 +29,7 @@ pub static RESTITUTION: Effect = Effect {
     )
 };
 
-/// Restitution that falls with the speed of impact.
+/// Restitution that decreases with the impact speed.
 pub static FALLING_RESTITUTION: Effect = Effect {
     off: Change::off(|scene| {
         change_coefficients(scene, |one| one.restitution_speed = None, |rule| rule.restitution_speed = None)
@@ -43,15 +43,15 @@ pub static FALLING_RESTITUTION: Effect = Effect {
     )
 };
 
-/// Bias of the impact of a grain on a wall that it would pass within the step, m/s: it leaves at `-e u_n0`, or, if that is
-/// slower than the threshold, it reaches the wall at the end of the step. `gap` in m, `velocity` in m/s, negative in approach.
+/// Returns the bias (m/s) of the impact of a grain on a wall that the grain would pass within the step. The grain separates at `-e u_n0`
+/// or, if that is below the threshold, reaches the wall at the end of the step. `gap` in m, `velocity` in m/s, negative in approach.
 pub fn impact_on_the_way(scheme: &NormalScheme, gap: f64, velocity: f64, restitution: f64) -> f64 {
     let rebound = -restitution * velocity;
     if rebound > scheme.restitution_threshold { rebound } else { -gap / scheme.step }
 }
 
-/// Restitution of an impact at a speed (m/s): the material's up to the `limit`, beyond it falling as the fourth root. Two square
-/// roots, which are rounded alike everywhere.
+/// Returns the restitution of an impact at a speed (m/s): constant up to the `limit`, above it decreasing as the fourth
+/// root. The two square roots are correctly rounded on every platform.
 #[inline(always)]
 pub fn at_speed<N: Number>(restitution: N, limit: N, speed: N) -> N {
     N::select(limit.below(speed), restitution * (limit / speed).sqrt().sqrt(), restitution)

@@ -24,7 +24,7 @@ fn call(scene: &Scene) -> Result<Call, &'static str> {
     if smallest >= largest {
         return Err("all grains are of one size");
     }
-    // The first entry that has radii of its own, or another one than those before it.
+    // The first entry with a distribution of radii, or with a radius that differs from those of earlier entries.
     let index = ranges.iter().position(|range| *range != (ranges[0].0, ranges[0].0)).unwrap_or(0);
     let (table, entry) = match index.checked_sub(scene.population.len()) {
         Some(grain) => ("grain", grain),
@@ -34,7 +34,7 @@ fn call(scene: &Scene) -> Result<Call, &'static str> {
     Ok(Call { why: format!("radii from {smallest} to {largest} m"), place })
 }
 
-/// Mean radius over the grains of all populations, m.
+/// Returns the mean radius (m) of the grains of all populations.
 fn mean_radius(scene: &Scene) -> f64 {
     let count: usize = scene.population.iter().map(|group| group.count).sum();
     let share = |group: &Population| group.count as f64 / count as f64;

@@ -1,27 +1,27 @@
-//! The tangential spring: what a contact gives across its normal before it slides.
+//! Tangential spring: the tangential force of a contact before it slides.
 //!
-//! Without it a contact that sticks is rigid across the normal: within one step friction brings the two surfaces to rest against each
-//! other. With it the surfaces are joined by a spring of stiffness k_t, which Coulomb's disc caps. A spring that bore the impulse
-//! lambda_p in the last step bears, with the displacement `h u_t` of this one,
+//! Without the spring, a sticking contact is rigid in the tangential direction: within one step, friction brings the
+//! two surfaces to relative rest. With the spring, a stiffness k_t joins the surfaces, and Coulomb's disc limits the
+//! force. A spring with the impulse lambda_p in the last step transmits, with the displacement `h u_t` of this step,
 //!
 //! ```text
 //! lambda_t = lambda_p - h^2 k_t u_t      that is      u_t + Sigma_t lambda_t - b = 0
 //! Sigma_t  = 1 / (h^2 k_t)                            b = Sigma_t lambda_p
 //! ```
 //!
-//! while it sticks, and the projection onto the disc of radius `mu lambda_n` follows, as without a spring; lambda_n is the whole
-//! normal impulse. lambda_p is turned into the new tangent plane. Velocities are those at the end of the step (implicit Euler): where a
-//! step is long against the contact, `k_t h^2 >> m`, the spring is damped within it, and the contact sticks as a rigid one does.
+//! while the contact sticks, and the projection onto the disc of radius `mu lambda_n` follows, as without a spring; lambda_n is the total normal
+//! impulse. lambda_p is rotated into the new tangent plane. Velocities are those at the end of the step (implicit Euler). If the step is long
+//! compared with the contact time, `k_t h^2 >> m`, the spring is damped within the step, and the contact sticks as a rigid contact does.
 //!
-//! The stiffness is in proportion to that of the normal contact at its depth. For Hertz's contact R. D. Mindlin, Journal of Applied
-//! Mechanics 16 (1949), has
+//! The stiffness is in proportion to that of the normal contact at its depth. For Hertz's contact, R. D. Mindlin,
+//! Journal of Applied Mechanics 16 (1949), gives
 //!
 //! ```text
 //! k_t / k_n = 8 G* a / (2 E* a) = 4 G* / E*           1/G* = (2 - nu1)/G1 + (2 - nu2)/G2      G = E / (2 (1 + nu))
 //! ```
 //!
-//! with the radius a of the contact: `2 (1 - nu)/(2 - nu)` for two of one material. An impact that the step does not resolve is over
-//! within it. It is rigid across the normal too, and what it bore is no load of the spring.
+//! with the radius a of the contact: `2 (1 - nu)/(2 - nu)` for two bodies of one material. An unresolved impact ends
+//! within the step. Such an impact is also rigid in the tangential direction, and its impulse does not load the spring.
 
 use super::catalogue::{Call, Change, Effect};
 use super::friction::{Coulomb, FRICTION, FrictionLanes};
@@ -30,7 +30,7 @@ use crate::lanes::{Eight, Number, dot, minus, plus, times};
 use crate::laws::compliance::NormalConstraint;
 use crate::scene::{DocumentPath, Material, TangentialLaw};
 
-/// The tangential spring.
+/// Tangential spring.
 pub static TANGENTIAL_SPRING: Effect = Effect {
     off: Some(Change { words: "off: rigid", apply: |scene| scene.solver.tangential_law = TangentialLaw::Rigid }),
     member: Some(|set| &mut set.spring),
@@ -48,7 +48,7 @@ pub static TANGENTIAL_SPRING: Effect = Effect {
 };
 
 impl TangentialLaw {
-    /// Stiffness across the normal over that along it, for two materials.
+    /// Returns the ratio of tangential to normal stiffness for two materials.
     pub fn stiffness_ratio(self, [first, second]: [&Material; 2]) -> f64 {
         match self {
             TangentialLaw::Spring { stiffness_ratio: Some(ratio) } => ratio,
@@ -57,7 +57,7 @@ impl TangentialLaw {
     }
 }
 
-/// Mindlin's `4 G*/E*`.
+/// Returns Mindlin's ratio `4 G*/E*`.
 fn mindlin_ratio(materials: [&Material; 2]) -> f64 {
     let normal = |one: &Material| (1.0 - one.poisson_ratio * one.poisson_ratio) / one.youngs_modulus;
     let across = |one: &Material| (2.0 - one.poisson_ratio) * 2.0 * (1.0 + one.poisson_ratio) / one.youngs_modulus;
@@ -65,8 +65,8 @@ fn mindlin_ratio(materials: [&Material; 2]) -> f64 {
     4.0 * sum(normal) / sum(across)
 }
 
-/// Sigma_t (1/kg) of contacts whose stiffness is a `ratio` of that along the normal, in a step h (s); zero for an impact that is over
-/// within the step, which is infinitely stiff along the normal too.
+/// Returns Sigma_t (1/kg) of contacts with a tangential stiffness of `ratio` times the normal one, in a step h (s);
+/// zero for an unresolved impact, which is infinitely stiff in the normal direction too.
 #[inline(always)]
 pub fn tangential_compliance<N: Number>(constraint: &NormalConstraint<N>, ratio: N, step: f64) -> N {
     N::splat(1.0 / (step * step)) / (ratio * constraint.stiffness)
@@ -78,7 +78,7 @@ pub fn tangential_compliance<N: Number>(constraint: &NormalConstraint<N>, ratio:
 pub struct SpringLanes<S = Eight> {
     /// Friction coefficients and tangential impulses.
     pub friction: FrictionLanes<S>,
-    /// The springs.
+    /// Spring terms.
     pub spring: SpringTerms<S>,
 }
 
@@ -88,7 +88,7 @@ pub struct SpringLanes<S = Eight> {
 pub struct SpringTerms<S = Eight> {
     /// Compliances Sigma_t, 1/kg.
     pub compliance: S,
-    /// Biases b across the normals, m/s.
+    /// Tangential biases b, m/s.
     pub bias: [S; 3],
 }
 
@@ -108,7 +108,7 @@ impl<S: Copy + Default> Tangential<S> for SpringLanes<S> {
         Some(&self.spring)
     }
 
-    /// The impulse of the last step is the load of the spring too.
+    /// The impulse of the last step is also the load of the spring.
     #[inline(always)]
     fn fill<N: Number>(&mut self, start: &TermStart<'_, N>, number: impl Fn(N, &mut S)) {
         self.friction.fill(start, &number);
@@ -121,7 +121,7 @@ impl<S: Copy + Default> Tangential<S> for SpringLanes<S> {
         }
     }
 
-    /// Impulses for the warm start; zero after an impact that was over within the step, because it does not load the spring.
+    /// Returns the impulses for the warm start; zero after an unresolved impact, because such an impact does not load the spring.
     #[inline(always)]
     fn remembered<N: Number>(&self, number: impl Fn(&S) -> N) -> [N; 3] {
         let springy = N::zero().below(number(&self.spring.compliance));
@@ -170,13 +170,13 @@ impl<N: Number> TangentialTerm<N> for Sprung<N> {
 }
 
 impl SpringTerms {
-    /// Takes the spring of the contact in a lane away for a step.
+    /// Removes the spring of the contact in a lane for a step.
     pub(crate) fn make_rigid(&mut self, lane: usize) {
         self.compliance.0[lane] = 0.0;
         self.bias.iter_mut().for_each(|component| component.0[lane] = 0.0);
     }
 
-    /// Energy (J) that the spring of the contact in a lane takes up in a step in which it comes to bear an impulse (N s).
+    /// Returns the energy (J) that the spring of the contact in a lane stores in a step with a final impulse (N s).
     pub(crate) fn taken_up(&self, lane: usize, impulse: [f64; 3]) -> f64 {
         let compliance = self.compliance.0[lane];
         let square: f64 = self.bias.iter().map(|component| component.0[lane] * component.0[lane]).sum();

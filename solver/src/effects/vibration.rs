@@ -1,4 +1,4 @@
-//! Vibration: a wall that moves as a sine about the place that its scene gives it.
+//! Vibration: sinusoidal motion of a wall about its position in the scene.
 //!
 //! ```text
 //! x(t) = A sin(2 pi f s)          s = t - start, from 0 up to stop - start
@@ -6,16 +6,16 @@
 //!
 //! with the amplitude vector A (m) and the frequency f (Hz); the largest acceleration is `A (2 pi f)^2`.
 //!
-//! A step moves grains by the velocity that it ends with, so a wall counts in it with the mean velocity `(x(t+h) - x(t))/h`: a
-//! grain that stays in touch is exactly where the wall is at the next step, and bears `m (g + a)` with `a` the second
-//! difference of x over `h^2`. The speed of approach at the start of the step, by which impacts are told from rest, is against
-//! the mean velocity of the step before, as that of a grain is: a wall that speeds up does not hit what rests on it. A start
-//! or a stop is a jump, as of any other motion.
+//! A step moves grains by their velocity at its end, so the velocity of a wall in a step is the mean
+//! `(x(t+h) - x(t))/h`. A grain that stays in contact therefore follows the wall exactly, under the force `m (g + a)`
+//! with `a` the second difference of x over `h^2`. The approach speed at the start of the step, which distinguishes
+//! impacts from rest, is relative to the wall's mean velocity in the previous step: an accelerating wall does not
+//! impact resting grains. A start or a stop is a jump, as for any other motion.
 
 use super::catalogue::{Call, Change, Effect};
 use crate::scene::{DocumentPath, Motion, Scene};
 
-/// Prescribed motion of walls, of which vibration is one kind.
+/// Prescribed motion of walls, including vibration.
 pub static WALL_MOTION: Effect = Effect {
     off: Some(Change { words: "off", apply: |scene| stop(scene, |motion| !motion.is_driven()) }),
     ..Effect::of_scene("wall motion", |scene| {
@@ -29,7 +29,7 @@ pub static WALL_MOTION: Effect = Effect {
     })
 };
 
-/// The call of the first wall whose name and motion have words for it.
+/// Returns the call of the first wall for which `words` returns a description.
 pub(super) fn call_of_wall(scene: &Scene, words: fn(&str, &Motion) -> Option<String>) -> Option<Call> {
     scene.wall.iter().enumerate().find_map(|(index, wall)| {
         let why = words(&wall.name, &wall.motion)?;
@@ -37,34 +37,34 @@ pub(super) fn call_of_wall(scene: &Scene, words: fn(&str, &Motion) -> Option<Str
     })
 }
 
-/// Stops the walls that move so.
+/// Stops the walls with such a motion.
 pub(super) fn stop(scene: &mut Scene, which: fn(&Motion) -> bool) {
     let walls = scene.wall.iter_mut().filter(|wall| which(&wall.motion));
     walls.for_each(|wall| wall.motion = Motion::Fixed);
 }
 
-/// A vibration.
+/// Parameters of a vibration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vibration {
     /// Largest displacement A, m.
     pub amplitude: [f64; 3],
     /// Frequency f, Hz.
     pub frequency: f64,
-    /// Time at which it begins, s.
+    /// Start time, s.
     pub start: f64,
-    /// Time at which it ends, s; the wall stays where it is then.
+    /// Stop time, s; the wall then remains at its position.
     pub stop: Option<f64>,
 }
 
 impl Vibration {
-    /// Displacement at a time (s), m.
+    /// Returns the displacement (m) at a time (s).
     pub fn displacement(&self, time: f64) -> [f64; 3] {
         let elapsed = (self.stop.map_or(time, |stop| time.min(stop)) - self.start).max(0.0);
         let sine = libm::sin(std::f64::consts::TAU * self.frequency * elapsed);
         self.amplitude.map(|component| component * sine)
     }
 
-    /// Velocity at a time (s), m/s.
+    /// Returns the velocity (m/s) at a time (s).
     pub fn velocity(&self, time: f64) -> [f64; 3] {
         let moves = time >= self.start && self.stop.is_none_or(|stop| time < stop);
         let rate = std::f64::consts::TAU * self.frequency;
@@ -72,20 +72,20 @@ impl Vibration {
         self.amplitude.map(|component| component * speed)
     }
 
-    /// Mean velocity between two times (s), m/s.
+    /// Returns the mean velocity (m/s) between two times (s).
     pub fn mean_velocity(&self, from: f64, to: f64) -> [f64; 3] {
         let (first, last) = (self.displacement(from), self.displacement(to));
         std::array::from_fn(|axis| (last[axis] - first[axis]) / (to - from))
     }
 
-    /// Returns true if it goes on without a start or a stop between two times (s).
+    /// Returns true if the vibration neither starts nor stops between two times (s).
     pub fn is_smooth(&self, from: f64, to: f64) -> bool {
         from >= self.start && self.stop.is_none_or(|stop| to <= stop)
     }
 }
 
 impl Motion {
-    /// The vibration, if it is one.
+    /// Returns the vibration of a vibrating wall.
     #[inline(always)]
     pub fn vibration(&self) -> Option<Vibration> {
         match *self {

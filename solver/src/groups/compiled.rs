@@ -1,4 +1,4 @@
-//! The choices of effects that kernels are compiled for, and lane groups of pairs as long as each needs.
+//! Combinations of effects that kernels are compiled for, and lane groups of pairs with the memory of each combination.
 
 use super::PairGroup;
 use crate::effects::friction::{Coulomb, FrictionLanes};
@@ -8,19 +8,19 @@ use crate::effects::term::{ContactTerm, Tangential, TangentialTerm, TorqueTerm};
 use crate::lanes::Number;
 use std::marker::PhantomData;
 
-/// Effects that a kernel is compiled with. An effect that is off leaves no instruction in it.
+/// Effects of a compiled kernel. Disabled effects add no instructions.
 pub(crate) trait Effects {
     /// Tangential part of lane groups.
     type Tangential: ContactLayout;
     /// Torques of contacts.
     type Torque<N: Number>: TorqueTerm<N>;
-    /// True with Coulomb friction; without it grains do not spin.
+    /// True with Coulomb friction; without friction, grains do not spin.
     const FRICTION: bool = <<Self::Tangential as ContactLayout>::Term<f64> as ContactTerm<f64>>::ACTS;
-    /// True if contacts bear torques.
+    /// True if contacts transmit torques.
     const TORQUES: bool = <Self::Torque<f64> as ContactTerm<f64>>::ACTS;
 }
 
-/// One choice of effects: a tangential part, and the resistances.
+/// Combination of effects: a tangential part, and the resistances.
 pub(crate) struct Compiled<T, const ROLLING: bool, const TWISTING: bool>(PhantomData<T>);
 
 impl<T: ContactLayout, const ROLLING: bool, const TWISTING: bool> Effects for Compiled<T, ROLLING, TWISTING> {
@@ -34,10 +34,10 @@ pub(crate) type Rolling = Compiled<FrictionLanes, true, false>;
 pub(crate) type Twisting = Compiled<FrictionLanes, false, true>;
 pub(crate) type RollingTwisting = Compiled<FrictionLanes, true, true>;
 pub(crate) type Sprung = Compiled<SpringLanes, false, false>;
-/// With a spring both resistances go together, of which one may be zero: few scenes have them, and each kernel takes time to compile.
+/// With a spring, both resistances are compiled together, and either may be zero: few scenes have them, and every kernel adds compile time.
 pub(crate) type SprungTorques = Compiled<SpringLanes, true, true>;
 
-/// Evaluates an expression with `$effects` as the type that is compiled for the choice.
+/// Evaluates an expression with `$effects` as the type that is compiled for the combination.
 macro_rules! with_effects {
     ($set:expr, $effects:ident => $body:expr) => {{
         let set = $set;
@@ -48,7 +48,7 @@ macro_rules! with_effects {
     }};
 }
 
-/// Evaluates an expression for work on forces alone, which knows nothing of torques: contacts have a tangential part or have none.
+/// Evaluates an expression for computations without torques: contacts have a tangential part or none.
 macro_rules! with_tangential {
     ($set:expr, $effects:ident => $body:expr) => {{
         let set = $set;
@@ -57,7 +57,7 @@ macro_rules! with_tangential {
     }};
 }
 
-/// Evaluates an expression for the first choice whose condition holds.
+/// Evaluates an expression for the first combination with a true condition.
 macro_rules! with_first {
     ($effects:ident => $body:expr; $($condition:expr => $choice:ident),*) => {
         match () {
@@ -71,30 +71,30 @@ pub(crate) use with_effects;
 pub(crate) use with_first;
 pub(crate) use with_tangential;
 
-/// Lane groups of contacts of two grains, as long as the effects need.
+/// Lane groups of contacts between two grains, with the memory that the effects need.
 #[derive(Clone, Debug)]
 pub enum PairGroups {
     /// Without friction.
     Smooth(Vec<PairGroup<()>>),
-    /// With it.
+    /// With friction.
     Frictional(Vec<PairGroup>),
-    /// With tangential springs besides.
+    /// With friction and tangential springs.
     Sprung(Vec<PairGroup<SpringLanes>>),
 }
 
-/// A kind of lane groups that [`PairGroups`] can hold.
+/// Layout of the lane groups in [`PairGroups`].
 pub(crate) trait ContactLayout: Tangential + Send + Sync {
-    /// Tangential term of its contacts in a kernel.
+    /// Tangential term of the contacts in a kernel.
     type Term<N: Number>: TangentialTerm<N>;
 
-    /// The groups, which are of this kind.
+    /// Returns the groups, which have this layout.
     fn of(groups: &PairGroups) -> &[PairGroup<Self>];
 
-    /// Mutable access.
+    /// Returns the groups for mutable access.
     fn of_mut(groups: &mut PairGroups) -> &mut [PairGroup<Self>];
 }
 
-/// Evaluates an expression with `$pairs` as the groups of the kind that there is.
+/// Evaluates an expression with `$pairs` as the groups in their actual layout.
 macro_rules! with_pairs {
     ($groups:expr, $pairs:ident => $body:expr) => {
         match $groups {
@@ -107,10 +107,10 @@ macro_rules! with_pairs {
 
 pub(crate) use with_pairs;
 
-/// Reason for which no other layout can occur: set-up and sweeps use the same effects.
+/// Reason why no other layout can occur: set-up and sweeps use the same effects.
 const LAID_OUT: &str = "lane groups were laid out for the effects of the sweep";
 
-/// Makes a kind of lane groups that of one variant of [`PairGroups`].
+/// Implements a layout for one variant of [`PairGroups`].
 macro_rules! laid_out_as {
     ($kind:ty, $variant:ident, $number:ident => $term:ty) => {
         impl ContactLayout for $kind {
@@ -142,22 +142,22 @@ impl Default for PairGroups {
 }
 
 impl PairGroups {
-    /// Number of groups.
+    /// Returns the number of groups.
     pub fn len(&self) -> usize {
         with_pairs!(self, groups => groups.len())
     }
 
-    /// Returns true if there are none.
+    /// Returns true if there are no groups.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Copies of the groups with room for friction and springs, whether they have any or not, for occasional reading.
+    /// Returns copies of the groups with memory for friction and springs in every layout, for occasional reading.
     pub fn iter(&self) -> impl Iterator<Item = PairGroup<SpringLanes>> + '_ {
         (0..self.len()).map(|number| with_pairs!(self, groups => groups[number].with_all()))
     }
 
-    /// Bytes of a group.
+    /// Returns the size of a group, bytes.
     pub fn bytes_of_group(&self) -> usize {
         fn bytes<T>(_: &[PairGroup<T>]) -> usize {
             size_of::<PairGroup<T>>()
@@ -165,18 +165,18 @@ impl PairGroups {
         with_pairs!(self, groups => bytes(groups))
     }
 
-    /// Number of groups that there is room for.
+    /// Returns the number of groups in the allocated memory.
     pub(crate) fn capacity(&self) -> usize {
         with_pairs!(self, groups => groups.capacity())
     }
 
-    /// Drops the groups from this number on; memory stays.
+    /// Removes the groups from this index on; memory remains allocated.
     pub(crate) fn truncate(&mut self, count: usize) {
         with_pairs!(self, groups => groups.truncate(count));
     }
 
-    /// Becomes groups with a tangential part, or without, and with springs in it, or without; what there was is dropped if it was of
-    /// another kind.
+    /// Changes the layout to groups with or without a tangential part, and with or without springs; removes groups of
+    /// another layout.
     pub(crate) fn suit(&mut self, tangential: bool, springs: bool) {
         let suited = match (tangential, springs) {
             (false, _) => PairGroups::Smooth(Vec::new()),

@@ -7,7 +7,7 @@ use std::ops::{Add, BitAnd, Div, Mul, Neg, Not, Sub};
 macro_rules! both {
     ($a:expr, $b:expr, $intrinsic:expr) => {{
         let (a, b) = ($a, $b);
-        // SAFETY: the types exist only where AVX2 does.
+        // SAFETY: the types exist only on processors with AVX2.
         unsafe { [$intrinsic(a[0], b[0]), $intrinsic(a[1], b[1])] }
     }};
 }
@@ -24,7 +24,7 @@ macro_rules! operator {
     };
 }
 
-/// Two registers of numbers of one precision, and masks of as many bits.
+/// Two registers of numbers of one precision, and masks of the same width.
 macro_rules! registers {
     (
         $(#[$about:meta])* $lanes:ident, $mask:ident, $register:ty, $real:ty,
@@ -36,7 +36,7 @@ macro_rules! registers {
         #[derive(Clone, Copy)]
         pub struct $lanes([$register; 2]);
 
-        /// Truth values, all bits of a lane set or none.
+        /// Truth values: all bits of a lane set, or none.
         #[derive(Clone, Copy)]
         pub struct $mask([$register; 2]);
 
@@ -125,7 +125,7 @@ macro_rules! registers {
 }
 
 registers!(
-    /// Eight numbers in two registers. Code that makes one runs where AVX2 was found: only [`super::Available::run`]
+    /// Eight numbers in two registers. Only code that runs with AVX2 creates values: only [`super::Available::run`]
     /// names this type.
     Avx2, Avx2Mask, __m256d, f64,
     arithmetic: _mm256_add_pd _mm256_sub_pd _mm256_mul_pd _mm256_div_pd _mm256_sqrt_pd,
@@ -134,20 +134,20 @@ registers!(
 );
 
 registers!(
-    /// Sixteen numbers of single precision in two registers, made where an [`Avx2`] is.
+    /// Sixteen single-precision numbers in two registers, with the condition of [`Avx2`].
     Avx2Single, Avx2SingleMask, __m256, f32,
     arithmetic: _mm256_add_ps _mm256_sub_ps _mm256_mul_ps _mm256_div_ps _mm256_sqrt_ps,
     choice: _mm256_max_ps _mm256_min_ps _mm256_cmp_ps _mm256_blendv_ps _mm256_testc_ps,
     bits: _mm256_set1_ps _mm256_and_ps _mm256_andnot_ps _mm256_xor_ps _mm256_castsi256_ps
 );
 
-/// A matrix of four rows of four, transposed.
+/// Transposes a matrix of four rows of four.
 ///
 /// # Safety
 /// AVX2.
 #[inline(always)]
 unsafe fn transposed(rows: [__m256d; 4]) -> [__m256d; 4] {
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     unsafe {
         let [a, b, c, d] = rows;
         let (even, odd) = (_mm256_unpacklo_pd(a, b), _mm256_unpackhi_pd(a, b));
@@ -190,7 +190,7 @@ impl Lanes for Avx2 {
 
     #[inline(always)]
     unsafe fn load_quads<const STRIDE: usize>(base: *const Quad, indices: &[u32; LANES]) -> [Avx2; 4] {
-        // SAFETY: the caller's promise; quads are aligned to 32 bytes.
+        // SAFETY: guaranteed by the caller; quads are aligned to 32 bytes.
         unsafe {
             let row = |lane: usize| _mm256_load_pd(base.add(STRIDE * indices[lane] as usize).cast());
             let low = transposed([row(0), row(1), row(2), row(3)]);
@@ -201,7 +201,7 @@ impl Lanes for Avx2 {
 
     #[inline(always)]
     unsafe fn store_quads<const STRIDE: usize>(base: *mut Quad, indices: &[u32; LANES], quads: [Avx2; 4]) {
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         unsafe {
             let [x, y, z, w] = quads.map(|part| part.0);
             for half in 0..2 {
@@ -219,7 +219,7 @@ impl Lanes for Avx2 {
         first: &[u32; LANES],
         second: &[u32; LANES],
     ) -> [Avx2; 4] {
-        // SAFETY: the caller's promise; quads are aligned to 32 bytes.
+        // SAFETY: guaranteed by the caller; quads are aligned to 32 bytes.
         unsafe {
             let against = _mm256_setr_pd(-0.0, -0.0, -0.0, 0.0);
             let quad = |place: u32| _mm256_load_pd(base.add(STRIDE * place as usize).cast());
@@ -241,19 +241,19 @@ impl Lanes for Avx2 {
 
     #[inline(always)]
     unsafe fn load_keeping(base: *const Line, first: &[u32; LANES], second: &[u32; LANES]) -> ([Avx2; 4], [(); 2]) {
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         (unsafe { Self::load_differences::<2>(base.cast(), first, second) }, [(); 2])
     }
 
     #[inline(always)]
     unsafe fn add_to_kept(base: *mut Line, indices: &[u32; LANES], (): (), half: [Avx2; 3], factor: f64) {
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         unsafe { Self::add_shares::<false>(base, indices, [half; 2], [factor; 2]) };
     }
 
     #[inline(always)]
     unsafe fn load_pairs(base: *const Line, first: &[u32; LANES], second: &[u32; LANES]) -> [[Avx2; 4]; 2] {
-        // SAFETY: the caller's promise; the halves of a line are aligned to 32 bytes.
+        // SAFETY: guaranteed by the caller; the halves of a line are aligned to 32 bytes.
         unsafe {
             let mut out =
                 [Avx2::load_differences::<2>(base.cast(), first, second), [Avx2([_mm256_setzero_pd(); 2]); 4]];
@@ -280,7 +280,7 @@ impl Lanes for Avx2 {
         halves: [[Avx2; 3]; 2],
         factors: [f64; 2],
     ) {
-        // SAFETY: the caller's promise; the halves of a line are aligned to 32 bytes.
+        // SAFETY: guaranteed by the caller; the halves of a line are aligned to 32 bytes.
         unsafe {
             for side in 0..2 {
                 let zero = _mm256_setzero_pd();
@@ -302,13 +302,13 @@ impl Lanes for Avx2 {
     }
 }
 
-/// Two matrices of four rows of four, transposed, one in each half.
+/// Transposes two matrices of four rows of four, one in each half.
 ///
 /// # Safety
 /// AVX2.
 #[inline(always)]
 unsafe fn transposed_halves(rows: [__m256; 4]) -> [__m256; 4] {
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     unsafe {
         let [a, b, c, d] = rows;
         let (low_a, low_c) = (_mm256_castps_pd(_mm256_unpacklo_ps(a, b)), _mm256_castps_pd(_mm256_unpacklo_ps(c, d)));
@@ -322,13 +322,13 @@ unsafe fn transposed_halves(rows: [__m256; 4]) -> [__m256; 4] {
     }
 }
 
-/// The octets of four bodies, transposed: first numbers of the four in the lower halves, fifth ones in the upper.
+/// Loads and transposes the octets of four bodies: first numbers of the four in the lower halves, fifth numbers in the upper.
 ///
 /// # Safety
-/// As for [`SingleLanes::load_octets`].
+/// The requirements of [`SingleLanes::load_octets`] apply.
 #[inline(always)]
 unsafe fn four_octets(base: *const Octet, indices: &[u32; SINGLE_LANES], lane: usize) -> [__m256; 4] {
-    // SAFETY: the caller's promise; octets are aligned to 32 bytes.
+    // SAFETY: guaranteed by the caller; octets are aligned to 32 bytes.
     unsafe {
         transposed_halves([
             _mm256_load_ps(base.add(indices[lane] as usize).cast()),
@@ -339,13 +339,13 @@ unsafe fn four_octets(base: *const Octet, indices: &[u32; SINGLE_LANES], lane: u
     }
 }
 
-/// Writes what [`four_octets`] reads.
+/// Writes octets in the layout of [`four_octets`].
 ///
 /// # Safety
-/// As for [`SingleLanes::store_octets`].
+/// The requirements of [`SingleLanes::store_octets`] apply.
 #[inline(always)]
 unsafe fn put_four_octets(base: *mut Octet, indices: &[u32; SINGLE_LANES], lane: usize, four: [__m256; 4]) {
-    // SAFETY: the caller's promise; octets are aligned to 32 bytes.
+    // SAFETY: guaranteed by the caller; octets are aligned to 32 bytes.
     unsafe {
         let [a, b, c, d] = transposed_halves(four);
         _mm256_store_ps(base.add(indices[lane] as usize).cast(), a);
@@ -355,13 +355,13 @@ unsafe fn put_four_octets(base: *mut Octet, indices: &[u32; SINGLE_LANES], lane:
     }
 }
 
-/// The lower (0x20) or upper (0x31) halves of two registers in one.
+/// Combines the lower (0x20) or upper (0x31) halves of two registers.
 ///
 /// # Safety
 /// AVX2.
 #[inline(always)]
 unsafe fn halves<const WHICH: i32>(a: __m256, b: __m256) -> __m256 {
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     unsafe { _mm256_permute2f128_ps::<WHICH>(a, b) }
 }
 
@@ -383,7 +383,7 @@ impl SingleLanes for Avx2Single {
 
     #[inline(always)]
     unsafe fn load_octets(base: *const Octet, indices: &[u32; SINGLE_LANES]) -> [Avx2Single; 8] {
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         unsafe {
             let (a, b) = (four_octets(base, indices, 0), four_octets(base, indices, 4));
             let (c, d) = (four_octets(base, indices, 8), four_octets(base, indices, 12));
@@ -398,7 +398,7 @@ impl SingleLanes for Avx2Single {
 
     #[inline(always)]
     unsafe fn store_octets(base: *mut Octet, indices: &[u32; SINGLE_LANES], octets: [Avx2Single; 8]) {
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         unsafe {
             for half in 0..2 {
                 let (mut low, mut high) = ([octets[0].0[half]; 4], [octets[0].0[half]; 4]);

@@ -1,4 +1,4 @@
-//! Lanes in one 512-bit register. Only AVX-512F is used, which the Xeon Phi x200 has too.
+//! Lanes in one 512-bit register. Only AVX-512F is used, which the Xeon Phi x200 also has.
 
 mod single;
 
@@ -6,7 +6,7 @@ use super::{Eight, LANES, Lanes, Line, Number, Quad};
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, Div, Mul, Neg, Not, Sub};
 
-/// A register of numbers of one precision, and the mask register that goes with it.
+/// Register of numbers of one precision, and its mask register.
 macro_rules! register {
     (
         $(#[$about:meta])* $lanes:ident($register:ty), $mask:ident($bits:ty), $real:ty,
@@ -31,7 +31,7 @@ macro_rules! register {
             type Output = $lanes;
             #[inline(always)]
             fn neg(self) -> $lanes {
-                // SAFETY: see the type. The floating-point exclusive or belongs to AVX-512DQ; the integer one does the same.
+                // SAFETY: see the type. The floating-point exclusive or belongs to AVX-512DQ; the integer one is equivalent.
                 $lanes(unsafe { $from_integer(_mm512_xor_si512($to_integer(self.0), $splat_integer($sign))) })
             }
         }
@@ -117,7 +117,7 @@ macro_rules! operator {
             type Output = $lanes;
             #[inline(always)]
             fn $method(self, other: $lanes) -> $lanes {
-                // SAFETY: the type exists only where AVX-512F does.
+                // SAFETY: the type exists only on processors with AVX-512F.
                 $lanes(unsafe { $intrinsic(self.0, other.0) })
             }
         }
@@ -125,7 +125,7 @@ macro_rules! operator {
 }
 
 register!(
-    /// Eight numbers in a register. Code that makes one runs where AVX-512F was found: only [`super::Available::run`]
+    /// Eight numbers in a register. Only code that runs with AVX-512F creates values: only [`super::Available::run`]
     /// names this type.
     Avx512(__m512d), Avx512Mask(__mmask8), f64,
     arithmetic: _mm512_add_pd _mm512_sub_pd _mm512_mul_pd _mm512_div_pd _mm512_sqrt_pd _mm512_abs_pd,
@@ -134,33 +134,33 @@ register!(
 );
 
 register!(
-    /// Sixteen numbers of single precision in a register, made where an [`Avx512`] is.
+    /// Sixteen single-precision numbers in a register, with the condition of [`Avx512`].
     Avx512Single(__m512), Avx512SingleMask(__mmask16), f32,
     arithmetic: _mm512_add_ps _mm512_sub_ps _mm512_mul_ps _mm512_div_ps _mm512_sqrt_ps _mm512_abs_ps,
     choice: _mm512_max_ps _mm512_min_ps _mm512_cmp_ps_mask _mm512_mask_blend_ps,
     constants: _mm512_set1_ps _mm512_castps_si512 _mm512_castsi512_ps _mm512_set1_epi32(i32::MIN)
 );
 
-/// Two rows of four in one register, the second in its upper half.
+/// Loads two rows of four into one register, the second into its upper half.
 ///
 /// # Safety
 /// AVX-512F, and both quads readable.
 #[inline(always)]
 unsafe fn join(low: *const Quad, high: *const Quad) -> __m512d {
-    // SAFETY: the caller's promise; quads are aligned to 32 bytes.
+    // SAFETY: guaranteed by the caller; quads are aligned to 32 bytes.
     unsafe {
         let low = _mm512_castpd256_pd512(_mm256_load_pd(low.cast()));
         _mm512_insertf64x4::<1>(low, _mm256_load_pd(high.cast()))
     }
 }
 
-/// Pairs of the lower and of the upper 128 bits of each half: `[a0 a1 b0 b1 | a4 a5 b4 b5]` and `[a2 a3 b2 b3 | ...]`.
+/// Pairs the lower and the upper 128 bits of each half: `[a0 a1 b0 b1 | a4 a5 b4 b5]` and `[a2 a3 b2 b3 | ...]`.
 ///
 /// # Safety
 /// AVX-512F.
 #[inline(always)]
 unsafe fn interleave_pairs(a: __m512d, b: __m512d) -> (__m512d, __m512d) {
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     unsafe {
         let low = _mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13);
         let high = _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15);
@@ -193,7 +193,7 @@ impl Lanes for Avx512 {
 
     #[inline(always)]
     fn share_places(some: [&[u32; LANES]; 2], others: [&[u32; LANES]; 2], end: u32) -> bool {
-        // SAFETY: see the type; eight places fill half a register.
+        // SAFETY: see the type; eight indices fill half a register.
         unsafe {
             let half = _mm512_castsi256_si512(_mm256_loadu_si256(others[0].as_ptr().cast()));
             let others = _mm512_inserti64x4::<1>(half, _mm256_loadu_si256(others[1].as_ptr().cast()));
@@ -210,7 +210,7 @@ impl Lanes for Avx512 {
 
     #[inline(always)]
     unsafe fn load_quads<const STRIDE: usize>(base: *const Quad, indices: &[u32; LANES]) -> [Avx512; 4] {
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         unsafe {
             let row = |lane: usize| base.add(STRIDE * indices[lane] as usize);
             let (a, b) = (join(row(0), row(4)), join(row(1), row(5)));
@@ -221,7 +221,7 @@ impl Lanes for Avx512 {
 
     #[inline(always)]
     unsafe fn store_quads<const STRIDE: usize>(base: *mut Quad, indices: &[u32; LANES], quads: [Avx512; 4]) {
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         unsafe {
             let put = |lane: usize, rows: __m512d| {
                 let low = base.add(STRIDE * indices[lane] as usize);
@@ -244,7 +244,7 @@ impl Lanes for Avx512 {
         first: &[u32; LANES],
         second: &[u32; LANES],
     ) -> [Avx512; 4] {
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         unsafe {
             let sign = i64::MIN;
             let against = _mm512_setr_epi64(sign, sign, sign, 0, sign, sign, sign, 0);
@@ -266,7 +266,7 @@ impl Lanes for Avx512 {
         first: &[u32; LANES],
         second: &[u32; LANES],
     ) -> ([Avx512; 4], [[__m512d; 4]; 2]) {
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         unsafe {
             let sign = i64::MIN;
             let against = _mm512_setr_epi64(sign, sign, sign, 0, sign, sign, sign, 0);
@@ -285,7 +285,7 @@ impl Lanes for Avx512 {
 
     #[inline(always)]
     unsafe fn add_to_kept(base: *mut Line, indices: &[u32; LANES], kept: [__m512d; 4], half: [Avx512; 3], factor: f64) {
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         unsafe {
             let shares = transposed_halves([half[0].0, half[1].0, half[2].0, _mm512_setzero_pd()]);
             for row in 0..4 {
@@ -299,7 +299,7 @@ impl Lanes for Avx512 {
 
     #[inline(always)]
     unsafe fn load_pairs(base: *const Line, first: &[u32; LANES], second: &[u32; LANES]) -> [[Avx512; 4]; 2] {
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         unsafe {
             let sign = i64::MIN;
             let against = _mm512_setr_epi64(sign, sign, sign, 0, 0, 0, 0, 0);
@@ -325,7 +325,7 @@ impl Lanes for Avx512 {
         halves: [[Avx512; 3]; 2],
         factors: [f64; 2],
     ) {
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         unsafe {
             let zero = _mm512_setzero_pd();
             let [[x, y, z], [u, v, w]] = halves;
@@ -356,13 +356,13 @@ impl Lanes for Avx512 {
     }
 }
 
-/// Two matrices of four rows of four, transposed, one in each half: eight quads into their parts, and back.
+/// Transposes two matrices of four rows of four, one in each half: eight quads into their parts, and back.
 ///
 /// # Safety
 /// AVX-512F.
 #[inline(always)]
 unsafe fn transposed_halves(rows: [__m512d; 4]) -> [__m512d; 4] {
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     unsafe {
         let [a, b, c, d] = rows;
         let (first, third) = interleave_pairs(_mm512_unpacklo_pd(a, b), _mm512_unpacklo_pd(c, d));
@@ -371,13 +371,13 @@ unsafe fn transposed_halves(rows: [__m512d; 4]) -> [__m512d; 4] {
     }
 }
 
-/// Eight lanes each of the four parts of quads: quad `i` in the lower half of row `i`, quad `i + 4` in the upper half.
+/// Returns eight lanes of each of the four parts of quads: quad `i` in the lower half of row `i`, quad `i + 4` in the upper half.
 ///
 /// # Safety
 /// AVX-512F.
 #[inline(always)]
 unsafe fn parts(rows: [__m512d; 4]) -> [Avx512; 4] {
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     let [first, second, third, fourth] = unsafe { transposed_halves(rows) };
     [Avx512(first), Avx512(second), Avx512(third), Avx512(fourth)]
 }

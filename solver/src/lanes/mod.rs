@@ -1,10 +1,10 @@
-//! Eight numbers treated alike: the arithmetic of lane groups, once for every instruction set.
+//! SIMD arithmetic of lane groups, eight numbers at a time, in one implementation for every instruction set.
 //!
-//! A kernel is written over [`Number`] (arithmetic) and [`Lanes`] (eight of them, with loads and stores). It is compiled
-//! for plain Rust, for AVX2 and for AVX-512F, and the best that the processor has is chosen once at start. Every operation
-//! is one correctly rounded IEEE operation a lane, so all give the same bits. Fused multiply-add is left out on purpose: a
-//! processor without it would need a library call in place of an instruction. What that costs, and which instructions are
-//! left, says [`docs/kernel.md`](instructions).
+//! A kernel is generic over [`Number`] (arithmetic) and [`Lanes`] (eight numbers, with loads and stores). Kernels are
+//! compiled for plain Rust, for AVX2 and for AVX-512F, and the best instruction set of the processor is chosen once at
+//! start. Every operation is one correctly rounded IEEE operation per lane, so all instruction sets give the same bits.
+//! Fused multiply-add is excluded on purpose: a processor without it would need a library call instead of an
+//! instruction. [`docs/kernel.md`](instructions) states the cost, and the instructions that remain.
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
@@ -23,72 +23,72 @@ use bytemuck::{Pod, Zeroable};
 use serde::{Deserialize, Serialize};
 use std::ops::{Add, BitAnd, Div, Mul, Neg, Not, Sub};
 
-/// Number of contacts in a lane group; a part of the algorithm, not of the machine.
+/// Number of contacts in a lane group; part of the algorithm, not of the machine.
 pub const LANES: usize = 8;
 
-/// Lane groups ahead of the one at work whose bodies are fetched into the cache, where nothing else is said and a step is too
-/// large for it; the groups of a sweep are fetched twice as far ahead. Two to eight are about as good: `docs/memory.md` tells what
-/// was measured.
+/// Default prefetch distance in lane groups, for steps that exceed the cache: the bodies of groups this far ahead are
+/// fetched, those of a sweep twice as far ahead. Two to eight are about equally good: `docs/memory.md` has the
+/// measurements.
 pub const PREFETCH: usize = 4;
 
-/// Number of contacts in a lane group in single precision: two groups side by side.
+/// Number of contacts in a single-precision lane group: two groups of eight.
 pub const SINGLE_LANES: usize = 2 * LANES;
 
-/// Eight `f64` in memory, one a contact.
+/// Eight `f64` in memory, one per contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub struct Eight(pub [f64; LANES]);
 
-/// Sixteen `f32` in memory, one a contact.
+/// Sixteen `f32` in memory, one per contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub struct Sixteen(pub [f32; SINGLE_LANES]);
 
-/// One number or several of one precision, with the operations that kernels are made of.
+/// One or several numbers of one precision, with the operations of the kernels.
 pub trait Number:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
 {
-    /// A truth value a lane.
+    /// Truth value per lane.
     type Mask: Copy + BitAnd<Output = Self::Mask> + Not<Output = Self::Mask>;
 
-    /// Sets each lane to one number, rounded to the precision of the lanes.
+    /// Sets each lane to the same number, rounded to the precision of the lanes.
     fn splat(value: f64) -> Self;
-    /// Correctly rounded square root.
+    /// Returns the correctly rounded square root.
     fn sqrt(self) -> Self;
-    /// Magnitude.
+    /// Returns the magnitude.
     fn abs(self) -> Self;
-    /// `self` where it is above `other`, `other` elsewhere.
+    /// Returns `self` in lanes where it exceeds `other`, and `other` elsewhere.
     fn larger(self, other: Self) -> Self;
-    /// `self` where it is below `other`, `other` elsewhere.
+    /// Returns `self` in lanes where it is below `other`, and `other` elsewhere.
     fn smaller(self, other: Self) -> Self;
-    /// Mask of the lanes where `self` is below `other`.
+    /// Returns the mask of the lanes where `self` is below `other`.
     fn below(self, other: Self) -> Self::Mask;
-    /// Mask of the lanes where `self` does not exceed `other`.
+    /// Returns the mask of the lanes where `self` does not exceed `other`.
     fn at_most(self, other: Self) -> Self::Mask;
-    /// `yes` where the mask holds, `no` elsewhere.
+    /// Returns `yes` in the lanes of the mask, and `no` elsewhere.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
-    /// Returns true if the mask holds in every lane.
+    /// Returns true if the mask is set in every lane.
     fn all(mask: Self::Mask) -> bool;
 
-    /// Zero in each lane.
+    /// Returns zero in each lane.
     #[inline(always)]
     fn zero() -> Self {
         Self::splat(0.0)
     }
 }
 
-/// Eight lanes of a register file, with loads and stores.
+/// Eight lanes of registers, with loads and stores.
 ///
-/// Records of bodies, spheres and impulses are kept as [`Quad`]s. Eight of them are loaded as aligned halves of cache
-/// lines and transposed in registers: gathers are slower on every processor that was tried.
+/// Records of bodies, spheres and impulses are stored as [`Quad`]s. Eight quads are loaded as aligned halves of cache
+/// lines and transposed in registers: gathers were slower on every processor tested.
 pub trait Lanes: Number {
-    /// Sixteen lanes of single precision in the same registers.
+    /// Sixteen single-precision lanes in the same registers.
     type Single: SingleLanes;
 
-    /// Halves of eight lines as they were read, for those who will write them; nothing where registers are too few to keep them.
+    /// Halves of eight lines after a read, for a later write; empty if there are too few registers for the halves.
     type Kept: Copy;
 
-    /// True if sweeps gain from having several lane groups on their way at a time: there are registers enough for it.
+    /// True if sweeps gain from several lane groups in flight at a time: registers suffice.
     const OVERLAPPED: bool;
 
     /// Reads eight numbers.
@@ -97,10 +97,10 @@ pub trait Lanes: Number {
     /// Writes eight numbers.
     fn store(self, to: &mut Eight);
 
-    /// The lanes of a mask as bits, lane 0 lowest.
+    /// Returns the lanes of a mask as bits, lane 0 lowest.
     fn bits(mask: Self::Mask) -> u32;
 
-    /// Returns true if both name the same place, one below `end`.
+    /// Returns true if both indices are equal and below `end`.
     #[inline(always)]
     fn share_places(some: [&[u32; LANES]; 2], others: [&[u32; LANES]; 2], end: u32) -> bool {
         let among_others = |place| others.into_iter().flatten().any(|other| other == place);
@@ -110,54 +110,54 @@ pub trait Lanes: Number {
     /// Reads the quads `base + STRIDE indices[lane]` and transposes them.
     ///
     /// # Safety
-    /// Each of these quads must lie in memory that may be read.
+    /// Each of these quads must be in readable memory.
     unsafe fn load_quads<const STRIDE: usize>(base: *const Quad, indices: &[u32; LANES]) -> [Self; 4];
 
     /// Transposes and writes the quads `base + STRIDE indices[lane]`.
     ///
     /// # Safety
-    /// Each of these quads must lie in memory that may be written, and nothing else may use it meanwhile.
+    /// Each of these quads must be in writable memory, without other accesses during the call.
     unsafe fn store_quads<const STRIDE: usize>(base: *mut Quad, indices: &[u32; LANES], quads: [Self; 4]);
 
-    /// Reads the quads `base + STRIDE first[lane]` and `base + STRIDE second[lane]` and transposes what the second has less the
-    /// first in the first three numbers, and their sum in the fourth. Half the transposing of both, and fewer registers.
+    /// Reads the quads `base + STRIDE first[lane]` and `base + STRIDE second[lane]`, and transposes the differences (second minus
+    /// first) of the first three numbers, and the sum of the fourth. Half the transposition of both, and fewer registers.
     ///
     /// # Safety
-    /// As for [`load_quads`](Lanes::load_quads).
+    /// The requirements of [`load_quads`](Lanes::load_quads) apply.
     unsafe fn load_differences<const STRIDE: usize>(
         base: *const Quad,
         first: &[u32; LANES],
         second: &[u32; LANES],
     ) -> [Self; 4];
 
-    /// Loads differences of the first halves of the lines `base + first[lane]` and `base + second[lane]`, which are kept for
-    /// [`add_to_kept`](Lanes::add_to_kept).
+    /// Loads differences of the first halves of the lines `base + first[lane]` and `base + second[lane]`, and returns
+    /// the halves for [`add_to_kept`](Lanes::add_to_kept).
     ///
     /// # Safety
-    /// Each of these lines must lie in memory that may be read.
+    /// Each of these lines must be in readable memory.
     unsafe fn load_keeping(
         base: *const Line,
         first: &[u32; LANES],
         second: &[u32; LANES],
     ) -> ([Self; 4], [Self::Kept; 2]);
 
-    /// Does [`add_shares`](Lanes::add_shares) to first halves alone, of lines that were kept and have not changed since.
+    /// Does the work of [`add_shares`](Lanes::add_shares) for first halves only, of returned lines that have not changed since.
     ///
     /// # Safety
-    /// Each of these lines must lie in memory that may be written, and nothing else may use it meanwhile.
+    /// Each of these lines must be in writable memory, without other accesses during the call.
     unsafe fn add_to_kept(base: *mut Line, indices: &[u32; LANES], kept: Self::Kept, half: [Self; 3], factor: f64);
 
     /// Loads differences of the first halves of the lines `base + first[lane]` and `base + second[lane]`, and sums of their second halves.
     ///
     /// # Safety
-    /// Each of these lines must lie in memory that may be read.
+    /// Each of these lines must be in readable memory.
     unsafe fn load_pairs(base: *const Line, first: &[u32; LANES], second: &[u32; LANES]) -> [[Self; 4]; 2];
 
-    /// Adds the transposed `halves` to the first three numbers of each half of the lines `base + indices[lane]`, times the
-    /// line's own fourth number and a factor for each half; unless `WHOLE`, to their first halves alone.
+    /// Adds the transposed `halves` to the first three numbers of each half of the lines `base + indices[lane]`, times
+    /// the fourth number of the half and a factor for each half. Unless `WHOLE`, only first halves change.
     ///
     /// # Safety
-    /// Each of these lines must lie in memory that may be written, and nothing else may use it meanwhile.
+    /// Each of these lines must be in writable memory, without other accesses during the call.
     unsafe fn add_shares<const WHOLE: bool>(
         base: *mut Line,
         indices: &[u32; LANES],
@@ -166,7 +166,7 @@ pub trait Lanes: Number {
     );
 }
 
-/// Sixteen lanes of single precision. A body is one [`Octet`] there.
+/// Sixteen single-precision lanes. A single-precision body is one [`Octet`].
 pub trait SingleLanes: Number {
     /// Reads sixteen numbers.
     fn load(from: &Sixteen) -> Self;
@@ -177,13 +177,13 @@ pub trait SingleLanes: Number {
     /// Reads the octets `base + indices[lane]` and transposes them.
     ///
     /// # Safety
-    /// Each of these octets must lie in memory that may be read.
+    /// Each of these octets must be in readable memory.
     unsafe fn load_octets(base: *const Octet, indices: &[u32; SINGLE_LANES]) -> [Self; 8];
 
     /// Transposes and writes the octets `base + indices[lane]`.
     ///
     /// # Safety
-    /// Each of these octets must lie in memory that may be written, and nothing else may use it meanwhile.
+    /// Each of these octets must be in writable memory, without other accesses during the call.
     unsafe fn store_octets(base: *mut Octet, indices: &[u32; SINGLE_LANES], octets: [Self; 8]);
 }
 
@@ -197,7 +197,7 @@ pub struct Quad(pub [f64; 4]);
 #[repr(C, align(64))]
 pub struct Line(pub [Quad; 2]);
 
-/// Eight numbers of single precision that are read together: half a cache line.
+/// Eight single-precision numbers that are read together: half a cache line.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C, align(32))]
 pub struct Octet(pub [f32; 8]);
@@ -214,29 +214,29 @@ pub fn cross<N: Number>(a: [N; 3], b: [N; 3]) -> [N; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// `a + b`.
+/// Returns `a + b`.
 #[inline(always)]
 pub fn plus<N: Number>(a: [N; 3], b: [N; 3]) -> [N; 3] {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
-/// `a - b`.
+/// Returns `a - b`.
 #[inline(always)]
 pub fn minus<N: Number>(a: [N; 3], b: [N; 3]) -> [N; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
-/// `a` times a number.
+/// Returns `a` times a number.
 #[inline(always)]
 pub fn times<N: Number>(a: [N; 3], factor: N) -> [N; 3] {
     [a[0] * factor, a[1] * factor, a[2] * factor]
 }
 
-/// Name of an instruction set of the kernels, which this processor may have or not: [`Available`] is one that it has.
+/// Instruction set of the kernels, available on this processor or not: [`Available`] is restricted to available sets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum InstructionSet {
-    /// Whatever the build's target has.
+    /// Instructions of the build target.
     Generic,
     /// 256-bit registers.
     Avx2,
@@ -245,7 +245,7 @@ pub enum InstructionSet {
 }
 
 impl InstructionSet {
-    /// All, from the narrowest to the widest.
+    /// All instruction sets, from the narrowest to the widest.
     pub const ALL: [InstructionSet; 3] = [InstructionSet::Generic, InstructionSet::Avx2, InstructionSet::Avx512];
 
     /// Returns the widest instruction set of this processor.
@@ -253,12 +253,12 @@ impl InstructionSet {
         Available::detect().name()
     }
 
-    /// Returns true if this processor has it.
+    /// Returns true if this processor has the instruction set.
     pub fn is_available(self) -> bool {
         self.on_this_processor().is_some()
     }
 
-    /// Leave to run kernels on it, if this processor has it.
+    /// Returns permission to run kernels with the instruction set, if this processor has it.
     pub fn on_this_processor(self) -> Option<Available> {
         let found = match self {
             InstructionSet::Generic => true,
@@ -272,7 +272,7 @@ impl InstructionSet {
         found.then_some(Available(self))
     }
 
-    /// Its name, as the command line takes it.
+    /// Returns the name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             InstructionSet::Generic => "generic",
@@ -282,8 +282,8 @@ impl InstructionSet {
     }
 }
 
-/// An instruction set that this processor has. Kernels run on nothing else, and only asking the processor makes one
-/// ([`InstructionSet::on_this_processor`]).
+/// Instruction set that this processor has. Kernels run only through this type, and only a query of the processor
+/// creates a value ([`InstructionSet::on_this_processor`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Available(InstructionSet);
 
@@ -294,15 +294,15 @@ impl Available {
         widest.unwrap_or(Available(InstructionSet::Generic))
     }
 
-    /// Which it is.
+    /// Returns the instruction set.
     pub fn name(self) -> InstructionSet {
         self.0
     }
 
-    /// Runs a kernel on it.
+    /// Runs a kernel with the instruction set.
     pub fn run<K: Kernel>(self, kernel: K) -> K::Output {
         match self.0 {
-            // SAFETY: this processor has the set: only asking it makes one of these.
+            // SAFETY: this processor has the set: only a query of the processor creates a value of this type.
             #[cfg(target_arch = "x86_64")]
             InstructionSet::Avx512 => unsafe { run_avx512(kernel) },
             // SAFETY: as above.
@@ -313,12 +313,12 @@ impl Available {
     }
 }
 
-/// A loop over lane groups that is compiled once for each instruction set.
+/// Loop over lane groups, compiled once for each instruction set.
 pub trait Kernel {
     /// Result type.
     type Output;
 
-    /// The loop itself; `#[inline(always)]` in every implementation, so that it is compiled for its caller's registers.
+    /// Runs the loop; `#[inline(always)]` in every implementation, so that the loop is compiled for the registers of its caller.
     fn run<L: Lanes>(self) -> Self::Output;
 }
 
@@ -334,7 +334,7 @@ fn run_avx2<K: Kernel>(kernel: K) -> K::Output {
     kernel.run::<avx2::Avx2>()
 }
 
-// Whoever builds for a newer processor than the Xeon Phi gets its instructions.
+// Builds for processors newer than the Xeon Phi use their instructions.
 
 /// Truth value of a scalar.
 pub type Truth = bool;
@@ -388,7 +388,7 @@ impl Number for f64 {
     }
 }
 
-/// The lanes that a mask of bits names, the lowest first.
+/// Returns the lanes of a bit mask, the lowest first.
 #[inline(always)]
 pub(crate) fn lanes_of(mask: u8) -> impl Iterator<Item = usize> {
     let mut left = mask;
@@ -399,7 +399,7 @@ pub(crate) fn lanes_of(mask: u8) -> impl Iterator<Item = usize> {
     })
 }
 
-/// Asks for the records at so many places, each no longer than a cache line.
+/// Prefetches the records at several indices, each at most as long as a cache line.
 #[inline(always)]
 pub(crate) fn prefetch_places<T>(records: *const T, places: &[u32]) {
     for &place in places {
@@ -407,7 +407,7 @@ pub(crate) fn prefetch_places<T>(records: *const T, places: &[u32]) {
     }
 }
 
-/// Asks for the first so many bytes of a record that begins with a cache line.
+/// Prefetches the first bytes of a record that begins with a cache line.
 #[inline(always)]
 pub(crate) fn prefetch_lines<T>(record: *const T, bytes: usize) {
     let lines: *const Eight = record.cast();
@@ -416,17 +416,17 @@ pub(crate) fn prefetch_lines<T>(record: *const T, bytes: usize) {
     }
 }
 
-/// Asks for records that lie together.
+/// Prefetches contiguous records.
 #[inline(always)]
 pub(crate) fn prefetch_range<T>(records: &[T]) {
     prefetch_lines(records.as_ptr(), size_of_val(records));
 }
 
-/// Asks for the cache line at an address, which need not be one of this program's.
+/// Prefetches the cache line at an address, which may be outside the memory of this program.
 #[inline(always)]
 pub(crate) fn prefetch(address: *const i8) {
     #[cfg(target_arch = "x86_64")]
-    // SAFETY: prefetching reads nothing, and every x86-64 processor can.
+    // SAFETY: prefetching reads nothing, and every x86-64 processor supports it.
     unsafe {
         use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
         _mm_prefetch::<_MM_HINT_T0>(address);

@@ -1,6 +1,6 @@
-//! Lanes in plain Rust: the compiler uses whatever registers the build's target has.
+//! Lanes in plain Rust: the compiler uses the registers of the build target.
 
-// One index runs over several arrays at once.
+// One index is used for several arrays at once.
 #![allow(clippy::needless_range_loop)]
 
 use super::{Eight, LANES, Lanes, Line, Number, Octet, Quad, SINGLE_LANES, SingleLanes, Sixteen};
@@ -14,7 +14,7 @@ pub struct Portable<T, const N: usize>([T; N]);
 #[derive(Clone, Copy)]
 pub struct PortableMask<const N: usize>([bool; N]);
 
-/// Arithmetic with every lane written out: loops over them take the compiler an eighth of its time for the whole crate.
+/// Arithmetic with every lane written out: loops over lanes would take an eighth of the compile time of the whole crate.
 macro_rules! arithmetic {
     ($real:ty, $count:expr, $($lane:literal)*) => {
         operator!($real, $count, Add, add, +, $($lane)*);
@@ -141,7 +141,7 @@ impl Lanes for Portable<f64, LANES> {
     unsafe fn load_quads<const STRIDE: usize>(base: *const Quad, indices: &[u32; LANES]) -> [Self; 4] {
         let mut out = [Portable([0.0; LANES]); 4];
         for lane in 0..LANES {
-            // SAFETY: the caller's promise.
+            // SAFETY: guaranteed by the caller.
             let quad = unsafe { (*base.add(STRIDE * indices[lane] as usize)).0 };
             for part in 0..4 {
                 out[part].0[lane] = quad[part];
@@ -154,7 +154,7 @@ impl Lanes for Portable<f64, LANES> {
     unsafe fn store_quads<const STRIDE: usize>(base: *mut Quad, indices: &[u32; LANES], quads: [Self; 4]) {
         for lane in 0..LANES {
             let quad = Quad(std::array::from_fn(|part| quads[part].0[lane]));
-            // SAFETY: the caller's promise.
+            // SAFETY: guaranteed by the caller.
             unsafe { *base.add(STRIDE * indices[lane] as usize) = quad };
         }
     }
@@ -167,7 +167,7 @@ impl Lanes for Portable<f64, LANES> {
     ) -> [Self; 4] {
         let mut out = [Portable([0.0; LANES]); 4];
         for lane in 0..LANES {
-            // SAFETY: the caller's promise.
+            // SAFETY: guaranteed by the caller.
             let [a, b] = [first[lane], second[lane]].map(|place| unsafe { &(*base.add(STRIDE * place as usize)).0 });
             for part in 0..4 {
                 out[part].0[lane] = if part < 3 { b[part] - a[part] } else { b[part] + a[part] };
@@ -178,23 +178,23 @@ impl Lanes for Portable<f64, LANES> {
 
     #[inline(always)]
     unsafe fn load_keeping(base: *const Line, first: &[u32; LANES], second: &[u32; LANES]) -> ([Self; 4], [(); 2]) {
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         (unsafe { Self::load_differences::<2>(base.cast(), first, second) }, [(); 2])
     }
 
     #[inline(always)]
     unsafe fn add_to_kept(base: *mut Line, indices: &[u32; LANES], (): (), half: [Self; 3], factor: f64) {
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         unsafe { Self::add_shares::<false>(base, indices, [half; 2], [factor; 2]) };
     }
 
     #[inline(always)]
     unsafe fn load_pairs(base: *const Line, first: &[u32; LANES], second: &[u32; LANES]) -> [[Self; 4]; 2] {
-        // SAFETY: the caller's promise; a line is two quads.
+        // SAFETY: guaranteed by the caller; a line is two quads.
         let motion = unsafe { Self::load_differences::<2>(base.cast(), first, second) };
         let mut turning = [Portable([0.0; LANES]); 4];
         for lane in 0..LANES {
-            // SAFETY: the caller's promise.
+            // SAFETY: guaranteed by the caller.
             let [a, b] = [first[lane], second[lane]].map(|place| unsafe { &(*base.add(place as usize)).0[1].0 });
             for part in 0..4 {
                 turning[part].0[lane] = b[part] + a[part];
@@ -211,7 +211,7 @@ impl Lanes for Portable<f64, LANES> {
         factors: [f64; 2],
     ) {
         for lane in 0..LANES {
-            // SAFETY: the caller's promise.
+            // SAFETY: guaranteed by the caller.
             let line = unsafe { &mut (*base.add(indices[lane] as usize)).0 };
             let own = line[0].0[3];
             for half in 0..if WHOLE { 2 } else { 1 } {
@@ -239,7 +239,7 @@ impl SingleLanes for Portable<f32, SINGLE_LANES> {
     unsafe fn load_octets(base: *const Octet, indices: &[u32; SINGLE_LANES]) -> [Self; 8] {
         let mut out = [Portable([0.0; SINGLE_LANES]); 8];
         for lane in 0..SINGLE_LANES {
-            // SAFETY: the caller's promise.
+            // SAFETY: guaranteed by the caller.
             let octet = unsafe { (*base.add(indices[lane] as usize)).0 };
             for part in 0..8 {
                 out[part].0[lane] = octet[part];
@@ -252,7 +252,7 @@ impl SingleLanes for Portable<f32, SINGLE_LANES> {
     unsafe fn store_octets(base: *mut Octet, indices: &[u32; SINGLE_LANES], octets: [Self; 8]) {
         for lane in 0..SINGLE_LANES {
             let octet = Octet(std::array::from_fn(|part| octets[part].0[lane]));
-            // SAFETY: the caller's promise.
+            // SAFETY: guaranteed by the caller.
             unsafe { *base.add(indices[lane] as usize) = octet };
         }
     }

@@ -1,14 +1,14 @@
-//! Records of eight or sixteen bodies, spheres or impulses, read and written by their slots in an array of all.
+//! Records of eight or sixteen bodies, spheres or impulses, read and written by their slots in an array.
 //!
-//! Slots are numbers in lane groups and candidates, which no type holds to an array. What holds them is this: nothing but packing and
-//! detection writes such numbers; they take them from the world and the list of candidates that there are; and groups are made anew
-//! with each step. Builds with debug assertions look at every one.
+//! Slots are indices in lane groups and candidates, and no type ties them to an array. Their validity follows from
+//! three facts: only packing and detection write slots; slots are taken from the present world and candidate list; and
+//! groups are rebuilt in each step. Builds with debug assertions check every slot.
 
 use super::{LANES, Lanes, Line, Octet, Quad, SINGLE_LANES, SingleLanes};
 use bytemuck::Pod;
 use std::marker::PhantomData;
 
-/// An array that nobody writes meanwhile, but for slots of other tasks.
+/// Array without concurrent writes, except to slots of other tasks.
 #[derive(Debug)]
 pub(crate) struct Slots<'a, T> {
     base: *const T,
@@ -16,7 +16,7 @@ pub(crate) struct Slots<'a, T> {
     array: PhantomData<&'a [T]>,
 }
 
-/// The slots of one task in an array of all, to be read and written: those that its lane groups and candidates name.
+/// Slots of one task in an array, for reading and writing: those in its lane groups and candidates.
 #[derive(Debug)]
 pub(crate) struct TaskSlots<'a, T> {
     base: *mut T,
@@ -42,10 +42,10 @@ impl<T> Clone for TaskSlots<'_, T> {
 
 impl<T> Copy for TaskSlots<'_, T> {}
 
-// SAFETY: it is read alone, as a shared slice is.
+// SAFETY: the array is only read, as a shared slice is.
 unsafe impl<T: Sync> Sync for Slots<'_, T> {}
 
-/// Asserts, when the program is built, that a record is so many quads, octets or lines and nothing else, and as aligned.
+/// Asserts at compile time that a record consists of n quads, octets or lines, with their alignment.
 macro_rules! is_made_of {
     ($count:literal $unit:ty) => {
         const { assert!(size_of::<T>() == $count * size_of::<$unit>() && align_of::<T>() >= align_of::<$unit>()) }
@@ -53,13 +53,13 @@ macro_rules! is_made_of {
 }
 
 impl<'a, T: Copy> Slots<'a, T> {
-    /// Of an array that is borrowed.
+    /// Creates slots of a borrowed array.
     #[inline(always)]
     pub fn of(array: &'a [T]) -> Slots<'a, T> {
         Slots { base: array.as_ptr(), count: array.len(), array: PhantomData }
     }
 
-    /// The first slot, to fetch from.
+    /// Returns a pointer to the first slot, for prefetching.
     #[inline(always)]
     pub fn as_ptr(self) -> *const T {
         self.base
@@ -74,19 +74,19 @@ impl<'a, T: Copy> Slots<'a, T> {
         );
     }
 
-    /// The record in a slot.
+    /// Returns the record in a slot.
     #[inline(always)]
     pub fn get(self, slot: u32) -> T {
         assert!((slot as usize) < self.count, "slot {slot} of {}", self.count);
-        // SAFETY: it is inside the array.
+        // SAFETY: the slot is inside the array.
         unsafe { *self.base.add(slot as usize) }
     }
 
-    /// Reads a record; the slot is checked where debug assertions are on.
+    /// Reads a record; builds with debug assertions check the slot.
     #[inline(always)]
     pub fn get_trusted(self, slot: u32) -> T {
         self.check(&[slot]);
-        // SAFETY: lane groups and candidates name slots of the array.
+        // SAFETY: lane groups and candidates contain slots of the array.
         unsafe { *self.base.add(slot as usize) }
     }
 }
@@ -97,7 +97,7 @@ impl<T: Pod> Slots<'_, T> {
     pub fn load_quads<L: Lanes>(self, slots: &[u32; LANES]) -> [L; 4] {
         is_made_of!(1 Quad);
         self.check(slots);
-        // SAFETY: lane groups and candidates name slots of the array; a record is a quad.
+        // SAFETY: lane groups and candidates contain slots of the array; a record is a quad.
         unsafe { L::load_quads::<1>(self.base.cast(), slots) }
     }
 
@@ -110,7 +110,7 @@ impl<T: Pod> Slots<'_, T> {
         unsafe { L::load_quads::<2>(self.base.cast::<Quad>().add(HALF), slots) }
     }
 
-    /// Reads what eight records of one quad have less eight others; of the fourth number the sum.
+    /// Reads the differences of eight records of one quad and eight others, and the sum of their fourth numbers.
     #[inline(always)]
     pub fn load_differences<L: Lanes>(self, first: &[u32; LANES], second: &[u32; LANES]) -> [L; 4] {
         is_made_of!(1 Quad);
@@ -161,47 +161,47 @@ impl<T: Pod> Slots<'_, T> {
 }
 
 impl<'a, T: Copy> TaskSlots<'a, T> {
-    /// The slots of a task in an array of so many.
+    /// Creates the slots of a task in an array of a given length.
     ///
     /// # Safety
-    /// While this lives no other task uses the slots that the task's lane groups and candidates name.
+    /// During the lifetime of the result, no other task uses the slots in the task's lane groups and candidates.
     #[inline(always)]
     pub unsafe fn new(base: *mut T, count: usize) -> TaskSlots<'a, T> {
         TaskSlots { base, count, array: PhantomData }
     }
 
-    /// Read access.
+    /// Returns read access.
     #[inline(always)]
     pub fn to_read(self) -> Slots<'a, T> {
         Slots { base: self.base, count: self.count, array: PhantomData }
     }
 
-    /// The first slot, to fetch from.
+    /// Returns a pointer to the first slot, for prefetching.
     #[inline(always)]
     pub fn as_ptr(self) -> *const T {
         self.base
     }
 
-    /// The record in a slot.
+    /// Returns the record in a slot.
     #[inline(always)]
     pub fn get(self, slot: u32) -> T {
         self.to_read().get(slot)
     }
 
-    /// Puts a record into a slot.
+    /// Writes a record into a slot.
     #[inline(always)]
     pub fn set(self, slot: u32, record: T) {
         assert!((slot as usize) < self.count, "slot {slot} of {}", self.count);
-        // SAFETY: it is inside the array, and the task's own.
+        // SAFETY: the slot is inside the array and belongs to the task.
         unsafe { *self.base.add(slot as usize) = record };
     }
 
-    /// Looks at the record in a slot, or writes what it holds, field by field: a record that is read at once just after its fields were
-    /// written has to wait for them. Checked where debug assertions are.
+    /// Accesses the record in a slot field by field: a load of a whole record directly after stores of its fields would
+    /// have to wait for them. Builds with debug assertions check the slot.
     #[inline(always)]
     pub fn with_trusted<R>(self, slot: u32, work: impl FnOnce(&mut T) -> R) -> R {
         self.to_read().check(&[slot]);
-        // SAFETY: lane groups and candidates name slots of their task.
+        // SAFETY: lane groups and candidates contain slots of their task.
         work(unsafe { &mut *self.base.add(slot as usize) })
     }
 }
@@ -212,7 +212,7 @@ impl<T: Pod> TaskSlots<'_, T> {
     pub fn store_quads<L: Lanes>(self, slots: &[u32; LANES], quads: [L; 4]) {
         is_made_of!(1 Quad);
         self.to_read().check(slots);
-        // SAFETY: lane groups and candidates name slots of their task, eight different ones; a record is a quad.
+        // SAFETY: lane groups and candidates contain slots of their task, eight different ones; a record is a quad.
         unsafe { L::store_quads::<1>(self.base.cast(), slots, quads) }
     }
 
@@ -225,7 +225,7 @@ impl<T: Pod> TaskSlots<'_, T> {
         unsafe { L::store_quads::<2>(self.base.cast::<Quad>().add(HALF), slots, quads) }
     }
 
-    /// Does [`add_shares`](TaskSlots::add_shares) to first halves alone, of records that were kept and have not changed since.
+    /// Does the work of [`add_shares`](TaskSlots::add_shares) for first halves only, of returned records that have not changed since.
     #[inline(always)]
     pub fn add_to_kept<L: Lanes>(self, slots: &[u32; LANES], kept: L::Kept, half: [L; 3], factor: f64) {
         is_made_of!(1 Line);
@@ -234,8 +234,8 @@ impl<T: Pod> TaskSlots<'_, T> {
         unsafe { L::add_to_kept(self.base.cast(), slots, kept, half, factor) }
     }
 
-    /// Adds `halves` to the first three numbers of each half of eight records, times their fourth number and a factor for each half;
-    /// unless `WHOLE`, to first halves alone.
+    /// Adds `halves` to the first three numbers of each half of eight records, times their fourth number and a factor
+    /// for each half; unless `WHOLE`, to first halves only.
     #[inline(always)]
     pub fn add_shares<L: Lanes, const WHOLE: bool>(self, slots: &[u32; LANES], halves: [[L; 3]; 2], factors: [f64; 2]) {
         is_made_of!(1 Line);

@@ -1,22 +1,22 @@
-//! Cohesion: a constant pull between two grains, or a grain and a wall, that lie closer than a range.
+//! Cohesion: a constant attractive force between two grains, or a grain and a wall, at gaps below a range.
 //!
-//! The pull `F` acts along the normal at every gap below its range `l`, overlaps included, so it derives from a potential
-//! `F (gap - l)` and takes no energy in a cycle. With the elastic force of the overlap beside it this is the contact of Derjaguin,
-//! Muller & Toporov (J. Colloid Interface Sci. 53, 1975) with a range; the impulse that a contact bears is the repulsion alone, so
-//! that friction at rest is `mu (N + F)` and a contact holds up to a net tension of `F`.
+//! The force `F` acts along the normal at every gap below its range `l`, overlaps included, and is therefore
+//! conservative, with the potential `F (gap - l)`. Together with the elastic force of the overlap, it is the contact of
+//! Derjaguin, Muller & Toporov (J. Colloid Interface Sci. 53, 1975) with a range. The impulse of a contact is the
+//! repulsion alone, so that friction at rest is `mu (N + F)` and a contact resists a net tension of up to `F`.
 //!
-//! Being constant over a step the pull is a force like gravity: it changes velocities before the sweeps, which know nothing of it
-//! and take no longer.
+//! The force is constant over a step, like gravity: it changes velocities before the sweeps, which are independent of
+//! cohesion and need no additional time.
 //!
-//! From a work of adhesion `w` (J/m2) pull and range follow those of Johnson, Kendall & Roberts (Proc. R. Soc. A 324, 1971): the
-//! pull-off force `3/2 pi w R*` and the separation at which a neck tears, `a0^2 / (2 6^(1/3) R*)` with
-//! `a0^3 = 9 pi w R*^2 / (2 E*)` (Chokshi, Tielens & Hollenbach, Astrophys. J. 407, 1993, where the work is 2 gamma). Unlike
-//! theirs this pull acts on approach as well. With a range of 0 it is the contact of Derjaguin, Muller & Toporov alone, for a work of
-//! adhesion of `3/4 w`: their pull-off force is `2 pi w R*`.
+//! For a work of adhesion `w` (J/m2), force and range follow from Johnson, Kendall & Roberts (Proc. R. Soc. A 324,
+//! 1971): the pull-off force `3/2 pi w R*` and the separation at which a neck breaks, `a0^2 / (2 6^(1/3) R*)` with
+//! `a0^3 = 9 pi w R*^2 / (2 E*)` (Chokshi, Tielens & Hollenbach, Astrophys. J. 407, 1993, where the work is 2 gamma).
+//! Unlike in their model, the force also acts on approach. With a range of 0, the law is the contact of Derjaguin,
+//! Muller & Toporov alone, for a work of adhesion of `3/4 w`: their pull-off force is `2 pi w R*`.
 
 use serde::{Deserialize, Serialize};
 
-/// Gap over the effective radius up to which two touch: rigid ones at rest are apart by rounding as often as not.
+/// Gap over the effective radius below which two bodies are in contact: between rigid bodies at rest, rounding leaves gaps and overlaps alike.
 const TOUCH: f64 = 1e-6;
 
 /// Cohesion of two materials.
@@ -42,17 +42,17 @@ pub enum Cohesion {
     },
 }
 
-/// Pull of one contact.
+/// Cohesive force of one contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pull {
     /// Force, N.
     pub force: f64,
-    /// Gap up to which it acts, m.
+    /// Largest gap of the force, m.
     pub range: f64,
 }
 
 impl Cohesion {
-    /// The pull of a contact of this effective radius R* (m) and effective modulus E* (Pa).
+    /// Returns the cohesive force of a contact with effective radius R* (m) and effective modulus E* (Pa).
     pub fn pull(&self, effective_radius: f64, effective_modulus: f64) -> Pull {
         match *self {
             Cohesion::Constant { force, range } => Pull { force, range: range.max(TOUCH * effective_radius) },
@@ -71,7 +71,7 @@ impl Cohesion {
         }
     }
 
-    /// The weaker of two, by the pull at an effective radius of one metre.
+    /// Returns the weaker of two cohesions, compared by the force at an effective radius of one metre.
     pub fn weaker(self, other: Cohesion) -> Cohesion {
         let force = |one: &Cohesion| one.pull(1.0, 1.0).force;
         if force(&other) < force(&self) { other } else { self }
@@ -79,12 +79,12 @@ impl Cohesion {
 }
 
 impl Pull {
-    /// Potential energy at a gap (m), J: zero from the range on.
+    /// Returns the potential energy (J) at a gap (m): zero beyond the range.
     pub fn energy(&self, gap: f64) -> f64 {
         self.force * (gap - self.range).min(0.0)
     }
 
-    /// Impulse of a step of length `h` (s) at a gap (m), N s.
+    /// Returns the impulse (N s) of a step of length `h` (s) at a gap (m).
     pub fn impulse(&self, gap: f64, h: f64) -> f64 {
         if gap <= self.range { self.force * h } else { 0.0 }
     }

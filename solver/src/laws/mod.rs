@@ -1,4 +1,4 @@
-//! Laws that a scene is read and checked by, and steps go by too: pure functions of numbers.
+//! Laws for the checks of scenes and for the steps: pure functions of numbers.
 
 pub mod cohesion;
 pub mod compliance;

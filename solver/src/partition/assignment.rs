@@ -1,4 +1,4 @@
-//! Packing: contacts into lane groups whose eight contacts share no body.
+//! Packing: assigns contacts to lane groups of eight contacts that share no body.
 
 use super::{ByBodies, TaskGroups};
 use crate::effects::EffectSet;
@@ -6,16 +6,16 @@ use crate::groups::{PairGroup, Sources, WallGroup, with_pairs};
 use crate::lanes::{Kernel, LANES, Lanes, TaskSlots, prefetch_lines, prefetch_places};
 use std::ops::Range;
 
-/// Number of groups that may take contacts at a time.
+/// Number of groups that are open for contacts at a time.
 const WINDOW: u32 = 64;
 
-/// Tasks of at least so many candidates keep groups that share a body apart; smaller ones would be mostly padding.
+/// Smallest number of candidates of a task for which groups that share a body are separated; smaller tasks would consist mostly of padding.
 const SPACED_FROM: usize = 192;
 
-/// Groups in which a body already is: a mask, its lower half first, that counts from group `since`.
+/// Groups that already contain a body: a mask, its lower half first, counted from group `since`.
 ///
-/// Read and written as one word of eight bytes and one of four: were both of eight, the compiler would read the two together,
-/// which has to wait for two writes.
+/// The record is read and written as one word of eight bytes and one of four. With two words of eight bytes, the
+/// compiler would read both together, and the load would wait for two stores.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(16))]
 pub(crate) struct Taken {
@@ -24,8 +24,8 @@ pub(crate) struct Taken {
 }
 
 impl Taken {
-    /// Mask of the same groups, counted from group `start`. Recent occurrence of a body follows no pattern, so this must
-    /// not branch.
+    /// Returns the mask of the same groups, counted from group `start`. The recent groups of a body follow no pattern,
+    /// so this function must not branch.
     #[inline(always)]
     fn seen_from(&self, start: u32) -> u64 {
         let (mask, age) = (u64::from(self.mask[0]) | u64::from(self.mask[1]) << 32, start.wrapping_sub(self.since));
@@ -33,21 +33,21 @@ impl Taken {
     }
 }
 
-/// Number of a group from which on a step starts the numbers again.
+/// Group number from which on a step restarts the numbering.
 const LAST: u32 = u32::MAX / 2;
-/// Number of the first group: so close to the last one that every run, those of the tests included, starts the numbers again once.
+/// Number of the first group: close to the last number, so that every run, including tests, restarts the numbering once.
 const FIRST: u32 = LAST - 10_000;
 
-/// Groups of each body, from task to task and from step to step. Numbers of groups grow, so that nothing must be forgotten.
+/// Groups of each body, from task to task and from step to step. Group numbers increase, so that no entry needs a reset.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct TakenGroups {
     of_body: Vec<Taken>,
-    /// A number beyond all that were given to a group.
+    /// Number above all assigned group numbers.
     next: u32,
 }
 
 impl TakenGroups {
-    /// Starts a step with so many bodies.
+    /// Starts a step with n bodies.
     pub fn start(&mut self, bodies: usize) {
         if self.next == 0 {
             self.next = FIRST;
@@ -58,8 +58,8 @@ impl TakenGroups {
         self.of_body.resize(bodies, Taken::default());
     }
 
-    /// Groups of each body, and the number of the first group of tasks that share no body; the result of [`LaneAssigner::next`] for each of
-    /// these is left in `next`.
+    /// Returns the groups of each body, the number of the first group of tasks that share no body, and the variable
+    /// `next` for the results of [`LaneAssigner::next`] of these tasks.
     pub fn stage(&mut self) -> (ByBodies<'_, Taken>, u32, &mut u32) {
         (ByBodies::of(&mut self.of_body), self.next, &mut self.next)
     }
@@ -69,34 +69,34 @@ impl TakenGroups {
     }
 }
 
-/// Packs contacts first-fit into groups, looking at a window of groups.
+/// Packs contacts first-fit into the groups of a window.
 ///
-/// A group that follows another one and shares a body with it must wait until the other has written it. First-fit alone
-/// puts the contacts of a grain, which come one after another, into adjacent groups; so groups next to one that holds
-/// the body are passed over too.
+/// A group that directly follows another group with a shared body must wait until the other has written that body.
+/// First-fit alone would put the contacts of a grain, which are consecutive, into adjacent groups; groups next to one
+/// with the body are therefore also excluded.
 pub(crate) struct LaneAssigner<'a> {
     taken: TaskSlots<'a, Taken>,
     window: Window,
     /// Number of the task's first group.
     base: u32,
-    /// True if groups that share a body are kept apart.
+    /// True if groups that share a body are separated.
     spaced: bool,
     /// Lanes filled in each group of the window, by group number modulo the window.
     filled: [u8; WINDOW as usize],
 }
 
-/// The groups that contacts may go into.
+/// Groups that are open for contacts.
 #[derive(Clone, Copy)]
 struct Window {
-    /// Number of its first group.
+    /// Number of the first group.
     start: u32,
     /// Groups that still have a free lane.
     open: u64,
 }
 
 impl<'a> LaneAssigner<'a> {
-    /// A assigner for one task. `base` must be larger by at least the window than the number of any group that earlier
-    /// tasks put the same bodies into.
+    /// Creates an assigner for one task. `base` must exceed, by at least the window, the number of any group of the
+    /// same bodies in earlier tasks.
     pub fn new(taken: TaskSlots<'a, Taken>, base: u32, candidates: usize) -> LaneAssigner<'a> {
         LaneAssigner {
             taken,
@@ -107,24 +107,24 @@ impl<'a> LaneAssigner<'a> {
         }
     }
 
-    /// Asks for what is known of bodies that lie together.
+    /// Prefetches the entries of contiguous bodies.
     #[inline(always)]
     pub fn fetch(&self, bodies: Range<usize>) {
         prefetch_lines(self.taken.as_ptr().wrapping_add(bodies.start), bodies.len() * size_of::<Taken>());
     }
 
-    /// Asks for what is known of bodies here and there.
+    /// Prefetches the entries of scattered bodies.
     #[inline(always)]
     pub fn fetch_each(&self, bodies: &[u32]) {
         prefetch_places(self.taken.as_ptr(), bodies);
     }
 
-    /// The number from which a assigner may begin that comes after this one.
+    /// Returns the smallest group number for a subsequent assigner.
     pub fn next(&self) -> u32 {
         self.window.start + 2 * WINDOW
     }
 
-    /// Finds the group and lane for a contact of these bodies, which are the task's; the group is counted from the task's first.
+    /// Finds the group and lane of a contact between bodies of the task; the group index is relative to the first group of the task.
     #[inline(always)]
     pub fn place<const N: usize>(&mut self, bodies: [u32; N]) -> (usize, usize) {
         let (mut window, taken) = (self.window, self.taken);
@@ -146,7 +146,7 @@ impl<'a> LaneAssigner<'a> {
         }
         let filled = &mut self.filled[((window.start + place) % WINDOW) as usize];
         let lane = *filled as usize;
-        // The place of a full group is empty again for the one that will enter the window.
+        // The count of a full group becomes that of the next group that enters the window.
         *filled = (*filled + 1) % LANES as u8;
         window.open &= !(u64::from(lane + 1 == LANES) << place);
         self.window = window;
@@ -154,7 +154,7 @@ impl<'a> LaneAssigner<'a> {
     }
 }
 
-/// Groups that a contact must not go into.
+/// Returns the groups that are excluded for a contact.
 #[inline(always)]
 fn shared<const N: usize>(masks: [u64; N], spaced: bool) -> u64 {
     let shared = masks.iter().fold(0, |all, mask| all | mask);
@@ -166,7 +166,7 @@ fn shared<const N: usize>(masks: [u64; N], spaced: bool) -> u64 {
 }
 
 impl Window {
-    /// The window past its full groups, or past its first group if that still has room.
+    /// Advances the window past its full groups, or past its first group if that group still has a free lane.
     #[cold]
     #[inline(never)]
     fn advance(self, filled: &mut [u8; WINDOW as usize]) -> Window {
@@ -177,7 +177,7 @@ impl Window {
 }
 
 impl TaskGroups {
-    /// Puts a contact of two bodies into a lane that a assigner found; groups are opened up to its own.
+    /// Puts a contact between two bodies into a lane of an assigner, and creates groups up to this one.
     #[inline(always)]
     pub(crate) fn put_pair(&mut self, at: (usize, usize), [first, second]: [u32; 2], candidate: u32, dummies: u32) {
         let (group, lane) = at;
@@ -186,7 +186,7 @@ impl TaskGroups {
         }
         self.pairs_used = self.pairs_used.max(group + 1);
         debug_assert!(lane < LANES && self.pair_sources.len() == self.pairs.len());
-        // SAFETY: groups were opened up to this one, and their sources with them; a assigner's lanes are below the number of lanes.
+        // SAFETY: the groups up to this one exist, with their sources; lanes of an assigner are below the number of lanes.
         unsafe {
             with_pairs!(&mut self.pairs, pairs => {
                 let group = pairs.get_unchecked_mut(group);
@@ -207,7 +207,7 @@ impl TaskGroups {
         });
     }
 
-    /// Puts a contact of a body with a wall into a lane; groups are opened up to its own.
+    /// Puts a contact of a body with a wall into a lane, and creates groups up to this one.
     pub(crate) fn put_wall(&mut self, at: (usize, usize), body: u32, candidate: u32, dummies: u32) {
         let (group, lane) = at;
         while self.walls.len() <= group {
@@ -220,17 +220,17 @@ impl TaskGroups {
         self.wall_sources[group].set(lane, candidate);
     }
 
-    /// Number of groups of wall contacts so far.
+    /// Returns the present number of groups of wall contacts.
     pub(crate) fn wall_groups(&self) -> usize {
         self.walls_used
     }
 
-    /// Returns true if the pairs are those that a candidate list of this number had packed.
+    /// Returns true if the pairs were packed from the candidate list with this number.
     pub(crate) fn are_assigned_from(&self, list: u64) -> bool {
         self.assigned_from == list
     }
 
-    /// Starts to pack pairs of a candidate list of this number, above 0, with the groups that there are, all of them empty.
+    /// Starts the packing of pairs from the candidate list with this number, above 0, with the existing groups, all empty.
     pub(crate) fn restart_pairs(&mut self, list: u64, dummies: u32, effects: EffectSet) {
         (self.pairs_used, self.pair_contacts, self.assigned_from) = (0, 0, list);
         self.pair_waits.clear();
@@ -240,7 +240,7 @@ impl TaskGroups {
         self.pair_sources.fill(Sources::NONE);
     }
 
-    /// Starts to pack contacts with walls anew.
+    /// Restarts the packing of contacts with walls.
     pub(crate) fn restart_walls(&mut self, dummies: u32) {
         (self.walls_used, self.driven_walls, self.wall_contacts, self.deep_walls) = (0, 0, 0, false);
         for (group, sources) in self.walls.iter_mut().zip(&mut self.wall_sources) {
@@ -249,7 +249,7 @@ impl TaskGroups {
         }
     }
 
-    /// Drops all groups; those to come suit the effects. Memory stays, unless friction comes or goes.
+    /// Removes all groups and sets the layout for the effects. Memory remains allocated unless friction is switched.
     pub(crate) fn empty(&mut self, effects: EffectSet) {
         self.pairs.suit(effects.tangential(), effects.spring());
         (self.pairs_used, self.walls_used, self.driven_walls) = (0, 0, 0);
@@ -258,14 +258,14 @@ impl TaskGroups {
         self.finish(effects, false);
     }
 
-    /// Drops the groups that this step does not need, and gives each of the others room for what the scene calls for besides;
-    /// memory stays. `drifts` where some wall turns.
+    /// Removes the groups that this step does not need, and allocates the additional data of the scene's effects for
+    /// the others; memory remains allocated. `drifts` is true if at least one wall rotates.
     pub(crate) fn finish(&mut self, effects: EffectSet, drifts: bool) {
         self.pairs.truncate(self.pairs_used);
         self.pair_sources.truncate(self.pairs_used);
         self.walls.truncate(self.walls_used);
         self.wall_sources.truncate(self.walls_used);
-        // As much room as the groups have, so that it grows no oftener.
+        // The same capacity as that of the groups avoids further reallocations.
         grow(&mut self.pair_impacts, self.pairs_used, self.pairs.capacity());
         grow(&mut self.wall_impacts, self.walls_used, self.walls.capacity());
         if effects.torques() {
@@ -283,14 +283,14 @@ impl TaskGroups {
     }
 }
 
-/// Makes a list so long, with room for so many.
+/// Sets the length and the capacity of a list.
 fn grow<T: Clone + Default>(list: &mut Vec<T>, length: usize, room: usize) {
     list.truncate(length);
     list.reserve_exact(room - list.len());
     list.resize(length, T::default());
 }
 
-/// Makes room for an eighth more groups where there is none: doubling would waste memory that large scenes need.
+/// Extends the capacity of full lists by an eighth: doubling would waste memory that large scenes need.
 fn make_room<G>(groups: &mut Vec<G>, sources: &mut Vec<Sources>) {
     if groups.len() == groups.capacity() {
         groups.reserve_exact(groups.len() / 8 + 2);
@@ -298,17 +298,17 @@ fn make_room<G>(groups: &mut Vec<G>, sources: &mut Vec<Sources>) {
     }
 }
 
-/// Returns true if sweeps have several lane groups on their way at a time. Contacts that bear torques need the bodies themselves for that, and
-/// without friction a group's chain of operations is too short to gain.
+/// Returns true if sweeps have several lane groups in flight at a time. Contacts with torques would need the bodies
+/// themselves, and without friction the operation chain of a group is too short for a gain.
 pub(crate) const fn overlapped<L: Lanes>(friction: bool, torques: bool) -> bool {
     L::OVERLAPPED && friction && !torques
 }
 
-/// Finds the groups of pairs of a task that share a body with the one before them, where sweeps have to know.
+/// Finds the groups of pairs in a task that share a body with the preceding group, if sweeps need this information.
 pub(crate) struct FindWaits<'a> {
     pub groups: &'a mut TaskGroups,
     pub effects: EffectSet,
-    /// Places from here on are those of dummies.
+    /// Slots from here on are those of padding bodies.
     pub grains: u32,
 }
 
@@ -318,11 +318,11 @@ impl Kernel for FindWaits<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let TaskGroups { pairs, pair_waits, .. } = self.groups;
-        // What was packed for an earlier step waits as it did then.
+        // Groups from an earlier step have the same waits.
         if pair_waits.len() == pairs.len() || !overlapped::<L>(self.effects.tangential(), self.effects.torques()) {
             return;
         }
-        // As much room as the groups have, so that it grows no oftener.
+        // The same capacity as that of the groups avoids further reallocations.
         pair_waits.reserve_exact(pairs.capacity());
         pair_waits.push(false);
         with_pairs!(pairs, pairs => for both in pairs.windows(2) {

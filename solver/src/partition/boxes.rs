@@ -1,4 +1,4 @@
-//! Boxes eight diameters wide, and the stage and task of a pair of grains.
+//! Boxes with a width of eight diameters, and the stage and task of a pair of grains.
 
 use crate::laws::period::Period;
 use crate::world::Sphere;
@@ -10,27 +10,27 @@ use std::hash::{BuildHasherDefault, Hasher};
 /// Number of conflict-free stages in three dimensions.
 pub const STAGES: usize = 8;
 
-/// Width of a box in largest diameters.
+/// Width of a box in diameters of the largest grain.
 const WIDTH: f64 = 8.0;
 
-/// Most boxes over those that a cubic domain of as many grains would have: a flat domain has more, a flat one that is next to
-/// empty must not have millions.
+/// Largest number of boxes, over that of a cubic domain with as many grains: a flat domain has more boxes, but a flat
+/// and almost empty domain must not have millions.
 const MOST_BOXES: f64 = 64.0;
 
-/// A domain that is so much wider, along each axis, than its grains need is emptier than it pays to cut as a whole: boxes are cut
-/// where grains are.
+/// Ratio of the width of a domain to the width that its grains need, along each axis. Above this ratio, the domain is
+/// too empty for boxes over its whole volume: only occupied regions have boxes.
 const EMPTY_FROM: f64 = 1.3;
 
-/// Of fewer grains than these, the pairs that share a wide box are few enough to be compared one by one.
+/// Number of grains below which all pairs in a wide box are compared directly.
 const FEW: usize = 1024;
 
-/// Furthest box from the corner of the domain, along an axis that does not repeat itself. What is beyond counts to it.
+/// Farthest box from the corner of the domain, along an axis that is not periodic. Points beyond belong to this box.
 const FURTHEST: f64 = 1e9;
 
 /// Stage of a contact by the set of axes (x = 1, y = 2, z = 4) along which its two boxes differ.
 const STAGE_OF_AXES: [usize; 8] = [0, 1, 2, 4, 3, 6, 5, 7];
 
-/// The boxes that cut the domain: all of it, or, where it is mostly empty or grains have left it, what holds grains.
+/// Boxes of the domain: over its whole volume or, for a mostly empty domain or with grains outside, over the occupied regions.
 #[derive(Clone, Debug)]
 pub struct BoxGrid {
     origin: Vector3<f64>,
@@ -38,21 +38,21 @@ pub struct BoxGrid {
     width: [f64; 3],
     count: [u32; 3],
     period: Period,
-    /// Least width of a box, m.
+    /// Smallest width of a box, m.
     narrowest: f64,
-    /// Width of the boxes that cut all of the domain, m; absent where it is mostly empty.
+    /// Width of boxes over the whole domain, m; absent for a mostly empty domain.
     whole: Option<f64>,
-    /// Boxes that are worth their while.
+    /// Largest number of boxes that pays.
     affordable: usize,
-    /// Numbered boxes, where not all of them are.
+    /// Numbered boxes, if only occupied boxes have numbers.
     occupied: Option<Box<Occupied>>,
 }
 
 impl BoxGrid {
-    /// Cuts a domain into boxes for grains of the given largest radius (m).
+    /// Divides a domain into boxes for grains of the given largest radius (m).
     ///
-    /// A box is never narrower than three times the reach of a pair, so that no body takes part in contacts across two
-    /// opposite faces. A whole number of boxes fits a periodic axis, which must not be shorter than three times that reach.
+    /// A box is at least three times as wide as the interaction range of a pair, so that no body has contacts across two opposite
+    /// faces. An integer number of boxes fits a periodic axis, which must be at least three times as long as that range.
     pub fn new(
         domain: &(Vector3<f64>, Vector3<f64>),
         period: &Period,
@@ -61,7 +61,7 @@ impl BoxGrid {
         skin: f64,
     ) -> BoxGrid {
         let size = domain.1 - domain.0;
-        // In a domain that is mostly empty, wider boxes: empty ones cost time and memory.
+        // A mostly empty domain has wider boxes: empty boxes cost time and memory.
         let boxes = 64.0 + grains as f64 / 8.0;
         let sparse = libm::cbrt(size.product() / boxes);
         let narrowest = (2.0 * WIDTH * largest_radius).max(3.0 * (2.0 * largest_radius + skin)).max(1e-12);
@@ -90,7 +90,7 @@ impl BoxGrid {
         grid
     }
 
-    /// Number of boxes of a width (m) along each axis of the domain.
+    /// Returns the number of boxes of a width (m) along each axis of the domain.
     fn count_at(&self, width: f64) -> [f64; 3] {
         [0, 1, 2].map(|axis| {
             let count = self.size[axis] / width;
@@ -98,7 +98,7 @@ impl BoxGrid {
         })
     }
 
-    /// Cuts boxes of a width, m.
+    /// Sets the width of the boxes, m.
     fn set_width(&mut self, width: f64) {
         let most = if self.occupied.is_some() { FURTHEST } else { 1024.0 };
         let count = self.count_at(width).map(|count| count.min(most));
@@ -107,9 +107,9 @@ impl BoxGrid {
         self.count = count.map(|count| count as u32);
     }
 
-    /// Cuts boxes anew where grains are, if the domain is mostly empty or does not hold all of them: as narrow as boxes may be, or wider by
-    /// powers of two if grains are so scattered that there would be more boxes than it pays to have. Leaves the number of each grain's
-    /// box in `number_of`; returns whether boxes are cut where grains are. It all depends on the places of the grains alone.
+    /// Rebuilds the boxes over occupied regions, if the domain is mostly empty or has grains outside. Boxes have the smallest
+    /// width, or wider by powers of two if scattered grains would need too many boxes. Writes the box index of each grain to
+    /// `number_of`; returns true if boxes cover occupied regions only. The result depends on the positions of the grains alone.
     pub(crate) fn follow(&mut self, spheres: &[Sphere], number_of: &mut [u32]) -> bool {
         if let Some(width) = self.whole.filter(|_| self.hold(spheres)) {
             if self.occupied.take().is_some() {
@@ -124,7 +124,7 @@ impl BoxGrid {
             self.set_width(width);
             let grains = spheres.iter().map(|sphere| self.box_of(&self.period.wrapped(&sphere.centre, &self.origin)));
             let done = occupied.number(grains, number_of, self.affordable, |at, towards| self.step(at, towards));
-            // All are in one box sooner or later.
+            // The loop ends, at the latest with all grains in one box.
             if done {
                 break;
             }
@@ -134,7 +134,7 @@ impl BoxGrid {
         true
     }
 
-    /// Reports whether the domain holds the centres of all grains.
+    /// Returns true if the centres of all grains are inside the domain.
     fn hold(&self, spheres: &[Sphere]) -> bool {
         let far = self.origin + self.size;
         spheres.iter().all(|Sphere { centre, .. }| {
@@ -143,12 +143,12 @@ impl BoxGrid {
         })
     }
 
-    /// Reports whether boxes are cut where grains are.
+    /// Returns true if boxes cover occupied regions only.
     pub(crate) fn follows(&self) -> bool {
         self.occupied.is_some()
     }
 
-    /// Coordinates of the box of a point that is wrapped into the domain.
+    /// Returns the coordinates of the box of a point in the domain.
     #[inline]
     pub(crate) fn box_of(&self, point: &Vector3<f64>) -> [i32; 3] {
         [0, 1, 2].map(|axis| {
@@ -161,7 +161,7 @@ impl BoxGrid {
         })
     }
 
-    /// Coordinates of the box so many boxes further along each axis.
+    /// Returns the coordinates of the box at an offset along each axis.
     fn step(&self, at: [i32; 3], towards: [i32; 3]) -> [i32; 3] {
         [0, 1, 2].map(|axis| {
             let next = at[axis] + towards[axis];
@@ -169,7 +169,7 @@ impl BoxGrid {
         })
     }
 
-    /// Number of boxes.
+    /// Returns the number of boxes.
     pub fn boxes(&self) -> usize {
         match &self.occupied {
             Some(occupied) => occupied.boxes(),
@@ -177,52 +177,52 @@ impl BoxGrid {
         }
     }
 
-    /// Most boxes that there ever are with as many grains: where they follow the grains, those that hold some are at most as many as are
-    /// affordable, and each brings up to seven that tasks between them belong to.
+    /// Returns the largest possible number of boxes for this number of grains. Boxes over occupied regions include the occupied
+    /// boxes, limited to the affordable number, and up to seven neighbours of each, as owners of the tasks between boxes.
     pub(crate) fn most(&self) -> usize {
         let whole =
             self.whole.map_or(0.0, |width| self.count_at(width).iter().map(|count| count.min(1024.0)).product());
         (8 * self.affordable.max(1)).max(whole as usize)
     }
 
-    /// Number of boxes along each axis, empty ones among them.
+    /// Returns the number of boxes along each axis, including empty ones.
     pub(crate) fn counts(&self) -> [u32; 3] {
         self.count
     }
 
-    /// Corner of the first box, m.
+    /// Returns the corner of the first box, m.
     pub(crate) fn origin(&self) -> Vector3<f64> {
         self.origin
     }
 
-    /// Widths of a box, m.
+    /// Returns the widths of a box, m.
     pub(crate) fn widths(&self) -> [f64; 3] {
         self.width
     }
 
-    /// Axes along which the boxes repeat themselves.
+    /// Returns the periodic axes of the boxes.
     pub(crate) fn period(&self) -> &Period {
         &self.period
     }
 
-    /// Number of tasks: one a stage and box.
+    /// Returns the number of tasks: one per stage and box.
     pub fn tasks(&self) -> usize {
         STAGES * self.boxes()
     }
 
-    /// Number of the box with these coordinates, where all boxes are numbered.
+    /// Returns the index of the box with these coordinates, if all boxes are numbered.
     #[inline]
     pub fn number(&self, at: [u32; 3]) -> usize {
         (at[2] as usize * self.count[1] as usize + at[1] as usize) * self.count[0] as usize + at[0] as usize
     }
 
-    /// Coordinates of a box, where all boxes are numbered.
+    /// Returns the coordinates of a box, if all boxes are numbered.
     fn at(&self, number: usize) -> [u32; 3] {
         let (columns, rows) = (self.count[0] as usize, self.count[1] as usize);
         [number % columns, number / columns % rows, number / (columns * rows)].map(|place| place as u32)
     }
 
-    /// Numbers of the boxes around a box, by direction: see [`towards`]. None where the domain ends or no box is numbered.
+    /// Returns the indices of the neighbours of a box, by direction: see [`towards`]. `None` beyond the domain and for unnumbered boxes.
     #[inline]
     pub(crate) fn around(&self, number: usize) -> [Option<usize>; DIRECTIONS] {
         if let Some(occupied) = &self.occupied {
@@ -243,8 +243,8 @@ impl BoxGrid {
         })
     }
 
-    /// Task of a contact of grains in a box and in its neighbour in a direction: stage by stage, box by box. It belongs to the
-    /// lowest corner of the two; before the first box of a periodic axis comes the last one.
+    /// Returns the task of a contact between grains in a box and its neighbour in a direction: tasks are numbered stage by stage, box by
+    /// box. The task belongs to the lowest corner of the two boxes; along a periodic axis, the last box precedes the first.
     #[inline]
     pub(crate) fn task(&self, number: usize, direction: usize) -> usize {
         let towards = towards(direction);
@@ -259,34 +259,34 @@ impl BoxGrid {
     }
 }
 
-/// Number of directions from a box to those around it, itself among them: `(dx + 1) + 3 (dy + 1) + 9 (dz + 1)`.
+/// Number of directions from a box to its neighbours, including itself: `(dx + 1) + 3 (dy + 1) + 9 (dz + 1)`.
 pub(crate) const DIRECTIONS: usize = 27;
 
-/// Direction of a box to itself.
+/// Direction from a box to itself.
 pub(crate) const SAME_BOX: usize = 13;
 
-/// Marks a box that is not numbered.
+/// Marks a box without a number.
 const NOWHERE: u32 = u32::MAX;
 
-/// Boxes with grains, and those that tasks between them belong to: numbered by the power of two of their grains, the fullest first, and
-/// among these in the order in which all boxes of the domain would be.
+/// Boxes with grains, and the owners of the tasks between them. The order of their numbers is by the power of two of
+/// their grains, the fullest first, and then by the order of all boxes in the domain.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Occupied {
     at: Vec<[i32; 3]>,
     numbers: HashMap<[i32; 3], u32, BuildHasherDefault<CoordinateHasher>>,
-    /// Grains of each box, in the order in which boxes were found.
+    /// Number of grains of each box, in the order of discovery.
     grains: Vec<u32>,
-    /// Numbers of the boxes around each, by direction.
+    /// Indices of the neighbours of each box, by direction.
     around: Vec<[u32; DIRECTIONS]>,
-    /// Numbers of the boxes in the order in which they were found.
+    /// Indices of the boxes, in the order of discovery.
     found: Vec<u32>,
 }
 
 impl Occupied {
-    /// Numbers the boxes that grains lie in, given by their coordinates one after the other, unless these are more than `most`;
-    /// leaves each grain's in `number_of`. `step` tells which box lies beside one.
+    /// Numbers the boxes of the grains, given by their coordinates one after another, unless there are more than `most`
+    /// boxes; writes the box index of each grain to `number_of`. `step` returns a neighbour of a box.
     ///
-    /// Returns whether it did.
+    /// Returns true if the boxes are numbered.
     pub fn number(
         &mut self,
         grains: impl Iterator<Item = [i32; 3]>,
@@ -298,7 +298,7 @@ impl Occupied {
         at.clear();
         numbers.clear();
         counts.clear();
-        // Grains lie in memory in the order of the last boxes: mostly it is the one before.
+        // Grains are stored in the order of the last boxes: the previous grain is usually in the same box.
         let mut last = None;
         for (grain, number_of) in grains.zip(&mut *number_of) {
             let number = match last {
@@ -317,10 +317,10 @@ impl Occupied {
             }
         }
         let count = at.len();
-        // A task belongs to the lowest corner of its two boxes, which may be empty.
+        // A task belongs to the lowest corner of its two boxes, which may be an empty box.
         for place in 0..count {
             let own = at[place];
-            // The box on the other side finds the same.
+            // The search from the box on the other side has the same result.
             for direction in 0..SAME_BOX {
                 let towards = towards(direction);
                 if numbers.get(&step(own, towards)).is_some_and(|&other| (other as usize) < count) {
@@ -353,12 +353,12 @@ impl Occupied {
         true
     }
 
-    /// Number of numbered boxes.
+    /// Returns the number of numbered boxes.
     pub fn boxes(&self) -> usize {
         self.at.len()
     }
 
-    /// Number of the box in a direction from another, if it has one.
+    /// Returns the index of the box in a direction from another box, if the box is numbered.
     #[inline]
     pub fn neighbour(&self, number: usize, direction: usize) -> Option<usize> {
         let neighbour = self.around[number][direction];
@@ -374,7 +374,7 @@ impl Occupied {
     }
 }
 
-/// Hashes the coordinates of boxes: a multiplication for each, since no one chooses them to collide.
+/// Hashes the coordinates of boxes with one multiplication each: the input is not adversarial.
 #[derive(Clone, Debug, Default)]
 struct CoordinateHasher(u64);
 
@@ -391,7 +391,7 @@ impl Hasher for CoordinateHasher {
     }
 }
 
-/// Steps along the axes that a direction names.
+/// Returns the steps along the axes in a direction.
 #[inline]
 pub(crate) fn towards(direction: usize) -> [i32; 3] {
     [direction % 3, direction / 3 % 3, direction / 9].map(|step| step as i32 - 1)

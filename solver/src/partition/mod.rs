@@ -1,16 +1,16 @@
 //! Order in which contacts are relaxed: boxes, conflict-free stages, lane groups.
 //!
-//! Space is cut into boxes eight diameters wide. A contact of two grains of one box belongs to the box's interior, one
-//! across a face, edge or corner to that face, edge or corner. Tasks of one stage share no body, whatever their number:
+//! Space is divided into boxes with a width of eight diameters. A contact between two grains of one box belongs to the interior of the box,
+//! a contact across a face, edge or corner to that face, edge or corner. Tasks of one stage, of any number, share no body:
 //!
 //! ```text
 //! stage 0        1   2   3   4    5    6    7
 //!       interior f_x f_y f_z e_xy e_yz e_zx corner
 //! ```
 //!
-//! No contact moves a wall, so a wall contact belongs to the interior of its grain's box; driven walls are the exception, whose
-//! contacts come behind all stages, one by one. Inside a task contacts are packed into
-//! lane groups of eight that share no body. All of this depends on the scene alone, never on threads or machine.
+//! No contact moves a wall, so a wall contact belongs to the interior of its grain's box. Dynamic walls are the
+//! exception: their contacts are relaxed one by one after all stages. Within a task, contacts are packed into lane
+//! groups of eight that share no body. The order depends on the scene alone, never on threads or machine.
 
 mod assignment;
 mod boxes;
@@ -31,90 +31,90 @@ use crate::groups::{ImpactLanes, PairGroup, PairGroups, Sources, WallGroup, Wall
 use crate::lanes::{Eight, LANES, PREFETCH};
 use crate::world::Body;
 
-/// Lane groups of one task; what sweeps read and write besides bodies.
+/// Lane groups of one task: the data of sweeps other than bodies.
 #[derive(Clone, Debug, Default)]
 pub struct TaskGroups {
-    /// Groups of contacts of two grains.
+    /// Groups of contacts between two grains.
     pub pairs: PairGroups,
-    /// Candidates of their contacts.
+    /// Candidates of the contacts in `pairs`.
     pub pair_sources: Vec<Sources>,
-    /// True for each group of pairs that shares a body with the one before it; empty where that was not asked, and then it may.
+    /// True for each group of pairs that shares a body with the preceding group; empty if not determined, and then every group may.
     pub pair_waits: Vec<bool>,
     /// Groups of contacts with walls.
     pub walls: Vec<WallGroup>,
-    /// Candidates of their contacts.
+    /// Candidates of the contacts in `walls`.
     pub wall_sources: Vec<Sources>,
-    /// Impacts of the pairs, a group each.
+    /// Impacts of the pairs, one entry per group.
     pub pair_impacts: Vec<ImpactLanes>,
-    /// Impacts of the contacts with walls, a group each.
+    /// Impacts of the contacts with walls, one entry per group.
     pub wall_impacts: Vec<ImpactLanes>,
-    /// Torques of the pairs, a group each; empty where contacts bear none.
+    /// Torques of the pairs, one entry per group; empty for contacts without torques.
     pub pair_torques: Vec<TorqueLanes>,
-    /// Torques of the contacts with walls, a group each; empty where contacts bear none.
+    /// Torques of the contacts with walls, one entry per group; empty for contacts without torques.
     pub wall_torques: Vec<WallTorqueLanes>,
-    /// Impulses with which cohesion pulls the pairs together, N s; empty where there is none.
+    /// Cohesive impulses of the pairs, N s; empty without cohesion.
     pub pair_pulls: Vec<Eight>,
-    /// Impulses with which cohesion pulls grains to walls, N s.
+    /// Cohesive impulses between grains and walls, N s.
     pub wall_pulls: Vec<Eight>,
-    /// Drifts of the contacts with walls, m/s, which their walls' velocities contain; empty where no wall turns.
+    /// Drifts of the contacts with walls, m/s, included in the velocities of their walls; empty if no wall rotates.
     pub wall_drifts: Vec<[Eight; 3]>,
-    /// Number of groups at the end of `walls` that are with driven walls: no sweep over lanes relaxes them.
+    /// Number of groups with dynamic walls, at the end of `walls`: lane sweeps do not relax these groups.
     pub driven_walls: usize,
-    /// True if some grain is pressed so deep into a wall that it may cross it however slow it is.
+    /// True if at least one grain is so deep in a wall that the grain may cross it at any speed.
     pub(crate) deep_walls: bool,
-    /// Which of the task's pairs of candidates touch, as bits: a byte for eight of them.
+    /// Bit mask of the pairs of candidates in contact: one byte per eight pairs.
     pub(crate) touching: Vec<u8>,
     pub(crate) pair_contacts: usize,
     pub(crate) wall_contacts: usize,
-    /// Number of the candidate list that the pairs were packed from; 0 if they were not.
+    /// Number of the candidate list of the packed pairs; 0 without such a list.
     assigned_from: u64,
     pairs_used: usize,
     walls_used: usize,
 }
 
-/// Bytes that stay in a core's own cache from sweep to sweep: the second level of processors that have AVX-512.
+/// Bytes that remain in a core's private cache from sweep to sweep: the second level of processors with AVX-512.
 const CACHE: usize = 1 << 20;
 
 /// All contacts of a step, laid out for relaxation.
 #[derive(Clone, Debug, Default)]
 pub struct Layout {
-    /// The tasks that have candidates, stage after stage. They are replaced by `Layout::replan`.
+    /// Tasks with candidates, stage after stage, replaced by `Layout::replan`.
     pub plan: Plan,
-    /// Lane groups of every task that can be, by its number ([`PlannedTask::number`]): of every planned one at least. Those of a box
-    /// lie together, so that a box that keeps its number finds the memory that it had.
+    /// Lane groups of every possible task by its number ([`PlannedTask::number`]), at least of every planned task.
+    /// Those of a box are contiguous, so that a box with an unchanged number reuses its memory.
     pub groups: Vec<TaskGroups>,
-    /// Number of boxes that the tasks of the plan are of; there may have been more.
+    /// Number of boxes in the plan; earlier plans may have had more.
     pub(crate) boxes: usize,
-    /// The contacts with driven walls, in the order in which they are relaxed.
+    /// Contacts with dynamic walls, in the order of relaxation.
     pub driven: Vec<DrivenContact>,
-    /// Number of contacts, padding lanes left out.
+    /// Number of contacts without padding lanes.
     pub contacts: usize,
 }
 
-/// Position of a contact with a driven wall in the layout, and its direction of motion.
+/// Position of a contact with a dynamic wall in the layout, and its direction of motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DrivenContact {
-    /// Number of its task.
+    /// Index of the task.
     pub task: u32,
-    /// Number of its group among the task's groups of wall contacts.
+    /// Index of the group among the task's groups of wall contacts.
     pub group: u32,
-    /// Its lane.
+    /// Lane of the contact.
     pub lane: u32,
-    /// Number of the drive.
+    /// Index of the drive.
     pub drive: u32,
-    /// Jacobian of its point of the wall, the point's velocity over the drive's rate: no unit, or m.
+    /// Jacobian of the contact point on the wall, its velocity over the drive's rate: dimensionless, or m.
     pub jacobian: [f64; 3],
-    /// Drift of the point where the wall turns, m/s: its velocity is the rate times the Jacobian, and this.
+    /// Drift of the point on a rotating wall, m/s: the velocity of the point is the rate times the Jacobian, plus this drift.
     pub drift: [f64; 3],
 }
 
 impl TaskGroups {
-    /// Number of contacts, padding lanes left out.
+    /// Returns the number of contacts without padding lanes.
     pub fn contacts(&self) -> usize {
         self.pair_contacts + self.wall_contacts
     }
 
-    /// Groups of contacts with walls that move as prescribed or not at all.
+    /// Returns the groups of contacts with fixed and kinematic walls.
     #[inline(always)]
     pub fn prescribed_walls(&self) -> usize {
         self.walls.len() - self.driven_walls
@@ -122,13 +122,13 @@ impl TaskGroups {
 }
 
 impl Layout {
-    /// An empty layout for so many tasks.
+    /// Creates an empty layout for n tasks.
     pub fn new(tasks: usize) -> Layout {
         Layout { groups: vec![TaskGroups::default(); tasks], boxes: tasks / STAGES, ..Layout::default() }
     }
 
-    /// Takes a plan of tasks whose numbers lie below `tasks`: each has its lane groups from then on, without a contact until they are laid
-    /// out.
+    /// Installs a plan of tasks with numbers below `tasks`: each task has its lane groups from then on, without
+    /// contacts until they are laid out.
     pub(crate) fn replan(&mut self, tasks: usize, plan: impl FnOnce(&mut Plan)) {
         plan(&mut self.plan);
         self.boxes = tasks / STAGES;
@@ -137,19 +137,19 @@ impl Layout {
         }
     }
 
-    /// Stage and lane groups of the tasks that have any, in the order of their stages.
+    /// Returns the stage and the lane groups of the tasks that have groups, in the order of their stages.
     pub fn tasks(&self) -> impl Iterator<Item = (usize, &TaskGroups)> {
         let stages = (0..STAGES).flat_map(|stage| self.plan.stage(stage).iter().map(move |task| (stage, task)));
         stages.map(|(stage, task)| (stage, &self.groups[task.number as usize]))
     }
 
-    /// Share of lanes that hold a contact, 0 to 1.
+    /// Returns the fraction of occupied lanes, 0 to 1.
     pub fn lane_occupancy(&self) -> f64 {
         let groups: usize = self.tasks().map(|(_, task)| task.pairs.len() + task.walls.len()).sum();
         self.contacts as f64 / (LANES * groups).max(1) as f64
     }
 
-    /// Lane groups ahead of which a sweep over so many bodies should fetch: none where it finds everything in the cache.
+    /// Returns the prefetch distance in lane groups for a sweep over n bodies: zero if all data are in the cache.
     pub(crate) fn prefetch(&self, bodies: usize) -> usize {
         let bytes = self.contacts * size_of::<PairGroup>() / LANES + bodies * size_of::<Body>();
         if bytes < CACHE { 0 } else { PREFETCH }

@@ -1,4 +1,4 @@
-//! The plan of tasks: which there are, stage by stage, and which candidates belong to each.
+//! Plan of tasks: the tasks of each stage, and the candidates of each task.
 
 use super::{STAGES, TaskShares};
 use crate::lanes::{LANES, lanes_of};
@@ -6,19 +6,19 @@ use crate::schedule::{Phase, Team};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-/// Task granularity. It changes no bit.
+/// Task granularity. The results have the same bits for each granularity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Portion {
-    /// Tasks of one stage that follow each other, as many as keep a thread busy for some microseconds.
+    /// Consecutive tasks of one stage, enough to occupy a thread for some microseconds.
     #[default]
     Batches,
-    /// One task, however small: what one box has in one stage.
+    /// One task of any size: the work of one box in one stage.
     Boxes,
 }
 
 impl Portion {
-    /// Its name, as tables have it.
+    /// Returns the name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Portion::Batches => "batches",
@@ -27,34 +27,34 @@ impl Portion {
     }
 }
 
-/// A task that has candidates.
+/// Task with candidates.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PlannedTask {
-    /// Number of its lane groups: box times stages plus stage.
+    /// Index of its lane groups: box times stages plus stage.
     pub number: u32,
-    /// The box that it belongs to, the lowest of those that its bodies are in.
+    /// Box that owns the task, the lowest box of its bodies.
     pub home: u32,
-    /// Its pairs of grains, in the list of candidates.
+    /// Pairs of grains, as a range of the candidate list.
     pub pairs: Range<u32>,
-    /// Number of the first of its blocks of eight pairs, the last of which may be smaller; counted over all tasks.
+    /// Index of the first of its blocks of eight pairs, counted over all tasks; the last block may be smaller.
     pub first_block: u32,
-    /// Its grains and surfaces, in the list of candidates.
+    /// Grains and surfaces, as a range of the candidate list.
     pub walls: Range<u32>,
 }
 
 impl PlannedTask {
-    /// Returns true if its pairs are of grains of one box.
+    /// Returns true if the pairs are of grains in one box.
     pub(crate) fn is_interior(&self) -> bool {
         (self.number as usize).is_multiple_of(STAGES)
     }
 
-    /// Its blocks of eight pairs.
+    /// Returns its blocks of eight pairs.
     pub(crate) fn blocks(&self) -> Range<usize> {
         let first = self.first_block as usize;
         first..first + self.pairs.len().div_ceil(LANES)
     }
 
-    /// The pairs that a mask a block names, by their place in the list of candidates, which grows.
+    /// Returns the pairs selected by one mask per block, as increasing indices in the candidate list.
     pub(crate) fn named<'a>(&self, blocks: &'a [u8]) -> impl Iterator<Item = usize> + use<'a> {
         let start = self.pairs.start as usize;
         let blocks = blocks[self.blocks()].iter().enumerate();
@@ -62,33 +62,33 @@ impl PlannedTask {
     }
 }
 
-/// Tasks in the order of their stages and boxes. Made anew with each candidate list.
+/// Tasks in the order of their stages and boxes, rebuilt with each candidate list.
 ///
-/// Faces, edges and corners have few contacts. So that handing out work costs less than the work, threads are given
-/// batches: tasks of one stage that follow each other, together with as many candidates as keep a thread busy for some
-/// microseconds. Larger ones would leave threads idle: all edges of a direction, or all corners, of half a million grains are
-/// less than a hundredth of a sweep.
+/// Faces, edges and corners have few contacts. To limit the scheduling overhead, threads receive batches: consecutive
+/// tasks of one stage with enough candidates to occupy a thread for some microseconds. Larger batches would leave
+/// threads idle: all edges of a direction, or all corners, of half a million grains are less than a hundredth of a
+/// sweep.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Plan {
     tasks: Vec<PlannedTask>,
-    /// First index of each stage in `tasks`; the last entry is the end of the last one.
+    /// First index of each stage in `tasks`; the last entry is the end of the last stage.
     stages: [usize; STAGES + 1],
-    /// Places in `tasks` of each batch.
+    /// Range in `tasks` of each batch.
     batches: Vec<Range<usize>>,
     /// First index of each stage in `batches`.
     batch_stages: [usize; STAGES + 1],
-    /// True if there are batches of more than one task.
+    /// Granularity of the batches.
     portion: Portion,
 }
 
-/// Candidates that fill a batch.
+/// Number of candidates that fill a batch.
 const BATCH: u32 = 256;
 /// Fixed cost of a task, in candidates: an edge or a corner has so few contacts that most lanes are empty.
 const TASK: u32 = 12;
 
 impl Plan {
-    /// Takes in which candidates belong to which task: `pair_starts` has an entry a task and one more, `wall_starts` one a
-    /// box and one more, because wall contacts belong to interiors.
+    /// Sets the candidates of each task: `pair_starts` has one entry per task and one more, `wall_starts` one per box
+    /// and one more, because wall contacts belong to interiors.
     pub(crate) fn set(&mut self, pair_starts: &[u32], wall_starts: &[u32]) {
         assert!(pair_starts.is_sorted() && wall_starts.is_sorted(), "tasks share candidates");
         self.tasks.clear();
@@ -115,18 +115,18 @@ impl Plan {
         self.batch();
     }
 
-    /// Task granularity.
+    /// Returns the task granularity.
     pub(crate) fn portion(&self) -> Portion {
         self.portion
     }
 
-    /// Hands out tasks in other portions from now on.
+    /// Sets the task granularity from now on.
     pub(crate) fn set_portion(&mut self, portion: Portion) {
         self.portion = portion;
         self.batch();
     }
 
-    /// Cuts each stage into batches.
+    /// Divides each stage into batches.
     fn batch(&mut self) {
         self.batches.clear();
         let full = match self.portion {
@@ -149,7 +149,7 @@ impl Plan {
         self.batch_stages[STAGES] = self.batches.len();
     }
 
-    /// A plan of one task that holds all candidates.
+    /// Creates a plan of one task with all candidates.
     pub(crate) fn single(pairs: u32, walls: u32) -> Plan {
         let mut stages = [1; STAGES + 1];
         stages[0] = 0;
@@ -159,25 +159,25 @@ impl Plan {
         plan
     }
 
-    /// Number of blocks of all tasks.
+    /// Returns the number of blocks of all tasks.
     pub(crate) fn blocks(&self) -> usize {
         self.tasks.last().map_or(0, |task| task.blocks().end)
     }
 
-    /// All tasks.
+    /// Returns all tasks.
     pub fn tasks(&self) -> &[PlannedTask] {
         &self.tasks
     }
 
-    /// Tasks of a stage: no body takes part in two of them.
+    /// Returns the tasks of a stage: no two tasks share a body.
     pub fn stage(&self, stage: usize) -> &[PlannedTask] {
         &self.tasks[self.stage_range(stage)]
     }
 
-    /// Runs `work` for each task, given its place among all and its share, stage after stage: the one loop over stages. Tasks of a stage share no
-    /// body and run at the same time and in any order; a stage is over before the next one begins, so that what a task writes of its
-    /// bodies is there for all of the next stage, and what is exchanged between stages has its place at `before`, which is called with
-    /// the number of each stage ahead of it.
+    /// Runs `work` for each task, with its index and its part of the data, stage after stage: the only loop over
+    /// stages. Tasks of a stage share no body and run concurrently in any order. A stage is complete before the next
+    /// one begins, so that all writes to bodies are visible in the next stage. `before` is called with the number of
+    /// each stage before that stage, for exchange between stages.
     pub(crate) fn run_stages<S: TaskShares>(
         &self,
         team: &Team,
@@ -188,14 +188,14 @@ impl Plan {
     ) {
         for stage in 0..STAGES {
             before(stage);
-            // SAFETY: each task of the stage is run once, and no other stage's meanwhile.
+            // SAFETY: each task of the stage runs once, and no task of another stage runs meanwhile.
             let run = |place, task: &PlannedTask| work(place, task, unsafe { shares.share(place, task) });
             self.run(team, phase, self.batches_of(stage), &run);
         }
     }
 
-    /// Runs `work` for each task, given its place among all and its share, tasks of all stages at the same time and in any order: for work that
-    /// writes no body.
+    /// Runs `work` for each task, with its index and its part of the data, concurrently for tasks of all stages in any
+    /// order: for work that writes no body.
     pub(crate) fn run_all<S: TaskShares>(
         &self,
         team: &Team,
@@ -204,7 +204,7 @@ impl Plan {
         work: impl Fn(usize, &PlannedTask, S::Share) + Sync,
     ) {
         assert!(!S::IN_STAGES, "tasks of different stages share bodies");
-        // SAFETY: each task is run once, and these shares are apart for all tasks.
+        // SAFETY: each task runs once, and these parts are disjoint for all tasks.
         let run = |place, task: &PlannedTask| work(place, task, unsafe { shares.share(place, task) });
         self.run(team, phase, &self.batches, &run);
     }
@@ -217,12 +217,12 @@ impl Plan {
         });
     }
 
-    /// Batches of a stage, as places among all tasks.
+    /// Returns the batches of a stage, as ranges of task indices.
     fn batches_of(&self, stage: usize) -> &[Range<usize>] {
         &self.batches[self.batch_stages[stage]..self.batch_stages[stage + 1]]
     }
 
-    /// Places of a stage's tasks among all.
+    /// Returns the range of task indices of a stage.
     pub(crate) fn stage_range(&self, stage: usize) -> Range<usize> {
         self.stages[stage]..self.stages[stage + 1]
     }

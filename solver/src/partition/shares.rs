@@ -1,48 +1,48 @@
 //! Partition of data among tasks: lane groups, candidates, and the bodies that a stage's tasks may write.
 //!
-//! The proofs stand here. Every task has its own number and its own place; its candidates and blocks are ranges that follow
-//! each other ([`Plan::set`](super::Plan)); and tasks of one stage share no body, because of the boxes that they belong to
-//! (`BoxGrid`, tested on whole layouts). So whoever gets a share may use it as its own.
+//! This module contains the proofs. Every task has its own number and index; its candidates and blocks are consecutive
+//! ranges ([`Plan::set`](super::Plan)); and tasks of one stage share no body, because of their boxes (`BoxGrid`, tested
+//! on whole layouts). A task may therefore use its part exclusively.
 
 use super::PlannedTask;
 use crate::lanes::TaskSlots;
 use crate::schedule::Disjoint;
 
-/// Data that tasks of a plan write, by task.
+/// Data that tasks of a plan write, divided by task.
 pub(crate) trait TaskShares: Sync {
     /// Part of one task.
     type Share;
 
-    /// True if shares are apart for tasks of one stage alone.
+    /// True if parts are disjoint only for tasks of one stage.
     const IN_STAGES: bool = false;
 
-    /// The share of a task, given its place among all.
+    /// Returns the part of a task from its index among all tasks.
     ///
     /// # Safety
-    /// Each task of one plan is asked for once while shares that were given live, and where shares are apart in stages alone, tasks of
-    /// one stage only.
+    /// Each task of one plan may be passed only once during the lifetime of the returned parts; if parts are disjoint
+    /// only within stages, only tasks of one stage.
     unsafe fn share(&self, place: usize, task: &PlannedTask) -> Self::Share;
 }
 
-/// An element for each task that can be, by its number: lane groups.
+/// One element per possible task, by its number: lane groups.
 pub(crate) struct ByNumber<'a, T>(Disjoint<'a, T>);
 
-/// An element for each task that there is: sums.
+/// One element per existing task: sums.
 pub(crate) struct ByPlace<'a, T>(Disjoint<'a, T>);
 
-/// Elements from one start to the next, for each task that there is: vectors over contacts.
+/// Elements from one start to the next, for each existing task: vectors over contacts.
 pub(crate) struct ByStarts<'a, T> {
     parts: Disjoint<'a, T>,
     starts: &'a [usize],
 }
 
-/// An element for each block of eight pairs of candidates.
+/// One element per block of eight candidate pairs.
 pub(crate) struct ByBlocks<'a, T>(Disjoint<'a, T>);
 
-/// Impulses of candidates, in an array of all: [`TaskSlots`] that are named by candidates.
+/// Impulses of candidates, in a common array: [`TaskSlots`] with the indices of candidates.
 pub(crate) struct ByCandidates<'a, T>(Disjoint<'a, T>);
 
-/// Bodies, in an array of all: [`TaskSlots`] that are named by bodies.
+/// Bodies, in a common array: [`TaskSlots`] with the indices of bodies.
 pub(crate) struct ByBodies<'a, T>(Disjoint<'a, T>);
 
 macro_rules! shares_of_a_slice {
@@ -58,7 +58,7 @@ macro_rules! shares_of_a_slice {
 shares_of_a_slice!(ByNumber, ByPlace, ByBlocks, ByCandidates, ByBodies);
 
 impl<'a, T> ByStarts<'a, T> {
-    /// Starts grow from task to task, and the last one ends the last task.
+    /// Creates the partition from increasing starts of the tasks; the last start is the end of the last task.
     pub fn of(slice: &'a mut [T], starts: &'a [usize]) -> ByStarts<'a, T> {
         assert!(starts.is_sorted(), "parts of tasks overlap");
         ByStarts { parts: Disjoint::new(slice), starts }
@@ -86,7 +86,7 @@ impl<'a, T: Send> TaskShares for ByPlace<'a, T> {
 
     #[inline(always)]
     unsafe fn share(&self, place: usize, _: &PlannedTask) -> &'a mut T {
-        // SAFETY: tasks of a plan have different places.
+        // SAFETY: tasks of a plan have different indices.
         unsafe { self.0.at(place) }
     }
 }
@@ -96,7 +96,7 @@ impl<'a, T: Send> TaskShares for ByStarts<'a, T> {
 
     #[inline(always)]
     unsafe fn share(&self, place: usize, _: &PlannedTask) -> &'a mut [T] {
-        // SAFETY: tasks of a plan have different places, and starts are sorted.
+        // SAFETY: tasks of a plan have different indices, and starts are sorted.
         unsafe { self.parts.range(self.starts[place]..self.starts[place + 1]) }
     }
 }
@@ -106,7 +106,7 @@ impl<'a, T: Send> TaskShares for ByBlocks<'a, T> {
 
     #[inline(always)]
     unsafe fn share(&self, _: usize, task: &PlannedTask) -> &'a mut [T] {
-        // SAFETY: blocks of a plan's tasks do not overlap.
+        // SAFETY: blocks of a plan's tasks are disjoint.
         unsafe { self.0.range(task.blocks()) }
     }
 }
@@ -116,7 +116,7 @@ impl<'a, T: Send + Copy> TaskShares for ByCandidates<'a, T> {
 
     #[inline(always)]
     unsafe fn share(&self, _: usize, _: &PlannedTask) -> TaskSlots<'a, T> {
-        // SAFETY: candidates of a plan's tasks do not overlap.
+        // SAFETY: candidates of a plan's tasks are disjoint.
         unsafe { TaskSlots::new(self.0.as_ptr(), self.0.len()) }
     }
 }
@@ -140,7 +140,7 @@ impl<A: TaskShares, B: TaskShares> TaskShares for (A, B) {
 
     #[inline(always)]
     unsafe fn share(&self, place: usize, task: &PlannedTask) -> Self::Share {
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         unsafe { (self.0.share(place, task), self.1.share(place, task)) }
     }
 }
@@ -152,7 +152,7 @@ impl<A: TaskShares, B: TaskShares, C: TaskShares> TaskShares for (A, B, C) {
 
     #[inline(always)]
     unsafe fn share(&self, place: usize, task: &PlannedTask) -> Self::Share {
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         unsafe { (self.0.share(place, task), self.1.share(place, task), self.2.share(place, task)) }
     }
 }
@@ -164,7 +164,7 @@ impl<A: TaskShares, const N: usize> TaskShares for [A; N] {
 
     #[inline(always)]
     unsafe fn share(&self, place: usize, task: &PlannedTask) -> Self::Share {
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         self.each_ref().map(|shares| unsafe { shares.share(place, task) })
     }
 }
@@ -176,7 +176,7 @@ impl<A: TaskShares> TaskShares for Option<A> {
 
     #[inline(always)]
     unsafe fn share(&self, place: usize, task: &PlannedTask) -> Self::Share {
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         self.as_ref().map(|shares| unsafe { shares.share(place, task) })
     }
 }

@@ -1,8 +1,8 @@
-//! Bodies and lane groups in single precision: half the memory, and sixteen contacts a group.
+//! Bodies and lane groups in single precision: half the memory, and sixteen contacts per group.
 //!
-//! A step is laid out in double precision. For its sweeps alone bodies and constraint data are rounded to `f32`; two groups
-//! that follow each other become one where they share no body. Afterwards impulses go back as they are, and each body
-//! receives the change of its velocity, so that what no contact touches is not rounded.
+//! A step is laid out in double precision. Bodies and constraint data are rounded to `f32` for its sweeps only; two
+//! consecutive groups become one if they share no body. Impulses are then copied back, and each body receives only the
+//! change of its velocity, so that bodies without contacts are not rounded.
 
 use super::{ByNumber, Layout, TaskGroups};
 use crate::effects::friction::FrictionLanes;
@@ -23,7 +23,7 @@ pub(crate) struct SingleBody {
     inverse_radius: f32,
 }
 
-/// Sixteen contacts of pairs of grains that share no body, with room for friction whether there is any or not.
+/// Sixteen contacts of pairs of grains that share no body, with memory for friction in every scene.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub(crate) struct SinglePairGroup {
@@ -50,16 +50,16 @@ pub(crate) struct SingleGroups {
     joined: Vec<u8>,
 }
 
-/// Bodies and lane groups of a step in single precision; empty where a scene does not ask for it.
+/// Bodies and lane groups of a step in single precision; empty for scenes in double precision.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SingleCopy {
     pub bodies: Vec<SingleBody>,
-    /// By the number of the task, as in [`Layout`].
+    /// Groups by task number, as in [`Layout`].
     pub groups: Vec<SingleGroups>,
 }
 
 impl SinglePairGroup {
-    /// Bytes of a group that a sweep with these effects reads: what friction needs comes last.
+    /// Returns the bytes of a group that a sweep with these effects reads: the friction data are last.
     pub(crate) const fn used<E: Effects>() -> usize {
         size_of::<Self>() - if E::FRICTION { 0 } else { size_of::<FrictionLanes<Sixteen>>() }
     }
@@ -75,7 +75,7 @@ impl SingleBody {
         }
     }
 
-    /// Adds to a body how this one has changed since it was made of it.
+    /// Adds the change of this body since its conversion to the original body.
     fn give_change(&self, body: &mut Body) {
         let before = SingleBody::of(body);
         for axis in 0..3 {
@@ -86,9 +86,9 @@ impl SingleBody {
 }
 
 impl SingleCopy {
-    /// Rounds bodies and the lane groups that a step has laid out.
+    /// Rounds bodies and the lane groups of a step.
     pub fn take(&mut self, bodies: &[Body], layout: &Layout, set: Available, team: &Team) {
-        // Behind the grains lie the dummies of the boxes.
+        // The padding bodies of the boxes follow the grains.
         let grains = bodies.len() - layout.boxes * DUMMIES;
         self.bodies.resize(bodies.len(), SingleBody::default());
         self.groups.resize_with(layout.groups.len(), SingleGroups::default);
@@ -103,7 +103,7 @@ impl SingleCopy {
         });
     }
 
-    /// Gives the impulses, and the change of each body's velocities, back.
+    /// Returns the impulses, and the change of each body's velocities, to double precision.
     pub fn give_back(&self, bodies: &mut [Body], layout: &mut Layout, team: &Team) {
         let count = bodies.len();
         team.each_with(Phase::Sweep, chunks(count), by_chunk(bodies), |number, bodies| {
@@ -127,7 +127,7 @@ impl SingleCopy {
 }
 
 impl SingleGroups {
-    /// Rounds the groups of a task. Bodies from `grains` on are dummies, those of its box from `dummies` on.
+    /// Rounds the groups of a task. Bodies from `grains` on are padding bodies, those of this box from `dummies` on.
     #[inline(always)]
     fn take(&mut self, task: &TaskGroups, grains: u32, dummies: u32) {
         self.pairs.clear();
@@ -174,7 +174,7 @@ impl SingleGroups {
         }
     }
 
-    /// Gives the impulses back to the groups that these were made of.
+    /// Returns the impulses to the original groups.
     fn give_back(&self, task: &mut TaskGroups) {
         let mut joined = self.joined.iter();
         let mut walls = task.walls.iter_mut().map(|group: &mut WallGroup| &mut group.contacts);
@@ -190,14 +190,14 @@ impl SingleGroups {
     }
 }
 
-/// Makes room for so many, an eighth more than asked where there was too little.
+/// Reserves memory for n entries, an eighth more than requested if there was too little.
 fn reserve<T>(all: &mut Vec<T>, count: usize) {
     if count > all.capacity() {
         all.reserve_exact(count + count / 8 + 2);
     }
 }
 
-/// Returns true if a grain is in both groups. Dummies may be: nothing moves them.
+/// Returns true if a grain is in both groups. Padding bodies may be in both: no impulse moves them.
 #[inline(always)]
 fn share_a_grain<T>(own: &PairGroup<T>, next: &PairGroup<T>, grains: u32) -> bool {
     any_equal(&own.first, &next.first, grains)
@@ -206,10 +206,10 @@ fn share_a_grain<T>(own: &PairGroup<T>, next: &PairGroup<T>, grains: u32) -> boo
         | any_equal(&own.second, &next.second, grains)
 }
 
-/// Returns true if a place below `grains` is in both lists.
+/// Returns true if a slot below `grains` is in both lists.
 #[inline(always)]
 fn any_equal(own: &[u32; LANES], others: &[u32; LANES], grains: u32) -> bool {
-    // All lanes at once, turned by one place after another.
+    // Compares all lanes at once, with one list rotated slot by slot.
     let mut equal = [false; LANES];
     for turn in 0..LANES {
         for lane in 0..LANES {
@@ -219,7 +219,7 @@ fn any_equal(own: &[u32; LANES], others: &[u32; LANES], grains: u32) -> bool {
     equal.iter().fold(false, |any, &equal| any | equal)
 }
 
-/// Places of two groups.
+/// Slots of two groups.
 #[inline(always)]
 fn side_by_side(own: &[u32; LANES], partner: &[u32; LANES]) -> [u32; SINGLE_LANES] {
     let mut out = [0; SINGLE_LANES];
@@ -228,7 +228,7 @@ fn side_by_side(own: &[u32; LANES], partner: &[u32; LANES]) -> [u32; SINGLE_LANE
     out
 }
 
-/// Two times eight numbers, rounded.
+/// Rounds two times eight numbers.
 #[inline(always)]
 fn rounded(own: &Eight, partner: &Eight) -> Sixteen {
     let mut out = Sixteen::default();
@@ -273,14 +273,14 @@ struct Take<'a> {
 impl Kernel for Take<'_> {
     type Output = ();
 
-    // Plain loops: the compiler turns them into conversions of as many numbers as the registers hold.
+    // Plain loops: the compiler vectorises the conversions for the register width.
     #[inline(always)]
     fn run<L: Lanes>(self) {
         self.copy.take(self.task, self.grains, self.dummies);
     }
 }
 
-/// Gives the impulses of the lower (0) or upper (1) eight lanes back.
+/// Returns the impulses of the lower (0) or upper (1) eight lanes.
 fn give_impulses<T: Tangential>(from: &ContactLanes<Sixteen>, half: u8, to: &mut ContactLanes<Eight, T>) {
     let copy = |from: &Sixteen, to: &mut Eight| {
         let lanes = &from.0[usize::from(half) * LANES..][..LANES];

@@ -1,9 +1,9 @@
-//! An accuracy in place of a time step and a number of sweeps.
+//! Accuracy requests instead of a time step and a number of sweeps.
 //!
-//! What a long step leaves out shows where grains settle: in a step they fall, and run into each other, by lengths of the order of
-//! `g h^2`. A packing fraction deviates from its converged value in proportion to that length over a radius, whatever the
-//! stiffness, as `makadam tradeoff packing` finds from 10 MPa to 50 GPa. A drum's angle is taken to follow the elasticity of the
-//! contacts that a step passes over. Both slopes are the largest that were found, not means, since what is asked for is a bound:
+//! The error of a long step appears where grains settle: in a step, grains fall and overlap by lengths of the order of `g h^2`. A
+//! packing fraction deviates from its converged value in proportion to this length over a radius, for all stiffnesses from 10 MPa
+//! to 50 GPa (`makadam tradeoff packing`). The model of a drum's angle is an error in proportion to the elasticity of contacts
+//! that a step does not resolve. Both slopes are the largest measured values, not means, because a bound is requested:
 //!
 //! ```text
 //! deviation of a packing fraction  ~  g h^2 / r
@@ -11,7 +11,7 @@
 //! k = 5/4 k_H sqrt(d)              of Hertz's law at the overlap d = (f/k_H)^(2/3) under the load f of half the bed
 //! ```
 //!
-//! Sweeps are not fixed: a solve goes on until its residual is small, in proportion to the overlap that is tolerated.
+//! The number of sweeps is not fixed: a solve continues until its residual is small, in proportion to the overlap tolerance.
 
 use super::populate::placed;
 use super::preflight::{fall_speed, longest_step, longest_step_of_walls};
@@ -32,59 +32,59 @@ pub struct Accuracy {
     /// Tolerance of an overlap, over the mean radius.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub overlap: Option<f64>,
-    /// Tolerance of all of these, relative to an angle of 30 degrees, a packing fraction of 0.6 and an overlap of a hundredth of the
-    /// radius.
+    /// Tolerance of all of these, relative to an angle of 30 degrees, a packing fraction of 0.6 and an overlap of a
+    /// hundredth of the radius.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub relative: Option<f64>,
 }
 
-/// Largest deviation of a packing fraction over `g h^2 / r` that was found: 1.35 ± 0.2 where friction is 1; the mean over stiffnesses
-/// is 0.7 where it is 0.5.
+/// Largest measured deviation of a packing fraction over `g h^2 / r`: 1.35 ± 0.2 at friction 1; the mean over
+/// stiffnesses is 0.7 at friction 0.5.
 const PACKING_FRACTION_SLOPE: f64 = 1.5;
-/// Smallest and largest `g h^2 / r` of those measurements; the law is not carried beyond them.
+/// Smallest and largest `g h^2 / r` of those measurements; the law is not extrapolated.
 const FALLS_MEASURED: [f64; 2] = [1e-4, 8e-3];
-/// Largest deviation of a drum's angle of repose over x that was found, degrees: grains whose radii spread by 20%.
+/// Largest measured deviation of a drum's angle of repose over x, degrees: grains with radii that spread by 20%.
 const ANGLE_SLOPE: f64 = 0.45;
-/// Largest residual of a solve, in units of g h: it leaves angles of repose alone.
+/// Largest residual of a solve, in units of g h, without an effect on angles of repose.
 const LARGEST_RESIDUAL: f64 = 0.1;
-/// Residual, in units of g h, over the deviation of a packing fraction that is tolerated: with twice as much a packing whose friction is
-/// 1 is off by 0.004 where 0.005 was asked for, with this by 0.003 (`scripts/check-accuracy`, sixteen seeds).
+/// Residual, in units of g h, over the tolerated deviation of a packing fraction. At friction 1 and a tolerance of 0.005, the
+/// error of a packing is 0.003 with this value and 0.004 with twice the value (`scripts/check-accuracy`, sixteen seeds).
 const PACKING_FRACTION_RESIDUAL: f64 = 10.0;
-/// Smallest and largest x that angles were measured at.
+/// Smallest and largest x of the measurements of angles.
 const MEASURED: [f64; 2] = [0.4, 8.0];
-/// Most sweeps of a solve.
+/// Largest number of sweeps per solve.
 const MOST_SWEEPS: u32 = 400;
-/// Solid fraction of a bed, for its depth.
+/// Solid fraction of a bed, for the estimate of its depth.
 const BED_FRACTION: f64 = 0.6;
 
-/// Fewest grains of a bed: fewer are solved to the end in a step.
+/// Smallest number of grains of a bed: solves of smaller beds converge within a step.
 const SMALLEST_BED: usize = 64;
-/// Overlap of grains that fall on a bed over their path in a step, for grains of one size.
+/// Overlap of grains that fall on a bed over their displacement per step, for grains of one size.
 const PENETRATION_SLOPE: f64 = 0.75;
-/// Overlap over the path in a step and the ratio of radii, for grains of several sizes.
+/// Overlap over the displacement per step and the ratio of radii, for grains of several sizes.
 const PENETRATION_PER_RATIO: f64 = 0.1;
-/// Part of the tolerated overlap that the step may cause; the elasticity of the grains causes the rest.
+/// Fraction of the tolerated overlap for the step; the remainder is for the elasticity of the grains.
 const PENETRATION_FRACTION: f64 = 2.0 / 3.0;
 
-/// A bed of equal grains, as many as a scene has, on the ground of its domain.
+/// Bed of equal grains on the bottom of the domain, with the number of grains of the scene.
 struct Bed {
-    /// m.
+    /// Radius, m.
     radius: f64,
-    /// kg.
+    /// Mass, kg.
     mass: f64,
-    /// m.
+    /// Depth, m.
     depth: f64,
-    /// m/s2.
+    /// Gravity, m/s2.
     gravity: f64,
 }
 
 impl Accuracy {
-    /// Returns true if nothing was asked for.
+    /// Returns true if no tolerance is requested.
     pub fn is_empty(&self) -> bool {
         *self == Accuracy::default()
     }
 
-    /// Step (s) and stop of the solves that keep a scene within the accuracy by the law above.
+    /// Returns the step (s) and the stop of the solves that keep a scene within the accuracy by the law above.
     pub(super) fn settings(&self, scene: &Scene) -> (f64, Stop) {
         let bed = Bed::of(scene);
         let relative = self.relative.unwrap_or(f64::INFINITY);
@@ -99,10 +99,10 @@ impl Accuracy {
             (false, true) => by_fraction,
             _ => by_angle.min(by_fraction),
         };
-        // Whatever is tolerated, walls move as stated, impacts stay as shallow as is watched for, and at least one step is taken.
+        // For every tolerance, walls move as prescribed, impacts stay below the overlap limit of the watchdog, and the run has at least one step.
         let step = step.min(longest_step(scene)).min(bed.longest_step(scene));
         let step = if scene.duration > 0.0 { step.min(scene.duration) } else { step };
-        // A grain that still moves with the residual sinks by h times it; the error adds up over the layers of the bed.
+        // A grain that moves at the residual velocity sinks by h times that velocity; the error accumulates over the layers of the bed.
         let layers = (bed.depth / (2.0 * bed.radius)).max(1.0);
         let sinking = bed.gravity.max(1e-300) * step * step * layers / bed.radius;
         let residual = LARGEST_RESIDUAL.min(PACKING_FRACTION_RESIDUAL * packing_fraction);
@@ -130,7 +130,7 @@ impl Bed {
             true => scene.gravity.iter().map(|g| g * g).sum::<f64>().sqrt(),
             false => scene.largest_gravity(),
         };
-        // The ground is the domain's extent across gravity.
+        // The base area is the extent of the domain across gravity.
         let down = (0..3).max_by(|&a, &b| scene.gravity[a].abs().total_cmp(&scene.gravity[b].abs())).unwrap_or(2);
         let ground = size.iter().product::<f64>() / size[down];
         let radius = (radius / count).max(1e-9);
@@ -138,14 +138,14 @@ impl Bed {
         Bed { radius, mass: (mass / count).max(1e-300), depth, gravity }
     }
 
-    /// Returns the longest step (s) in which walls drive no grain past another one, and impacts stay within [`Watch::overlap`].
+    /// Returns the longest step (s) in which no wall drives a grain past another grain and impacts stay within [`Watch::overlap`].
     ///
-    /// A bed that falls on itself at a speed v penetrates by c v h while its sweeps have not yet propagated the stop through all of it
-    /// (`docs/scene-checks.md`); v is that of a fall through the domain to the top of the bed.
+    /// A bed that falls on itself at a speed v penetrates by c v h while the sweeps have not yet stopped the whole bed
+    /// (`docs/scene-checks.md`). The speed v is that after a fall through the domain to the top of the bed.
     ///
     /// [`Watch::overlap`]: super::Watch::overlap
     fn longest_step(&self, scene: &Scene) -> f64 {
-        // Grains that cannot be placed are an error, which placing them reports.
+        // Failed placement is an error of `placed`, reported elsewhere.
         let Ok(grains) = placed(scene, scene.seed) else { return f64::INFINITY };
         let by_walls = longest_step_of_walls(scene, &grains);
         let is_watched = scene.watch.every > 0 && scene.watch.on_overlap != Reaction::Ignore;
@@ -162,7 +162,7 @@ impl Bed {
         by_walls.min(path / square.max(0.0).sqrt())
     }
 
-    /// Time scale of a contact in the bed, `1/sqrt(k S)`, s; of the stiffest material.
+    /// Returns the time scale (s) of a contact of the stiffest material in the bed, `1/sqrt(k S)`.
     fn contact_time(&self, scene: &Scene) -> f64 {
         let inverse_mass = 2.0 / self.mass;
         let effective_radius = self.radius / 2.0;
@@ -173,7 +173,7 @@ impl Bed {
         let hertz = hertz.fold(0.0, f64::max);
         let stiffness = match scene.solver.normal_law {
             NormalLaw::Linear { stiffness } => stiffness,
-            // Rigid grains are resolved as if they had the stiffness of their material.
+            // Rigid grains are resolved with the stiffness of their material.
             NormalLaw::Hertz | NormalLaw::Rigid => {
                 let weight = self.mass * self.gravity.max(1e-3);
                 let load = (0.5 * self.depth / (2.0 * self.radius)).max(1.0) * weight;
@@ -185,7 +185,7 @@ impl Bed {
 }
 
 impl RadiusDistribution {
-    /// Mean radius, m; of a normal distribution before it is cut.
+    /// Returns the mean radius (m), before truncation for a normal distribution.
     pub(super) fn mean(&self) -> f64 {
         match self {
             RadiusDistribution::Fixed { value } => *value,

@@ -5,17 +5,17 @@ use super::{
     Shape, SolverSettings, Wall, Watch,
 };
 
-/// Puts a scene together: [`Scene::builder`].
+/// Builder of a scene: [`Scene::builder`].
 ///
-/// What is not said has the defaults of a scene's file. Without a [`domain`](SceneBuilder::domain) the scene has the smallest one that
-/// holds the regions of its populations, its grains and the walls that end somewhere.
+/// Absent values have the defaults of a scene file. Without a [`domain`](SceneBuilder::domain), the domain of the scene
+/// is the smallest box around the regions of its populations, its grains and its bounded walls.
 #[derive(Clone, Debug)]
 pub struct SceneBuilder {
     scene: Scene,
     domain: Option<([f64; 3], [f64; 3])>,
 }
 
-/// A scene without grains and walls, under the gravity of the earth along -z.
+/// Scene without grains and walls, under the gravity of the Earth along -z.
 impl Default for Scene {
     fn default() -> Scene {
         let form =
@@ -25,7 +25,7 @@ impl Default for Scene {
 }
 
 impl Scene {
-    /// A scene in the making, without grains and walls, under the gravity of the earth along -z.
+    /// Returns a builder of a scene without grains and walls, under the gravity of the Earth along -z.
     pub fn builder() -> SceneBuilder {
         SceneBuilder { scene: Scene::default(), domain: None }
     }
@@ -43,9 +43,9 @@ impl Scene {
 
 impl SceneBuilder {
     crate::setters! {
-        /// Name, used in messages; "scene" where none is given.
+        /// Name in messages; default: "scene".
         name(name: impl Into<String>) |builder| builder.scene.name = name.into();
-        /// Simulated time for which what the scene says has to hold, s; 1 s where none is given.
+        /// Simulated time (s) for which the values of the scene must be valid; default: 1 s.
         duration(duration: f64) |builder| builder.scene.duration = duration;
         /// Acceleration of gravity, m/s2.
         gravity(gravity: [f64; 3]) |builder| builder.scene.gravity = gravity;
@@ -55,19 +55,19 @@ impl SceneBuilder {
         pair(rule: PairRule) |builder| builder.scene.pair.push(rule);
         /// Adds a wall.
         wall(wall: Wall) |builder| builder.scene.wall.push(wall);
-        /// Adds grains placed by rule.
+        /// Adds a group of grains placed by rule.
         population(population: Population) |builder| builder.scene.population.push(population);
         /// Adds a grain.
         grain(grain: GrainEntry) |builder| builder.scene.grain.push(grain);
         /// Settings of the time step and of the contact solver.
         solver(settings: SolverSettings) |builder| builder.scene.solver = settings;
-        /// Requests an accuracy, which decides on the solver's step and stop when the scene is built.
+        /// Requests an accuracy, which sets the step and stop of the solver when the scene is built.
         accuracy(accuracy: Accuracy) |builder| builder.scene.accuracy = Some(accuracy);
         /// Settings of the watchdogs.
         watch(watch: Watch) |builder| builder.scene.watch = watch;
     }
 
-    /// Adds a material, or replaces the one of that name.
+    /// Adds a material, or replaces the material of the same name.
     pub fn material(mut self, name: impl Into<String>, material: Material) -> SceneBuilder {
         self.scene.material.insert(name.into(), material);
         self
@@ -79,14 +79,14 @@ impl SceneBuilder {
         self
     }
 
-    /// The scene, checked by the rules that scenes from files have to keep.
+    /// Builds the scene, with the checks of scenes from files.
     ///
     /// # Errors
-    /// [`SceneError::Invalid`] with the first fault, such as a material that there is not.
+    /// [`SceneError::Invalid`] with the first fault, such as an unknown material.
     pub fn build(self) -> Result<Scene, SceneError> {
         let SceneBuilder { mut scene, domain } = self;
         (scene.domain.min, scene.domain.max) = domain.unwrap_or_else(|| extent(&scene));
-        // What the law of an accuracy reads has to be sound.
+        // The law of an accuracy needs valid values.
         super::check::check(&scene)?;
         if let Some(accuracy) = scene.accuracy {
             scene.ask(accuracy);
@@ -96,7 +96,7 @@ impl SceneBuilder {
     }
 }
 
-/// Corners of the smallest box that holds what a scene says of places, m; no box where it says nothing.
+/// Returns the corners (m) of the smallest box around all positions in a scene; an empty box for a scene without positions.
 fn extent(scene: &Scene) -> ([f64; 3], [f64; 3]) {
     let mut all = Vec::new();
     for population in &scene.population {
@@ -123,7 +123,7 @@ fn extent(scene: &Scene) -> ([f64; 3], [f64; 3]) {
     })
 }
 
-/// Corners of the boxes around the two ends of a cylinder, m.
+/// Returns the corners (m) of the boxes around the two ends of a cylinder.
 fn ends(base: &[f64; 3], axis: &[f64; 3], radius: f64, length: f64) -> [([f64; 3], [f64; 3]); 2] {
     let norm = axis.iter().map(|x| x * x).sum::<f64>().sqrt();
     let side = axis.map(|x| radius * (1.0 - x * x / (norm * norm)).max(0.0).sqrt());
@@ -135,13 +135,13 @@ fn around(centre: &[f64; 3], side: &[f64; 3]) -> ([f64; 3], [f64; 3]) {
 }
 
 impl PairRule {
-    /// A rule of two materials, in any order, that decides on nothing yet.
+    /// Creates a rule of two materials, in any order, without coefficients.
     pub fn between(first: impl Into<String>, second: impl Into<String>) -> PairRule {
         PairRule { between: [first.into(), second.into()], ..PairRule::default() }
     }
 }
 
-/// A face of a box.
+/// Face of a box.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Face {
     /// At the smallest x.
@@ -159,14 +159,14 @@ pub enum Face {
 }
 
 impl Face {
-    /// Its name, as a scene's file says it.
+    /// Returns the name of the face in a scene file.
     pub fn name(self) -> &'static str {
         ["-x", "+x", "-y", "+y", "-z", "+z"][self as usize]
     }
 }
 
 impl Wall {
-    /// A wall at rest.
+    /// Creates a wall at rest.
     pub fn new(name: impl Into<String>, material: impl Into<String>, shape: Shape) -> Wall {
         Wall { name: name.into(), material: material.into(), shape, motion: Motion::Fixed }
     }
@@ -178,33 +178,33 @@ impl Wall {
 }
 
 impl Shape {
-    /// A plane through a point (m); grains live on the side that the normal points to.
+    /// Creates a plane through a point (m); grains are on the side of the normal.
     pub fn plane(point: [f64; 3], normal: [f64; 3]) -> Shape {
         Shape::Plane { point, normal }
     }
 
-    /// A box seen from inside, between two corners (m), without the faces that are open.
+    /// Creates a box seen from inside, between two corners (m), without the open faces.
     pub fn cuboid(min: [f64; 3], max: [f64; 3], open: &[Face]) -> Shape {
         Shape::Box { min, max, open: open.iter().map(|face| face.name().to_string()).collect() }
     }
 }
 
 impl Population {
-    /// So many grains of a material, at rest, on a lattice that a tenth of their diameter is free in.
+    /// Creates a group of `count` grains of a material, at rest, on a lattice with a clearance of a tenth of their diameter.
     pub fn new(count: usize, material: impl Into<String>, radius: RadiusDistribution, region: Region) -> Population {
         Population { count, material: material.into(), radius, region, spacing: 1.1, agitation: 0.0 }
     }
 }
 
 impl RadiusDistribution {
-    /// Uniform between `mean (1 - spread)` and `mean (1 + spread)`, with the mean in m.
+    /// Creates a uniform distribution between `mean (1 - spread)` and `mean (1 + spread)`, with the mean in m.
     pub fn uniform(mean: f64, spread: f64) -> RadiusDistribution {
         RadiusDistribution::Uniform { mean, spread }
     }
 }
 
 impl Region {
-    /// An axis-aligned box between two corners, m.
+    /// Creates an axis-aligned box between two corners (m).
     pub fn cuboid(min: [f64; 3], max: [f64; 3]) -> Region {
         Region::Box { min, max }
     }

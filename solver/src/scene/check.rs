@@ -1,4 +1,4 @@
-//! Range checks of a scene, before anything is simulated.
+//! Range checks of a scene before the simulation.
 
 use super::coefficients::coefficients;
 use super::document::{Checked, Document, DocumentPath};
@@ -10,18 +10,18 @@ use super::{
 };
 use std::collections::HashMap;
 
-/// Most grains of a scene; their numbers have 32 bits, and so have those of their contacts.
+/// Largest number of grains of a scene: grains and contacts have 32-bit indices.
 pub(crate) const MOST_GRAINS: f64 = 1e8;
-/// Most materials: their numbers have eight bits.
+/// Largest number of materials: materials have 8-bit indices.
 const MOST_MATERIALS: usize = 256;
-/// Most sweeps of a step, those inside boxes counted: within a step nobody listens to an interrupt.
+/// Largest number of sweeps per step, inner sweeps included: interrupts are not polled within a step.
 const MOST_SWEEPS: f64 = 1e6;
-/// Most sweeps over a box for each over all boxes: more than one does not pay (`docs/memory.md`).
+/// Largest number of inner sweeps per sweep over all boxes: more than one inner sweep does not pay (`docs/memory.md`).
 const MOST_INNER_SWEEPS: f64 = 1e3;
-/// Standard deviations of a normal distribution over the width that its radii are redrawn into: beyond it, drawing takes long.
+/// Largest ratio of the standard deviation of a normal distribution to its width: above the limit, redrawing takes long.
 const MOST_DEVIATIONS: f64 = 100.0;
 
-/// Checks every value of a scene against the range in which it has a meaning.
+/// Checks every value of a scene against its physical range.
 pub(super) fn check(scene: &Scene) -> Checked {
     names(scene)?;
     let root = DocumentPath::default();
@@ -93,7 +93,7 @@ fn materials(scene: &Scene) -> Checked {
     Ok(())
 }
 
-/// A coefficient of contacts of two materials, the smaller one where both are of walls.
+/// Returns a coefficient of contacts of two materials: the smaller value if both are materials of walls.
 fn least(scene: &Scene, [first, second]: [&str; 2], of: fn(&ContactCoefficients) -> f64) -> f64 {
     let of_walls = |name: &str| scene.wall.iter().any(|wall| wall.material == name);
     let value = |a: &str, b: &str, wall: bool| of(&scene.contact_coefficients(a, b, wall));
@@ -411,13 +411,13 @@ fn join(scene: &Scene) -> String {
     scene.material.keys().cloned().collect::<Vec<_>>().join(", ")
 }
 
-/// Longest name, bytes: names of files have 255, and more is put beside a scene's name in them.
+/// Longest name, bytes: file names are limited to 255 bytes, and results add a suffix to the name of the scene.
 const LONGEST: usize = 100;
 
-/// Names of columns that a driven wall adds to the table of observables begin with its own. This one is taken, by the observable.
+/// Reserved name: columns of a dynamic wall in the table of observables begin with the wall's name, and an observable has this prefix.
 const TAKEN: &str = "driven_wall";
 
-/// Checks the scene's names, and that no two things have one name.
+/// Checks the names of the scene and rejects duplicates.
 fn names(scene: &Scene) -> Checked {
     let root = DocumentPath::default();
     let at = root.key("name");
@@ -459,7 +459,7 @@ fn names(scene: &Scene) -> Checked {
     Ok(())
 }
 
-/// Checks that a name can be printed, put into a table and used as a file name.
+/// Checks that a name is printable and valid in a table and as a file name.
 fn fit(at: &DocumentPath, whose: &str, name: &str) -> Checked {
     let refuse = |what: String, remedy: &str| Err(at.fault(format!("{whose} {what}"), remedy));
     if name.trim().is_empty() {

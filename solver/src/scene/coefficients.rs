@@ -1,13 +1,13 @@
-//! Materials and rules of pairs: keys, ranges, and the coefficients of a contact of two materials.
+//! Materials and pair rules: keys, ranges, and the coefficients of a contact between two materials.
 //!
-//! A coefficient is a field of [`Material`], [`PairRule`] and [`ContactCoefficients`], and an entry of [`TABLE`] with its range and the
-//! combination of two materials. The descriptor of its effect refers to the entry.
+//! A coefficient is a field of [`Material`], [`PairRule`] and [`ContactCoefficients`], and an entry of [`TABLE`] with
+//! its range and the combination rule. The descriptor of each effect refers to its entry.
 
 use super::document::{Checked, DocumentPath};
 use crate::laws::cohesion::Cohesion;
 use serde::{Deserialize, Serialize};
 
-/// A material of grains or walls.
+/// Material of grains or walls.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -25,14 +25,14 @@ pub struct Material {
     /// Coulomb friction coefficient of a sliding contact, at most `friction`; default: `friction`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub kinetic_friction: Option<f64>,
-    /// Impact speed up to which restitution is constant, m/s; beyond, it falls as the fourth root. Default: constant.
+    /// Impact speed up to which restitution is constant, m/s; above it, restitution falls as the fourth root. Default: constant.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub restitution_speed: Option<f64>,
-    /// Coefficient of rolling friction: largest torque over effective radius times normal force. The effective radius is `r_a r_b / (r_a +
-    /// r_b)`, or the grain's radius at a wall.
+    /// Coefficient of rolling friction: largest torque over effective radius times normal force. The effective radius
+    /// is `r_a r_b / (r_a + r_b)`, or the grain's radius at a wall.
     #[serde(default, skip_serializing_if = "super::types::is_zero")]
     pub rolling_friction: f64,
-    /// Coefficient of twisting friction: the same for the torque along the normal.
+    /// Coefficient of twisting friction, defined like `rolling_friction` for the torque along the normal.
     #[serde(default, skip_serializing_if = "super::types::is_zero")]
     pub twisting_friction: f64,
     /// Cohesion with nearby grains and walls.
@@ -41,8 +41,8 @@ pub struct Material {
 }
 
 impl Default for Material {
-    /// Glass beads in a lab, softened: 2500 kg/m3, Young's modulus 10 MPa, Poisson's ratio 0.3, friction 0.5 and restitution 0.3; no
-    /// resistance to rolling or twisting, no cohesion.
+    /// Softened glass beads of a laboratory: 2500 kg/m3, Young's modulus 10 MPa, Poisson's ratio 0.3, friction 0.5 and
+    /// restitution 0.3; no resistance to rolling or twisting, no cohesion.
     fn default() -> Material {
         Material {
             density: 2500.0,
@@ -59,7 +59,7 @@ impl Default for Material {
     }
 }
 
-/// Coefficients of one pair of materials.
+/// Coefficients of a pair of materials.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -87,22 +87,22 @@ pub struct PairRule {
     pub cohesion: Option<Cohesion>,
 }
 
-/// Coefficients of a contact of two materials by the scene's rules.
+/// Coefficients of a contact between two materials by the rules of the scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContactCoefficients {
     /// Coulomb friction.
     pub friction: f64,
-    /// Coulomb friction while it slides, no more than `friction`.
+    /// Coulomb friction of the sliding contact, at most `friction`.
     pub kinetic_friction: f64,
     /// Restitution, 0 to 1.
     pub restitution: f64,
-    /// Speed of impact beyond which restitution falls, m/s; infinite where it does not.
+    /// Impact speed above which restitution falls, m/s; infinite if restitution is constant.
     pub restitution_speed: f64,
     /// Rolling friction, over the effective radius.
     pub rolling_friction: f64,
     /// Twisting friction, over the effective radius.
     pub twisting_friction: f64,
-    /// Cohesion; two grains have it if both materials do, and then the weaker one.
+    /// Cohesion; two grains have it if both materials do, with the values of the weaker material.
     pub cohesion: Option<Cohesion>,
 }
 
@@ -113,84 +113,84 @@ impl ContactCoefficients {
     }
 }
 
-/// A number that a material or a rule of a pair may give.
+/// Numerical coefficient of a material or a pair rule.
 #[derive(Debug)]
 pub struct Coefficient {
-    /// Its key; behind a dot, in a table of its own.
+    /// Key; after a dot, the key in a subtable.
     pub key: &'static str,
-    /// Its unit.
+    /// Unit.
     pub unit: &'static str,
     /// Least and largest value.
     pub range: [f64; 2],
-    /// Upper bound by another coefficient.
+    /// Upper bound given by another coefficient.
     pub ceiling: Option<Ceiling>,
-    /// Value of a material that does not give it.
+    /// Value of a material without this key.
     pub absent: Absent,
     /// Value without effect, if there is one.
     pub off: Option<f64>,
-    /// Value of a material.
+    /// Returns the value of a material.
     pub of_material: fn(&Material) -> Option<f64>,
-    /// Value of a rule.
+    /// Returns the value of a pair rule.
     pub of_rule: fn(&PairRule) -> Option<f64>,
 }
 
-/// Another coefficient that one must not exceed.
+/// Upper bound of one coefficient by another.
 #[derive(Debug)]
 pub struct Ceiling {
     /// Description.
     pub words: &'static str,
-    /// That of a material.
+    /// Returns the bound of a material.
     pub of_material: fn(&Material) -> f64,
-    /// That of two materials.
+    /// Returns the bound of a contact.
     pub of_contact: fn(&ContactCoefficients) -> f64,
 }
 
-/// Value of a coefficient that a material does not give.
+/// Value of a coefficient that is absent from a material.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Absent {
-    /// It must be given.
+    /// Error: the coefficient is required.
     Refused,
-    /// This value.
+    /// Default value.
     Value(f64),
-    /// The value of another key.
+    /// Value of another key.
     SameAs(&'static str),
     /// None: the effect is off.
     Off,
 }
 
-/// Rule by which the coefficients of a contact follow from two materials.
+/// Rule that combines the coefficients of two materials into those of a contact.
 #[derive(Debug)]
 pub struct Combination {
-    /// The rule in words.
+    /// Description of the rule.
     pub words: &'static str,
-    /// Enters what the contact has.
+    /// Writes the combined coefficients into those of the contact.
     pub combine: fn(&Meeting<'_>, &mut ContactCoefficients),
 }
 
-/// The rule of most coefficients: see [`Meeting::value`].
+/// Combination rule of most coefficients: see [`Meeting::value`].
 pub const SMALLER: &str = "a pair's own; else the wall's, or the smaller of two grains";
 
-/// Two materials that meet.
+/// Two materials in contact.
 #[derive(Clone, Copy, Debug)]
 pub struct Meeting<'a> {
-    /// The first one, of a grain.
+    /// First material, of a grain.
     pub first: &'a Material,
-    /// The second one.
+    /// Second material.
     pub second: &'a Material,
-    /// The scene's rule of the two.
+    /// Pair rule of the scene for the two materials.
     pub rule: Option<&'a PairRule>,
-    /// True if the second one is a wall's.
+    /// True if the second material is that of a wall.
     pub wall: bool,
 }
 
 /// Coefficients of one effect, and their combination.
 pub(crate) type Coefficients = (&'static [Coefficient], Combination);
 
-/// All coefficients that a material may give; one stands behind those that bound it.
+/// All coefficients of materials; each entry follows the entries that bound it.
 static TABLE: [Coefficients; 7] =
     [RESTITUTION, FALLING_RESTITUTION, FRICTION, KINETIC_FRICTION, COHESION, ROLLING, TWISTING];
 
-/// A coefficient without unit, combined as [`SMALLER`] says: its key, largest value, and value of a material that does not give it.
+/// Dimensionless coefficient with the combination rule [`SMALLER`]: its key, largest value, and the value of a material without the key.
 macro_rules! smaller {
     ($key:ident, $largest:expr, $absent:expr) => {
         (
@@ -222,7 +222,7 @@ pub(crate) const ROLLING: Coefficients = smaller!(rolling_friction, 1e9, Absent:
 /// Resistance to twisting.
 pub(crate) const TWISTING: Coefficients = smaller!(twisting_friction, 1e9, Absent::Value(0.0));
 
-/// Restitution that falls with the speed of impact.
+/// Restitution that decreases with the impact speed.
 pub(crate) const FALLING_RESTITUTION: Coefficients = (
     &[Coefficient {
         absent: Absent::Off,
@@ -243,7 +243,7 @@ pub(crate) const FALLING_RESTITUTION: Coefficients = (
     },
 );
 
-/// Friction that is less while a contact slides.
+/// Friction that is smaller for a sliding contact.
 pub(crate) const KINETIC_FRICTION: Coefficients = (
     &[Coefficient {
         ceiling: Some(Ceiling {
@@ -270,8 +270,8 @@ pub(crate) const KINETIC_FRICTION: Coefficients = (
     },
 );
 
-/// A number of [`Cohesion`]: its key, unit, largest value, place in [`numbers`], value of a material that does not give it, and value
-/// without effect.
+/// Coefficient of [`Cohesion`]: its key, unit, largest value, index in [`numbers`], value of a material without the
+/// key, and value without effect.
 macro_rules! of_cohesion {
     ($key:literal, $unit:literal, $largest:expr, $place:literal, $absent:expr, $off:expr) => {
         Coefficient {
@@ -305,7 +305,7 @@ pub(crate) const COHESION: Coefficients = (
     },
 );
 
-/// Force, range and work of adhesion, as far as they are given.
+/// Returns force, range and work of adhesion, each if present.
 fn numbers(cohesion: Cohesion) -> [Option<f64>; 3] {
     match cohesion {
         Cohesion::Constant { force, range } => [Some(force), Some(range), None],
@@ -313,13 +313,13 @@ fn numbers(cohesion: Cohesion) -> [Option<f64>; 3] {
     }
 }
 
-/// All coefficients that a material may give.
+/// Returns all coefficients of materials.
 pub fn coefficients() -> impl Iterator<Item = &'static Coefficient> {
     TABLE.iter().flat_map(|(coefficients, _)| *coefficients)
 }
 
 impl Coefficient {
-    /// A coefficient that every material has to give.
+    /// Coefficient that every material must define.
     const fn new(
         key: &'static str,
         unit: &'static str,
@@ -330,12 +330,12 @@ impl Coefficient {
         Coefficient { key, unit, range, ceiling: None, absent: Absent::Refused, off: None, of_material, of_rule }
     }
 
-    /// Its place in the table of a material or a rule.
+    /// Path of the coefficient in the table of a material or a pair rule.
     pub(crate) fn place(&self, table: &DocumentPath) -> DocumentPath {
         self.key.split('.').fold(table.clone(), |place, key| place.key(key))
     }
 
-    /// Refuses a value that a table gives out of its range; `ceiling` tells what bounds it besides.
+    /// Checks the value of a table against its range; `ceiling` returns the additional upper bound.
     ///
     /// # Errors
     /// [`Fault`](super::Fault).
@@ -350,7 +350,7 @@ impl Coefficient {
 }
 
 impl Meeting<'_> {
-    /// All coefficients of the contact.
+    /// Returns all coefficients of the contact.
     pub fn coefficients(&self) -> ContactCoefficients {
         let mut contact = ContactCoefficients::default();
         for (_, combination) in &TABLE {
@@ -359,7 +359,7 @@ impl Meeting<'_> {
         contact
     }
 
-    /// The value of a rule; where it gives none, the wall's, or the smaller of those of two grains.
+    /// Returns the value of the pair rule; without one, that of the wall, or the smaller value of two grains.
     pub fn value(&self, of_rule: fn(&PairRule) -> Option<f64>, of_material: fn(&Material) -> f64) -> f64 {
         self.rule.and_then(of_rule).unwrap_or_else(|| match self.wall {
             true => of_material(self.second),

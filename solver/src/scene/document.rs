@@ -1,4 +1,4 @@
-//! Document of a scene: its text, parsed once, from which values and the lines of errors are taken.
+//! Document of a scene: its text, parsed once, as the source of values and of the lines in errors.
 
 use super::error::{Fault, SceneError, Step, label, line_at, short, whole_span};
 use super::suggestions::remedy;
@@ -38,7 +38,7 @@ impl<'t> Document<'t> {
         self.root.get_ref().get(table).is_some_and(|value| value.get_ref().get(key).is_some())
     }
 
-    /// Byte offsets of the steps of a path, as far as the document has them.
+    /// Byte offsets of the steps of a path; shorter than the path if the document lacks a step.
     pub(super) fn offsets(&self, path: &[Step]) -> Vec<usize> {
         let mut offsets = Vec::with_capacity(path.len());
         let mut value: Option<&DeValue<'_>> = None;
@@ -59,8 +59,8 @@ impl<'t> Document<'t> {
 
     /// Finds a key or an element that was not read into the scene.
     ///
-    /// Serde ignores keys of a variant without fields, and elements beyond the length of an array. Both are missing where the scene is
-    /// written again; all other unknown keys are errors of reading.
+    /// Serde ignores keys of a variant without fields, and elements beyond the length of an array. Both are missing
+    /// when the scene is written again; all other unknown keys are read errors.
     pub(super) fn first_unread(&self, scene: &Scene) -> Option<Fault> {
         let written = Table::try_from(scene).ok()?;
         let read = |key: &str| !TABLES_OF_WHO_MEASURES.contains(&key);
@@ -74,7 +74,7 @@ impl<'t> Document<'t> {
     }
 }
 
-/// Compares a value of a document with the same one of the scene that is written again, where it is not omitted as the default.
+/// Compares a value of a document with the value of the rewritten scene, unless that value is omitted as a default.
 fn unread(path: &mut Vec<Step>, document: &DeValue<'_>, written: Option<&Value>) -> Option<Fault> {
     let mut inner = |step: Step, value: &DeValue<'_>, written: Option<&Value>| {
         path.push(step);
@@ -88,7 +88,7 @@ fn unread(path: &mut Vec<Step>, document: &DeValue<'_>, written: Option<&Value>)
             let nested = document.iter().find_map(|(key, value)| {
                 inner(Step::Name(key.get_ref().to_string()), value.get_ref(), there(key.get_ref()))
             });
-            // Defaults that have a kind, and are omitted, have no other key.
+            // Omitted defaults of a table with a kind have no other key.
             let kind_alone = written.is_none_or(|written| written.as_table().is_some_and(|table| table.len() == 1));
             let kind = document.get("kind").filter(|_| kind_alone).and_then(|kind| kind.get_ref().as_str());
             let other = document.keys().find(|key| *key.get_ref() != "kind");
@@ -122,22 +122,22 @@ fn too_long(path: &[Step], listed: usize, read: usize) -> Fault {
 /// Result of a check.
 pub type Checked = Result<(), Fault>;
 
-/// A place in the document, built up as the check goes down into it.
+/// Path in the document, extended at each level of a check.
 #[derive(Clone, Default)]
 pub struct DocumentPath(Vec<Step>);
 
 impl DocumentPath {
-    /// The value of a key of the table here.
+    /// Returns the path of a key in this table.
     pub fn key(&self, key: &'static str) -> DocumentPath {
         self.with(Step::Key(key))
     }
 
-    /// The value of a name that the document itself gives.
+    /// Returns the path of an entry whose name the document defines.
     pub fn name(&self, name: &str) -> DocumentPath {
         self.with(Step::Name(name.to_string()))
     }
 
-    /// An entry of the list here, from 0.
+    /// Returns the path of an entry in this list, from 0.
     pub fn index(&self, index: usize) -> DocumentPath {
         self.with(Step::Index(index))
     }
@@ -148,7 +148,7 @@ impl DocumentPath {
         DocumentPath(path)
     }
 
-    /// Line (from 1) on which the text of a scene's document says what stands here; `None` where it says nothing of it.
+    /// Returns the line (from 1) of the value at this path in the text of a scene; `None` if the text does not have the value.
     pub fn line(&self, text: &str) -> Option<usize> {
         whole_span(text, &self.0).map(|at| line_at(text, at))
     }
@@ -157,12 +157,12 @@ impl DocumentPath {
         self.0.clone()
     }
 
-    /// Builds the fault of the value here.
+    /// Returns the fault of the value at this path.
     pub fn fault(&self, problem: String, remedy: &str) -> Fault {
         Fault::new(self.path(), format!("{}: {problem}", label(&self.0)), remedy)
     }
 
-    /// Refuses a number outside a range. `unit` is named in the remedy.
+    /// Rejects a number outside a range. The remedy names `unit`.
     ///
     /// # Errors
     /// [`Fault`].
@@ -177,8 +177,8 @@ impl DocumentPath {
         }
     }
 
-    /// Refuses a number outside the range that it has in most scenes, or, where the scene accepts unusual values, outside one in which it
-    /// can be computed with. `unit` is named in the remedy.
+    /// Rejects a number outside the usual range or, if the scene accepts unusual values, outside the range of valid
+    /// computations. The remedy names `unit`.
     ///
     /// # Errors
     /// [`Fault`].
@@ -198,7 +198,7 @@ impl DocumentPath {
         Err(self.fault(format!("{value} is out of range"), &remedy))
     }
 
-    /// Refuses a vector that is not of three SI numbers below 1e6.
+    /// Rejects a vector unless it has three components with magnitudes below 1e6, SI units.
     ///
     /// # Errors
     /// [`Fault`].
@@ -209,7 +209,7 @@ impl DocumentPath {
         }
     }
 
-    /// Refuses a vector without a direction.
+    /// Rejects a zero vector.
     ///
     /// # Errors
     /// [`Fault`].

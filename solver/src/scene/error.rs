@@ -1,6 +1,6 @@
-//! Errors of scenes: place in the document, problem and remedy.
+//! Errors of scenes: path in the document, problem and remedy.
 //!
-//! The solver knows no files. Who has read the document from one turns the place into a file and a line: [`SceneError::in_file`].
+//! The solver is independent of files. The reader of a file converts the path to a file and a line: [`SceneError::in_file`].
 
 use super::Scene;
 use super::document::Document;
@@ -14,7 +14,7 @@ pub enum SceneError {
     /// A value cannot be simulated.
     #[error(transparent)]
     Invalid(#[from] Fault),
-    /// There is no room for the grains.
+    /// The memory for the grains cannot be allocated.
     #[error(
         "the memory for its grains is not there: {:.1} GB more were asked for; lower the count, or use a machine with more",
         *bytes as f64 * 1e-9
@@ -26,8 +26,8 @@ pub enum SceneError {
 }
 
 impl SceneError {
-    /// Converts the error to that of a file. `text` is the file's, for the line; without it the problem names the value by
-    /// its path.
+    /// Converts the error to that of a file. The line is taken from `text`, the text of the file; without the text, the
+    /// problem names the value by its path.
     pub fn in_file(self, file: &Path, text: Option<&str>) -> SceneFileError {
         match self {
             SceneError::Invalid(fault) => fault.locate(file, text),
@@ -60,7 +60,7 @@ impl SceneError {
 /// Phrase in a message for a value that is not a table with a kind.
 const KIND_WANTED: &str = "a table with a kind";
 
-/// A message without the types that read the document.
+/// Removes the names of Rust types from a message.
 fn in_the_words_of_scenes(message: &str) -> String {
     match message.split_once("expected internally tagged enum ") {
         Some((before, _)) => format!("{before}expected {KIND_WANTED}"),
@@ -71,25 +71,25 @@ fn in_the_words_of_scenes(message: &str) -> String {
     }
 }
 
-/// Remedy for a name that the reader of TOML does not know, from its message: the names that it lists stand behind that one.
+/// Returns the remedy for an unknown name in a message of the TOML reader; the message lists the known names after the unknown one.
 fn meant(problem: &str) -> String {
     let mut quoted = problem.split('`').skip(1).step_by(2);
     let unknown = quoted.next().unwrap_or_default();
     remedy(unknown, quoted).unwrap_or("use one of the names listed".into())
 }
 
-/// Text without characters that steer a terminal: they are shown as escapes.
+/// Escapes terminal control characters.
 pub(super) fn printable(text: &str) -> String {
     text.chars().map(|c| if is_printable(c) { c.to_string() } else { c.escape_unicode().to_string() }).collect()
 }
 
-/// Returns true if a character shows as itself: no control, and none that changes the direction of what follows.
+/// Returns true if a character is printable: neither a control character nor one that changes the text direction.
 pub(super) fn is_printable(c: char) -> bool {
     !c.is_control()
         && !matches!(c, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}')
 }
 
-/// A number for a message: as it is where that is short, else rounded to six digits.
+/// Formats a number for a message: exact if short, otherwise rounded to six digits.
 pub(super) fn short(value: f64) -> String {
     const LONGEST: usize = 15;
     let plain = |value: f64| Some(value.to_string()).filter(|text| text.len() <= LONGEST);
@@ -100,7 +100,7 @@ pub(super) fn short(value: f64) -> String {
     })
 }
 
-/// The kinds that a table may have which names none, in the words of its reader: what it says of one that is not there.
+/// Returns the kinds of a table without a kind, from the error message of the reader for an unknown kind.
 fn kinds_at(text: &str, table: usize) -> Option<String> {
     const NONE: &str = "?";
     let (head, rest) = text.split_at_checked(table)?;
@@ -114,19 +114,19 @@ fn kinds_at(text: &str, table: usize) -> Option<String> {
     Some(listed.to_string())
 }
 
-/// A value that is wrong: its place in the scene's document, what is wrong with it, and what would be right.
+/// Invalid value: its path in the document of the scene, the problem and the remedy.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fault {
     path: Vec<Step>,
     problem: String,
     remedy: String,
-    /// Another place that the remedy speaks of.
+    /// Path of another value that the remedy mentions.
     see: Option<Vec<Step>>,
-    /// Line, where the reader of the text has told it.
+    /// Line, if the reader of the text reported the line.
     line: Option<usize>,
 }
 
-/// One step of the way to a value in a TOML document.
+/// Step of the path to a value in a TOML document.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Step {
     Key(&'static str),
@@ -139,12 +139,12 @@ impl Fault {
         Fault { path, problem, remedy: remedy.into(), see: None, line: None }
     }
 
-    /// Adds another place that the remedy mentions.
+    /// Adds the path of another value that the remedy mentions.
     pub(super) fn see(self, path: Vec<Step>) -> Fault {
         Fault { see: Some(path), ..self }
     }
 
-    /// Problem, which begins with the path of the value, and remedy.
+    /// Returns the problem, which begins with the path of the value, and the remedy.
     pub fn in_words(&self) -> (String, String) {
         let path = label(&self.path);
         let problem = match self.problem.starts_with(&path) {
@@ -154,17 +154,17 @@ impl Fault {
         (problem, printable(&self.remedy))
     }
 
-    /// Its place in the document in words, such as `wall[0].motion`; empty where the reader of the text has told no more than a line.
+    /// Returns the path in the document as text, such as `wall[0].motion`; empty if the reader of the text reported only a line.
     pub fn place(&self) -> String {
         label(&self.path)
     }
 
-    /// Line of the value in the text of its document, or of the nearest table around it that the text spells out.
+    /// Returns the line of the value in the text of its document, or of the nearest enclosing table in the text.
     pub fn line(&self, text: &str) -> usize {
         self.line.unwrap_or_else(|| span_start(text, &self.path).map_or(1, |at| line_at(text, at)))
     }
 
-    /// Finds the line, where there is a text; elsewhere the path says where.
+    /// Adds the line if there is a text; otherwise the message names the value by its path.
     fn locate(self, file: &Path, text: Option<&str>) -> SceneFileError {
         let (problem, remedy) = self.in_words();
         let Some(text) = text else {
@@ -196,7 +196,7 @@ impl fmt::Display for Fault {
 
 impl std::error::Error for Fault {}
 
-/// A path in words, such as `wall[0].motion`.
+/// Returns a path as text, such as `wall[0].motion`.
 pub(super) fn label(path: &[Step]) -> String {
     let mut label = String::new();
     for step in path {
@@ -209,14 +209,14 @@ pub(super) fn label(path: &[Step]) -> String {
     label.trim_start_matches('.').to_string()
 }
 
-/// Line (from 1) on which a scene's text says what stands at a path such as `["material", "grain", "friction"]` or
-/// `["wall", "0", "motion"]`; the nearest table around it, where the text leaves it out; `None` where it says nothing of it.
+/// Returns the line (from 1) of the value at a path such as `["material", "grain", "friction"]` or `["wall", "0", "motion"]` in
+/// the text of a scene. Absent values have the line of the nearest enclosing table; `None` if the text has neither.
 pub fn line_of(text: &str, path: &[&str]) -> Option<usize> {
     let step = |step: &&str| step.parse().map_or_else(|_| Step::Name(step.to_string()), Step::Index);
     span_start(text, &path.iter().map(step).collect::<Vec<_>>()).map(|at| line_at(text, at))
 }
 
-/// Offset of a value, or of the nearest table around it.
+/// Offset of a value, or of the nearest enclosing table.
 fn span_start(text: &str, path: &[Step]) -> Option<usize> {
     Document::parse(text).ok()?.offsets(path).last().copied()
 }
@@ -242,24 +242,24 @@ pub enum SceneFileError {
         /// Error of the system.
         source: std::io::Error,
     },
-    /// There is no room for the grains.
+    /// The memory for the grains cannot be allocated.
     #[error(
         "{}: the memory for its grains is not there: {:.1} GB more were asked for; lower the count, or use a machine with more",
         file.display(),
         *bytes as f64 * 1e-9
     )]
     Memory {
-        /// The file, or what stands for it.
+        /// File name, or a substitute for a scene without a file.
         file: PathBuf,
         /// Requested memory, bytes.
         bytes: usize,
     },
-    /// The file can be read, but what it says cannot be simulated.
+    /// The file can be read, but its content cannot be simulated.
     #[error("{}{}: {problem}; {remedy}", file.display(), line.map(|line| format!(":{line}")).unwrap_or_default())]
     Invalid {
-        /// The file, or what stands for it where the scene was built in code.
+        /// File name, or a substitute for a scene built in code.
         file: PathBuf,
-        /// Line, from 1; none where there is no file, and the problem names the field by its path.
+        /// Line, from 1; none without a file, where the problem names the field by its path.
         line: Option<usize>,
         /// Problem.
         problem: String,
@@ -272,8 +272,8 @@ impl Scene {
     /// Reads and checks a scene file.
     ///
     /// # Errors
-    /// [`SceneFileError`] if the file is missing, is not TOML, says something that is not read, holds a value out of range, or prescribes
-    /// a motion that its step passes over.
+    /// [`SceneFileError`] if the file is missing, is not TOML, has unknown keys, has a value out of range, or
+    /// prescribes a motion that the step does not resolve.
     pub fn load(file: impl AsRef<Path>) -> Result<Scene, SceneFileError> {
         let file = file.as_ref();
         let missing = |source| SceneFileError::Missing { file: file.to_path_buf(), source };

@@ -1,9 +1,9 @@
-//! Scenes: the TOML file as typed data, in SI units, with every range checked.
+//! Scenes: the TOML file as typed data, in SI units, with range checks of all values.
 //!
-//! [`Scene::load`] is the door. A file that is wrong yields a [`SceneFileError`] that names the file, the
-//! line, what is wrong and what would be right; a text or a scene made in code yields a [`SceneError`] that names
-//! the value by its path. [`populate`](populate()) turns a scene and a seed into the grains
-//! that every code starts from; [`Scene::findings`] runs the preflight checks.
+//! [`Scene::load`] is the entry point. An invalid file yields a [`SceneFileError`] that states the file, the line, the
+//! problem and the remedy. An invalid text or a scene made in code yields a [`SceneError`] that names the value by its
+//! path. [`populate`](populate()) generates the initial grains from a scene and a seed, the same for every code;
+//! [`Scene::findings`] runs the preflight checks.
 //!
 //! ```
 //! use makadam::{Scene, Simulation};
@@ -79,12 +79,12 @@ pub use suggestions::{nearest, suggestion, wish};
 pub(crate) use types::sphere_volume;
 pub use types::{Axis, Domain, GrainEntry, GravityChange, Motion, Population, RadiusDistribution, Region, Shape, Wall};
 
-/// Tables of a scene's file that describe measurements; the solver passes over them.
+/// Tables of a scene file that describe measurements; the solver ignores these tables.
 pub const TABLES_OF_WHO_MEASURES: [&str; 4] = ["prepare", "measure", "output", "compare"];
 
-/// A scene: materials, walls, grains, gravity, duration and solver settings.
+/// Scene: materials, walls, grains, gravity, duration and solver settings.
 ///
-/// The tables `prepare`, `measure`, `output` and `compare` of a scene's file are for who measures it: they are passed over here.
+/// The tables `prepare`, `measure`, `output` and `compare` of a scene file are for measurement tools; the solver ignores these tables.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -163,8 +163,8 @@ impl Scene {
     /// Parses and checks the text of a scene.
     ///
     /// # Errors
-    /// [`SceneError`] if the text is not TOML, says something that is not read, holds a value out of range, or prescribes a motion that its
-    /// step passes over.
+    /// [`SceneError`] if the text is not TOML, has unknown keys, has a value out of range, or prescribes a motion that
+    /// the step does not resolve.
     pub fn parse(text: &str) -> Result<Scene, SceneError> {
         Scene::read(&Document::parse(text)?)
     }
@@ -185,17 +185,17 @@ impl Scene {
         Ok(scene)
     }
 
-    /// Asks for an accuracy, which decides on the solver's step and stop by the law of [`Accuracy`].
+    /// Requests an accuracy, which sets the step and stop of the solver by the law of [`Accuracy`].
     pub fn ask(&mut self, accuracy: Accuracy) {
         self.accuracy = Some(accuracy);
         (self.solver.step, self.solver.stop) = accuracy.settings(self);
     }
 
-    /// Checks that the scene can be solved with a method in a precision: most methods, and single precision, have no equations for
-    /// torques and driven walls.
+    /// Checks that the scene can be solved with a method and a precision. Most methods, and single precision, have no
+    /// equations for torques and dynamic walls.
     ///
     /// # Errors
-    /// [`SettingError::SinglePrecision`] or [`SettingError::Method`] with what it does not go with.
+    /// [`SettingError::SinglePrecision`] or [`SettingError::Method`] with the incompatible setting or effect.
     pub fn goes_with(&self, method: SolverMethod, precision: Precision) -> Result<(), SettingError> {
         precision_goes_with(precision, method, || self.obstacle())?;
         method_goes_with(method, precision, || self.obstacle())
@@ -209,12 +209,12 @@ impl Scene {
         Obstacle::of_scene(torques, driven, spring)
     }
 
-    /// Number of grains that the scene begins with: those that it lists, and those of its populations.
+    /// Returns the initial number of grains: listed grains plus those of the populations.
     pub fn grain_count(&self) -> usize {
         self.population.iter().fold(self.grain.len(), |all, population| all.saturating_add(population.count))
     }
 
-    /// Returns true if the scene can be solved with these settings, all of them in their ranges.
+    /// Returns true if the scene can be solved with these settings and all settings are in range.
     pub fn accepts(&self, settings: &SolverSettings) -> bool {
         check::solver(&Scene { solver: settings.clone(), ..self.clone() }).is_ok()
     }
@@ -228,19 +228,19 @@ impl Scene {
         scene
     }
 
-    /// Largest magnitude of gravity at any time, m/s2: straight lines have theirs at an end.
+    /// Returns the largest magnitude of gravity at any time (m/s2); linear interpolation has its maximum at a listed value.
     pub(crate) fn largest_gravity(&self) -> f64 {
         let norm = |gravity: [f64; 3]| Vector3::from(gravity).norm();
         self.gravity_changes.iter().map(|change| norm(change.gravity)).fold(norm(self.gravity), f64::max)
     }
 
-    /// Coefficients of a contact between two materials; `wall` if the second one is a wall's.
+    /// Returns the coefficients of a contact between two materials; `wall` if the second material is that of a wall.
     ///
-    /// A `[[pair]]` rule decides where there is one. Otherwise a wall contact takes the wall's values, and two
-    /// grains take the smaller of each of the two.
+    /// A `[[pair]]` rule takes precedence. Without a rule, a wall contact takes the values of the wall, and two grains
+    /// take the smaller of each of the two values.
     ///
     /// # Panics
-    /// The scene has no such material. A scene that was [checked](Scene::check) has all that its grains, walls and pairs name.
+    /// Panics if the scene lacks one of the materials. A [checked](Scene::check) scene has the materials of all its grains, walls and pairs.
     pub fn contact_coefficients(&self, first: &str, second: &str, wall: bool) -> ContactCoefficients {
         let rule = self.pair.iter().find(|rule| {
             let [a, b] = &rule.between;
@@ -249,7 +249,7 @@ impl Scene {
         Meeting { first: &self.material[first], second: &self.material[second], rule, wall }.coefficients()
     }
 
-    /// Coefficients of all contacts that the declared materials could have, first between grains, then with walls.
+    /// Returns the coefficients of all contacts between declared materials, first between grains, then with walls.
     pub fn possible_contacts(&self) -> impl Iterator<Item = ContactCoefficients> + '_ {
         let pairs = move |wall: bool| {
             let names = self.material.keys();
@@ -258,11 +258,11 @@ impl Scene {
         pairs(false).chain(pairs(true))
     }
 
-    /// Rayleigh time step of explicit codes, seconds: the smallest over `grains` of
+    /// Returns the Rayleigh time step of explicit codes (s): the smallest over `grains` of
     /// `pi r sqrt(rho/G) / (0.1631 nu + 0.8766)`, with `G = E / (2 (1 + nu))`.
     ///
     /// # Panics
-    /// A grain is of a material that the scene does not have: it is not one of the scene's.
+    /// Panics if the material of a grain is not in the scene.
     pub fn rayleigh_step(&self, grains: &[Grain]) -> f64 {
         grains
             .iter()
@@ -276,8 +276,8 @@ impl Scene {
     }
 }
 
-/// Returns the JSON Schema (draft 2020-12) of a scene's file, as far as the solver reads it: keys with types, defaults and meanings, and the
-/// tables under `$defs`.
+/// Returns the JSON Schema (draft 2020-12) of a scene file for the solver: keys with types, defaults and meanings, and
+/// the tables under `$defs`.
 #[cfg(feature = "schema")]
 pub fn schema() -> schemars::Schema {
     schemars::generate::SchemaSettings::draft2020_12().into_generator().into_root_schema_for::<Scene>()

@@ -1,4 +1,4 @@
-//! Check that a scene repeats itself along the periodic axes of its domain.
+//! Checks that a scene is periodic along the periodic axes of its domain.
 
 use super::document::{Checked, DocumentPath};
 use super::error::short;
@@ -6,14 +6,14 @@ use super::{Axis, Motion, Scene, Shape, Wall};
 use nalgebra::Vector3;
 use std::collections::BTreeSet;
 
-/// Reaches of a pair of grains that a period must hold, so that no two grains meet twice and boxes at both ends have work of their
-/// own.
+/// Smallest ratio of a period to the interaction range of a pair of grains: no two grains have two contacts, and boxes
+/// at both ends have work of their own.
 pub(crate) const REACHES: f64 = 3.0;
 
 /// Sine of the largest angle between directions that count as parallel.
 const PARALLEL: f64 = 1e-9;
 
-/// Checks the period against the grains, and every wall.
+/// Checks the period against the grains, and the periodicity of every wall.
 pub(super) fn check(scene: &Scene) -> Checked {
     let (domain, at) = (&scene.domain, DocumentPath::default().key("domain"));
     let of_populations = scene.population.iter().map(|population| population.radius.bounds().1);
@@ -41,7 +41,7 @@ pub(super) fn check(scene: &Scene) -> Checked {
     Ok(())
 }
 
-/// Largest gap across which cohesion pulls, m, between materials that grains and walls have.
+/// Returns the largest gap (m) with cohesion between the materials of grains and walls.
 fn range_of_cohesion(scene: &Scene, largest_radius: f64) -> f64 {
     let of_grains = scene.grain.iter().map(|grain| &grain.material);
     let of_groups = scene.population.iter().map(|population| &population.material);
@@ -57,7 +57,7 @@ fn range_of_cohesion(scene: &Scene, largest_radius: f64) -> f64 {
     ranges.fold(0.0, f64::max)
 }
 
-/// Reason for which a wall does not repeat itself along an axis that ends at these places; `None` if it does.
+/// Returns the reason why a wall is not periodic along an axis with these ends; `None` if the wall is periodic.
 fn breaks(wall: &Wall, axis: Axis, ends: [f64; 2]) -> Option<&'static str> {
     let along = Vector3::ith(axis.number(), 1.0);
     let parallel = |direction: &[f64; 3]| Vector3::from(*direction).normalize().cross(&along).norm() < PARALLEL;

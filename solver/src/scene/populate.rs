@@ -1,4 +1,4 @@
-//! The grains that every code starts from: generated once, from the scene and a seed.
+//! Initial grains: generated once from the scene and a seed, the same for every code.
 
 use super::error::{Fault, Step};
 use super::{Domain, Population, RadiusDistribution, Region, Scene, SceneError, Shape};
@@ -8,13 +8,13 @@ use rand_chacha::ChaCha8Rng;
 use rand_core::{RngCore, SeedableRng};
 use std::collections::HashMap;
 
-/// Most lattice sites of a region, used or not; a scene cannot have as many grains.
+/// Largest number of lattice sites of a region, occupied or not; a scene cannot have as many grains.
 const MOST_SITES: f64 = 2e8;
 
-/// A grain at the start.
+/// Initial state of a grain.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grain {
-    /// Name of its material.
+    /// Name of the material.
     pub material: String,
     /// Radius, metres.
     pub radius: f64,
@@ -46,7 +46,7 @@ pub fn populate(scene: &Scene, seed: u64) -> Result<Vec<Grain>, SceneError> {
     })
 }
 
-/// The grains, wherever they come to lie.
+/// Returns the initial grains without a check of domain, container or overlap.
 pub(super) fn placed(scene: &Scene, seed: u64) -> Result<Vec<Grain>, Unplaced> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut grains = Vec::new();
@@ -65,7 +65,7 @@ pub(super) fn placed(scene: &Scene, seed: u64) -> Result<Vec<Grain>, Unplaced> {
     Ok(grains)
 }
 
-/// Place in the scene that states a grain.
+/// Path in the scene of the entry that defines a grain.
 pub(super) fn origin(scene: &Scene, grain: usize) -> Vec<Step> {
     let mut before = scene.grain.len();
     if grain < before {
@@ -78,10 +78,10 @@ pub(super) fn origin(scene: &Scene, grain: usize) -> Vec<Step> {
     vec![Step::Key("population"), Step::Index(index.unwrap_or(0))]
 }
 
-/// Reason for which the grains of a scene cannot be placed.
+/// Error of the placement of grains.
 pub(super) enum Unplaced {
     Fault(Fault),
-    /// So many bytes are not to be had.
+    /// Memory of this size (bytes) cannot be allocated.
     Memory(usize),
 }
 
@@ -91,18 +91,18 @@ impl From<Fault> for Unplaced {
     }
 }
 
-/// Asks for room, which may not be there.
+/// Reserves memory for more entries; returns an error if the allocation fails.
 fn reserve<T>(list: &mut Vec<T>, more: usize) -> Result<(), Unplaced> {
     list.try_reserve(more).map_err(|_| Unplaced::Memory(more.saturating_mul(size_of::<T>())))
 }
 
-/// Reason for which a population cannot be placed.
+/// Error of the placement of a population.
 enum Misfit {
-    /// Its region has only so many lattice sites.
+    /// The region has only this number of lattice sites.
     TooSmall(usize),
-    /// Its region has so many lattice sites that they cannot be listed.
+    /// The region has this number of lattice sites, too many for a list.
     TooLarge(f64),
-    /// So many bytes are not to be had.
+    /// Memory of this size (bytes) cannot be allocated.
     Memory(usize),
 }
 
@@ -125,7 +125,7 @@ impl Misfit {
     }
 }
 
-/// Uniform in [0, 1) from the upper 53 bits.
+/// Returns a uniform random number in [0, 1) from the upper 53 bits.
 fn uniform(random: &mut ChaCha8Rng) -> f64 {
     (random.next_u64() >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
 }
@@ -139,7 +139,7 @@ fn draw_radius(distribution: &RadiusDistribution, random: &mut ChaCha8Rng) -> f6
         RadiusDistribution::Fixed { value } => *value,
         RadiusDistribution::Uniform { mean, spread } => mean * (1.0 + spread * symmetric(random)),
         RadiusDistribution::Normal { mean, deviation, min, max } => loop {
-            // Marsaglia's polar method: no trigonometric function, and a logarithm with the same bits everywhere.
+            // Marsaglia's polar method: no trigonometric function, and a logarithm with the same bits on every platform.
             let (u, v) = (symmetric(random), symmetric(random));
             let s = u * u + v * v;
             if s > 0.0 && s < 1.0 {
@@ -174,7 +174,7 @@ fn jittered_lattice(
     if sites.len() < population.count {
         return Err(Misfit::TooSmall(sites.len()));
     }
-    // Lowest first, so that the bed forms without a long fall; ties keep lattice order.
+    // The lowest sites come first, so that the bed forms without a long fall; sites of equal height retain lattice order.
     let up = -Vector3::from(scene.gravity);
     let layer = |site: &Vector3<f64>| (site.dot(&up) / (up.norm().max(1e-300) * 0.5 * lattice.pitch)).round() as i64;
     sites.sort_by_key(layer);
@@ -192,7 +192,7 @@ fn jittered_lattice(
     Ok(())
 }
 
-/// A cubic lattice, centred in a region, whose grains stay inside it wherever the jitter moves them.
+/// Cubic lattice, centred in a region. Grains stay inside the region for every jitter.
 struct Lattice {
     /// Distance of neighbours, m.
     pitch: f64,
@@ -200,9 +200,9 @@ struct Lattice {
     jitter: f64,
     /// Largest radius, m.
     largest: f64,
-    /// The first site, m.
+    /// First site, m.
     start: Vector3<f64>,
-    /// Sites beyond the first along each axis; negative where not one fits.
+    /// Number of further sites after the first along each axis; negative if no site fits.
     beyond: Vector3<f64>,
 }
 
@@ -227,7 +227,7 @@ impl Lattice {
         Lattice { pitch, jitter, largest, start, beyond }
     }
 
-    /// Sites of the box around the region.
+    /// Number of sites of the box around the region.
     fn in_box(&self) -> f64 {
         self.beyond.map(|sites| sites + 1.0).product()
     }
@@ -269,13 +269,13 @@ impl Lattice {
 }
 
 impl Population {
-    /// Sites of the lattice that it is placed on, those of the box around its region.
+    /// Number of lattice sites of the box around the region of the population.
     pub(super) fn sites(&self) -> f64 {
         Lattice::of(self).in_box().clamp(0.0, MOST_SITES)
     }
 }
 
-/// Every grain starts inside the domain and on the right side of every wall.
+/// Checks that every grain starts inside the domain and on the correct side of every wall.
 fn inside_container(scene: &Scene, grains: &[Grain]) -> Result<(), Fault> {
     let fault = |index: usize, what: String, remedy: &str| {
         Fault::new(origin(scene, index), format!("grain {index} at {:?} {what}", grains[index].position), remedy)
@@ -301,7 +301,7 @@ fn inside_container(scene: &Scene, grains: &[Grain]) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Depth (m) of a grain in or behind a wall at the start; negative where the two are apart.
+/// Initial depth (m) of a grain in or behind a wall; negative if grain and wall are apart.
 fn wall_overlap(shape: &Shape, period: &Period, grain: &Grain) -> f64 {
     let centre = Vector3::from(grain.position);
     match shape {
@@ -337,7 +337,7 @@ fn wall_overlap(shape: &Shape, period: &Period, grain: &Grain) -> f64 {
             let arm = centre - Vector3::from(*middle);
             let height = normal.dot(&arm);
             let across = (arm - normal * height).norm();
-            // It has two sides, so that nothing lies behind it.
+            // A disc with a hole has two sides, so that no grain is behind it.
             grain.radius - (across - across.clamp(*hole, *radius)).hypot(height)
         }
     }
@@ -346,7 +346,7 @@ fn wall_overlap(shape: &Shape, period: &Period, grain: &Grain) -> f64 {
 fn no_overlap(scene: &Scene, grains: &[Grain]) -> Result<(), Unplaced> {
     let size = 2.0 * grains.iter().map(|grain| grain.radius).fold(1e-12, f64::max);
     let cell = |position: &[f64; 3]| position.map(|x| (x / size).floor() as i64);
-    // The last grain of each cell, and of each grain the one before it in its cell.
+    // Last grain of each cell; for each grain, the previous grain in the same cell.
     let mut last: HashMap<[i64; 3], usize> = HashMap::new();
     let mut before: Vec<Option<usize>> = Vec::new();
     reserve(&mut before, grains.len())?;
@@ -374,12 +374,12 @@ fn no_overlap(scene: &Scene, grains: &[Grain]) -> Result<(), Unplaced> {
     Ok(())
 }
 
-/// A cell and those around it.
+/// Returns a cell and its neighbours.
 fn around([x, y, z]: [i64; 3]) -> impl Iterator<Item = [i64; 3]> {
     (0..27).map(move |n| [x + n % 3 - 1, y + n / 3 % 3 - 1, z + n / 9 - 1])
 }
 
-/// A point and those of its images that lie within `reach` (m) of the domain.
+/// Returns a point and its periodic images within `reach` (m) of the domain.
 fn images(point: &[f64; 3], period: &Period, domain: &Domain, reach: f64) -> impl Iterator<Item = [f64; 3]> {
     let laps = |axis: usize| if period.is_periodic(axis) { -1..=1 } else { 0..=0 };
     let mut images = Vec::new();

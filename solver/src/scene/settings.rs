@@ -16,16 +16,16 @@ pub struct SolverSettings {
     /// Solution method.
     #[serde(skip_serializing_if = "is_default")]
     pub method: SolverMethod,
-    /// Sweeps over each box while it is in the cache, for each sweep over all boxes.
+    /// Number of sweeps over each cached box per sweep over all boxes.
     pub inner_sweeps: u32,
-    /// Over-relaxation factor of the sweeps; 1 within a solve whose residual grows. Methods without sweeps ignore it, and `inner_sweeps`.
+    /// Over-relaxation factor of the sweeps; 1 within a solve with a growing residual. Methods without sweeps ignore it, and `inner_sweeps`.
     pub over_relaxation: f64,
-    /// Precision of the sweeps; all else has double precision. Single requires Gauss-Seidel.
+    /// Precision of the sweeps; all other computations are in double precision. Single precision requires Gauss-Seidel.
     #[serde(skip_serializing_if = "is_default")]
     pub precision: Precision,
     /// Law of the normal contact.
     pub normal_law: NormalLaw,
-    /// Law of the sticking contact across its normal.
+    /// Tangential law of the sticking contact.
     #[serde(skip_serializing_if = "is_default")]
     pub tangential_law: TangentialLaw,
     /// Damping time of the stabilisation over the time step (tau / h).
@@ -59,7 +59,7 @@ impl Default for SolverSettings {
     }
 }
 
-/// Law of a sticking contact across its normal.
+/// Tangential law of a sticking contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
@@ -69,40 +69,40 @@ pub enum TangentialLaw {
     Rigid,
     /// Spring capped by Coulomb's law; requires a compliant normal contact, Gauss-Seidel and double precision.
     Spring {
-        /// Stiffness over that of the normal contact; default: Mindlin's, from Poisson's ratios.
+        /// Ratio of the tangential to the normal stiffness; default: Mindlin's, from Poisson's ratios.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         stiffness_ratio: Option<f64>,
     },
 }
 
-/// Reach of a list beyond contact that is best for long steps, over the mean radius and the root of `h sqrt(g/r)`: measured on drum
-/// and packing at 1 and 2 ms.
+/// Optimal cutoff of a candidate list beyond contact for long steps, over the mean radius and the root of
+/// `h sqrt(g/r)`: measured on drum and packing at 1 and 2 ms.
 const REACH: f64 = 4.0;
-/// The most that is taken for long steps, over the mean radius: no longer step was measured.
+/// Upper limit of the cutoff beyond contact for long steps, over the mean radius: longer steps were not measured.
 const LONGEST_REACH: f64 = 1.5;
 
-/// Speed of the slowest impact over what gravity gives in a step: its bounce lasts for ten steps.
+/// Ratio of the speed of the slowest impact to the velocity increment by gravity per step: a bounce of ten steps.
 const SLOWEST_BOUNCE: f64 = 5.0;
-/// Speed of the slowest impact over `sqrt(g d)`: its grain has fallen by 1/78 of a diameter.
+/// Ratio of the speed of the slowest impact to `sqrt(g d)`: the speed after a free fall of 1/78 of a diameter.
 const SHORTEST_FALL: f64 = 0.16;
 
 impl SolverSettings {
-    /// Speed of approach (m/s) from which on a contact whose impact the step does not resolve has its restitution, for grains of a mean
-    /// radius (m) under gravity (m/s2).
+    /// Returns the approach speed (m/s) above which a contact with an unresolved impact has restitution, for a mean
+    /// radius (m) and gravity (m/s2).
     ///
-    /// It is `restitution_threshold`. If that is absent, it is the larger of `5 g h`, because a bounce of fewer than ten steps is none,
-    /// and `0.16 sqrt(g d)`, because a bed at rest moves at such speeds while its grains settle by a hundredth of a diameter. Without
-    /// gravity there is no rest to protect: it is 0.
+    /// The speed is `restitution_threshold` if present, otherwise the larger of `5 g h` and `0.16 sqrt(g d)`. A bounce
+    /// of fewer than ten steps is not resolved (`5 g h`), and grains in a bed at rest that settle by a hundredth of a
+    /// diameter have such speeds (`0.16 sqrt(g d)`). Without gravity, no bed comes to rest, and the speed is 0.
     pub fn slowest_impact(&self, radius: f64, gravity: f64) -> f64 {
         let by_scales = (SLOWEST_BOUNCE * gravity * self.step).max(SHORTEST_FALL * (gravity * 2.0 * radius).sqrt());
         self.restitution_threshold.unwrap_or(by_scales)
     }
 
-    /// Reach of the candidate list beyond contact, m, for grains of a mean radius (m) under gravity (m/s2).
+    /// Returns the cutoff of the candidate list beyond contact (m) for a mean radius (m) and gravity (m/s2).
     ///
-    /// Neighbours part at speeds of the order of `sqrt(g r)`, so that a list of reach `s` lives for some `s / (h sqrt(g r))` steps,
-    /// while each step looks at candidates in proportion to `s`. The least work of both together is where `s` over the radius goes as
-    /// the root of `h sqrt(g/r)`.
+    /// Neighbours separate at speeds of the order of `sqrt(g r)`. A list of cutoff `s` lives for about
+    /// `s / (h sqrt(g r))` steps, and the number of candidates per step grows in proportion to `s`. The total work is
+    /// least if `s` over the radius is proportional to the root of `h sqrt(g/r)`.
     pub fn reach(&self, radius: f64, gravity: f64) -> f64 {
         if radius <= 0.0 {
             return 0.0;
@@ -112,7 +112,7 @@ impl SolverSettings {
     }
 }
 
-/// Returns true for defaults, which written scenes leave out, so that these keep the hash that recorded results carry.
+/// Returns true for defaults. Written scenes omit defaults, so that their hash agrees with the hash of stored results.
 pub(super) fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
 }
@@ -125,7 +125,7 @@ pub enum Precision {
     /// `f64`, eight contacts at a time.
     #[default]
     Double,
-    /// `f32`, sixteen contacts at a time: velocities within a step are good to 6e-8 of themselves.
+    /// `f32`, sixteen contacts at a time: velocities within a step have a relative error of 6e-8.
     Single,
 }
 
@@ -149,7 +149,7 @@ pub enum SolverMethod {
     AcceleratedProjectedGradients,
     /// Damped Jacobi, a historical baseline.
     Jacobi {
-        /// Fraction of each contact's own correction.
+        /// Fraction of the correction of each contact that is applied.
         #[serde(default = "jacobi_damping")]
         damping: f64,
     },
@@ -157,7 +157,7 @@ pub enum SolverMethod {
     ProjectedConjugateGradients,
 }
 
-/// Most iterations that Anderson's acceleration can remember.
+/// Largest number of iterations in the memory of Anderson's acceleration.
 pub const MOST_MEMORY: usize = 8;
 
 const ANDERSON_MEMORY: u32 = 3;
@@ -172,7 +172,7 @@ fn jacobi_damping() -> f64 {
 }
 
 impl SolverMethod {
-    /// All of them, with their default parameters.
+    /// All methods, with their default parameters.
     pub const ALL: [SolverMethod; 6] = [
         SolverMethod::GaussSeidel,
         SolverMethod::Anderson { memory: ANDERSON_MEMORY },
@@ -182,7 +182,7 @@ impl SolverMethod {
         SolverMethod::ProjectedConjugateGradients,
     ];
 
-    /// Its name, as a scene says it.
+    /// Returns the name of the method in a scene file.
     pub fn name(self) -> &'static str {
         match self {
             SolverMethod::GaussSeidel => "gauss-seidel",
@@ -209,20 +209,20 @@ pub enum Stop {
     Residual {
         /// Bound, in units of `g h` (or m/s where there is no gravity).
         tolerance: f64,
-        /// Most sweeps.
+        /// Largest number of sweeps.
         max_sweeps: u32,
     },
     /// When the wall time of a solve is spent, or after `max_sweeps`. Not reproducible bit for bit.
     TimeBudget {
         /// Wall time per solve, s.
         seconds: f64,
-        /// Most sweeps.
+        /// Largest number of sweeps.
         max_sweeps: u32,
     },
 }
 
 impl Stop {
-    /// Most sweeps that a solve may take.
+    /// Largest number of sweeps per solve.
     pub fn max_sweeps(&self) -> u32 {
         match *self {
             Stop::Sweeps { sweeps } => sweeps,
@@ -236,7 +236,7 @@ impl Stop {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Reaction {
-    /// The run ends and leaves a checkpoint from before.
+    /// The run ends and saves a checkpoint of an earlier step.
     Stop,
     /// The run continues with a warning.
     Warn,
@@ -250,8 +250,8 @@ impl Reaction {
     }
 }
 
-/// Watchdogs. Violations that invalidate a run end it unless the scene says otherwise; a state that is not finite, or a crossed wall,
-/// always does.
+/// Watchdogs. Violations that invalidate a run end it unless the scene sets another reaction; a non-finite state or a
+/// crossed wall always ends the run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
@@ -272,7 +272,7 @@ pub struct Watch {
     pub on_energy: Reaction,
     /// Reaction to a grain outside the domain.
     pub on_escape: Reaction,
-    /// Residual, in g h, that some solve between two checks must reach.
+    /// Residual, in g h, that at least one solve between two checks must reach.
     pub residual: f64,
     /// Reaction to a residual above `residual`.
     pub on_stagnation: Reaction,
@@ -305,15 +305,15 @@ pub enum SettingError {
         /// Available value.
         available: Vec<InstructionSet>,
     },
-    /// The scene has what the method has no equations for.
+    /// The method has no equations for a setting or effect of the scene.
     #[error("method {} does not go with {obstacle}; gauss-seidel does", method.name())]
     Method {
         /// Requested value.
         method: SolverMethod,
-        /// Setting that excludes it.
+        /// Setting or effect that excludes the method.
         obstacle: Obstacle,
     },
-    /// The system gives no more threads.
+    /// The system cannot start more threads.
     #[error("cannot start {threads} threads: {reason}")]
     NoThreads {
         /// Requested value.
@@ -321,27 +321,27 @@ pub enum SettingError {
         /// Message of the system.
         reason: String,
     },
-    /// Sweeps in single precision know nothing of what the scene or the method has.
+    /// Single-precision sweeps have no equations for a setting or effect of the scene.
     #[error("single precision does not go with {0}; double precision does")]
     SinglePrecision(Obstacle),
 }
 
-/// Setting or effect that a method, or single precision, cannot be combined with.
+/// Setting or effect that excludes a method or single precision.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Obstacle {
-    /// Some material has rolling or twisting friction.
+    /// Rolling or twisting friction of a material.
     #[error("contacts that bear torques against rolling or twisting")]
     Torques,
-    /// A force or a torque drives a wall.
+    /// Wall driven by a force or a torque.
     #[error("driven walls")]
     DrivenWalls,
-    /// Contacts that stick have a tangential spring.
+    /// Tangential spring of sticking contacts.
     #[error("tangential springs")]
     TangentialSpring,
-    /// The solves go by another method.
+    /// Method other than Gauss-Seidel.
     #[error("methods other than gauss-seidel")]
     Method,
-    /// The sweeps are in single precision.
+    /// Sweeps in single precision.
     #[error("single precision")]
     SinglePrecision,
 }
@@ -354,8 +354,8 @@ impl Obstacle {
     }
 }
 
-/// Checks that a method can be combined with a precision and with a scene's effects: Gauss-Seidel can with all. Methods that combine states
-/// need them in double precision, and only sweeps in double precision relax torques and driven walls.
+/// Checks that a method is compatible with a precision and with the effects of a scene. Gauss-Seidel is compatible with all.
+/// Methods that combine states need double precision, and only double-precision sweeps solve for torques and dynamic walls.
 pub(crate) fn method_goes_with(
     method: SolverMethod,
     precision: Precision,
@@ -368,7 +368,7 @@ pub(crate) fn method_goes_with(
     of_scene().or(single).map_or(Ok(()), |obstacle| Err(SettingError::Method { method, obstacle }))
 }
 
-/// Checks that a precision can be combined with a method and with a scene's effects, by the same rule.
+/// Checks that a precision is compatible with a method and with the effects of a scene, by the rule of [`method_goes_with`].
 pub(crate) fn precision_goes_with(
     precision: Precision,
     method: SolverMethod,

@@ -1,10 +1,10 @@
-//! Suggestions for a name that is not known.
+//! Suggestions for an unknown name.
 
-/// The known names that are close to a word, the closest first, at most `most`; none where none is close.
+/// Returns at most `most` known names that are close to a word, the closest first; an empty list if no known name is close.
 ///
-/// A name is close if at most a third of the word's letters must be added, dropped, changed or swapped with a neighbour, or if one
-/// of both is a run of whole parts of the other, as `below` is of `share_below_mean`. Hyphens and underscores, and capitals and small
-/// letters, count as the same.
+/// A name is close if at most a third of the letters of the word must be added, dropped, changed or swapped with a
+/// neighbour. A name is also close if either name is a sequence of whole parts of the other, such as `below` in
+/// `share_below_mean`. Hyphens equal underscores, and case is ignored.
 pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>, most: usize) -> Vec<&'a str> {
     let word = plain(word);
     let letters = letters_of(&word);
@@ -24,7 +24,7 @@ pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>, most: u
     ranked.into_iter().take(most).map(|(_, name)| name).collect()
 }
 
-/// `did you mean a, b or c?`, or `otherwise` where no known name is close to the word.
+/// Returns `did you mean a, b or c?`, or `otherwise` if no known name is close to the word.
 pub fn suggestion<'a>(word: &str, known: impl IntoIterator<Item = &'a str>, otherwise: &str) -> String {
     const MOST: usize = 3;
     match nearest(word, known, MOST)[..] {
@@ -38,17 +38,17 @@ fn plain(name: &str) -> String {
     name.to_lowercase().replace('_', "-")
 }
 
-/// Letters of a name without the hyphens between its parts.
+/// Returns the letters of a name without the hyphens between its parts.
 fn letters_of(name: &str) -> Vec<char> {
     name.chars().filter(|letter| *letter != '-').collect()
 }
 
-/// Returns true if one name is a run of whole parts, between hyphens, of another one.
+/// Returns true if one name is a sequence of whole parts, between hyphens, of another name.
 fn is_part(part: &str, name: &str) -> bool {
     !part.is_empty() && format!("-{name}-").contains(&format!("-{part}-"))
 }
 
-/// Letters to add, drop, change or swap with a neighbour (optimal string alignment).
+/// Returns the number of letters to add, drop, change or swap with a neighbour (optimal string alignment).
 fn edits(word: &[char], name: &[char]) -> usize {
     let mut table = vec![vec![0; name.len() + 1]; word.len() + 1];
     for (row, line) in table.iter_mut().enumerate() {
@@ -72,7 +72,7 @@ fn edits(word: &[char], name: &[char]) -> usize {
     table[word.len()][name.len()]
 }
 
-/// Words, small letters with hyphens, with the answer to all of them.
+/// Lower-case words with hyphens, with one answer per group.
 const WISHES: [(&[&str], &str); 24] = [
     (
         &["mesh", "stl", "obj", "triangles", "facets", "polyhedron", "cad", "file"],
@@ -142,13 +142,13 @@ const WISHES: [(&[&str], &str); 24] = [
     (&["units", "unit"], "units are SI: metres, seconds, kilograms, pascals, radians per second"),
 ];
 
-/// Answer to a word that no key is spelt like; `None` where nothing is known of it.
+/// Returns the answer for a word that resembles no key; `None` for an unknown word.
 pub fn wish(word: &str) -> Option<&'static str> {
     let word = word.to_lowercase().replace('_', "-");
     WISHES.iter().find(|(words, _)| words.contains(&word.as_str())).map(|(_, answer)| *answer)
 }
 
-/// Remedy for an unknown name: the close one of those that are known, or the answer to a wish; `None` where there is neither.
+/// Returns the remedy for an unknown name: a close known name, or the answer of [`wish`]; `None` without either.
 pub(super) fn remedy<'a>(unknown: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
     match nearest(unknown, known, 1).first() {
         Some(name) => Some(format!("did you mean `{name}`?")),

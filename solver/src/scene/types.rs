@@ -1,4 +1,4 @@
-//! The tables of a scene file. Units are SI throughout: metres, seconds, kilograms, pascals, radians a second.
+//! Tables of a scene file. All units are SI: metres, seconds, kilograms, pascals, radians per second.
 
 use crate::laws::period::Period;
 use serde::{Deserialize, Serialize};
@@ -22,7 +22,7 @@ pub struct GravityChange {
     pub gravity: [f64; 3],
 }
 
-/// Volume of a sphere of a radius (m), m3.
+/// Returns the volume (m3) of a sphere of a radius (m).
 pub(crate) fn sphere_volume(radius: f64) -> f64 {
     4.0 / 3.0 * std::f64::consts::PI * radius * radius * radius
 }
@@ -33,17 +33,17 @@ pub(super) fn slight_overlap() -> f64 {
     SLIGHT_OVERLAP
 }
 
-/// Returns true if an overlap is the default, which written scenes leave out so that they keep the hash that recorded results carry.
+/// Returns true if an overlap is the default. Written scenes omit defaults, so that their hash agrees with the hash of stored results.
 pub(super) fn is_slight(overlap: &f64) -> bool {
     *overlap == SLIGHT_OVERLAP
 }
 
-/// Returns true for values that written scenes leave out, so that those without the effect keep the hash that recorded results carry.
+/// Returns true if an effect is off. Written scenes omit such values, so that their hash agrees with the hash of scenes without the effect.
 pub(super) fn is_zero(value: &f64) -> bool {
     *value == 0.0
 }
 
-/// An axis-aligned box that no grain may leave, metres.
+/// Axis-aligned box that no grain may leave, metres.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -58,39 +58,39 @@ pub struct Domain {
 }
 
 impl Domain {
-    /// Lengths after which space repeats itself.
+    /// Returns the period of the domain along each axis.
     pub fn period(&self) -> Period {
         let repeats = [Axis::X, Axis::Y, Axis::Z].map(|axis| self.periodic.contains(&axis));
         Period::new(std::array::from_fn(|axis| self.max[axis] - self.min[axis]), repeats)
     }
 }
 
-/// An axis of the frame of reference.
+/// Axis of the frame of reference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum Axis {
-    /// The first one.
+    /// First axis.
     X,
-    /// The second one.
+    /// Second axis.
     Y,
-    /// The third one.
+    /// Third axis.
     Z,
 }
 
 impl Axis {
-    /// Its place among the three, from 0.
+    /// Returns the index of the axis, from 0.
     pub fn number(self) -> usize {
         self as usize
     }
 
-    /// Its name.
+    /// Returns the name of the axis.
     pub fn name(self) -> &'static str {
         ["x", "y", "z"][self.number()]
     }
 }
 
-/// A rigid wall with a material and a prescribed motion.
+/// Rigid wall with a material and a prescribed motion.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -237,13 +237,13 @@ pub enum Motion {
 }
 
 impl Motion {
-    /// Returns true if a force or a torque drives it.
+    /// Returns true if a force or a torque drives the wall.
     pub fn is_driven(&self) -> bool {
         matches!(self, Motion::ForceDriven { .. } | Motion::TorqueDriven { .. })
     }
 }
 
-/// A group of grains placed on the sites of a jittered lattice, the lowest sites first.
+/// Group of grains placed on the sites of a jittered lattice, the lowest sites first.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -259,7 +259,7 @@ pub struct Population {
     /// Lattice spacing over the largest diameter, at least 1; jitter fills the rest.
     #[serde(default = "default_spacing")]
     pub spacing: f64,
-    /// Each component of the starting velocity is uniform between minus and plus this, m/s.
+    /// Limit of each component of the initial velocity, m/s: uniform between minus and plus this value.
     #[serde(default)]
     pub agitation: f64,
 }
@@ -306,7 +306,7 @@ pub enum RadiusDistribution {
 }
 
 impl RadiusDistribution {
-    /// Smallest and largest radius that it can yield, metres.
+    /// Returns the smallest and largest radius of the distribution, metres.
     pub fn bounds(&self) -> (f64, f64) {
         match self {
             Self::Fixed { value } => (*value, *value),
@@ -324,14 +324,14 @@ impl RadiusDistribution {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Region {
-    /// An axis-aligned box.
+    /// Axis-aligned box.
     Box {
         /// Lower corner, metres.
         min: [f64; 3],
         /// Upper corner, metres.
         max: [f64; 3],
     },
-    /// A cylinder.
+    /// Cylinder.
     Cylinder {
         /// Centre of the first end, metres.
         base: [f64; 3],
@@ -344,7 +344,7 @@ pub enum Region {
     },
 }
 
-/// One grain, placed by hand.
+/// Single grain with a given position.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]

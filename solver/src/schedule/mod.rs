@@ -1,7 +1,7 @@
-//! Who does which task when: serial, one central queue, or work stealing. No physics here.
+//! Scheduling of tasks: serial, a central queue, or work stealing. This module is independent of physics.
 //!
-//! A region is a number of tasks that may run at the same time and in any order; when it returns, all are done. How work is
-//! cut into tasks depends on the scene alone, so a scheduler changes no bit of the result.
+//! A region is a set of tasks that may run concurrently and in any order; all are complete when the region returns. The
+//! division into tasks depends on the scene alone, so that the scheduler never changes a bit of the result.
 
 mod shares;
 
@@ -14,24 +14,24 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
-/// Who takes the next task.
+/// Rule for the assignment of tasks to threads.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Scheduler {
     /// One thread, task after task.
     Serial,
-    /// All threads take from one queue behind a lock: the initial version of Rönnbäck's thesis.
+    /// All threads take tasks from one queue with a lock: the initial version of Rönnbäck's thesis.
     CentralQueue,
-    /// Each thread has a queue and takes from others when it runs dry: the thesis's improved version.
+    /// Each thread has a queue, and steals from others if its own is empty: the improved version of the thesis.
     #[default]
     WorkStealing,
 }
 
 impl Scheduler {
-    /// All of them.
+    /// All schedulers.
     pub const ALL: [Scheduler; 3] = [Scheduler::Serial, Scheduler::CentralQueue, Scheduler::WorkStealing];
 
-    /// Its name, as the command line takes it.
+    /// Returns the name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Scheduler::Serial => "serial",
@@ -41,20 +41,20 @@ impl Scheduler {
     }
 }
 
-/// Threads and the way in which they share tasks.
+/// Threads and their scheduler.
 #[derive(Clone, Debug, Default)]
 pub struct Team {
     scheduler: Scheduler,
-    /// Absent where there is one thread.
+    /// Thread pool; absent for one thread.
     pool: Option<Arc<Pool>>,
     /// Record of the durations of tasks; absent unless the team traces.
     tracer: Option<Arc<Mutex<Tracer>>>,
 }
 
-/// Threads of the process that has started them: one that is forked off has none of them.
+/// Threads of the process that started them; a forked process has none of these threads.
 #[derive(Debug)]
 struct Pool {
-    /// Absent while it is dropped.
+    /// Absent during drop.
     threads: Option<ThreadPool>,
     process: u32,
 }
@@ -67,7 +67,7 @@ impl Pool {
 
 impl Drop for Pool {
     fn drop(&mut self) {
-        // To end threads that are not there may take for ever.
+        // A join of threads that do not exist in this process may never return.
         if !self.is_here() {
             std::mem::forget(self.threads.take());
         }
@@ -75,11 +75,11 @@ impl Drop for Pool {
 }
 
 impl Team {
-    /// A team of so many threads, at least one. One thread works serially under any scheduler but the central queue, whose
-    /// cost even one thread can show.
+    /// Creates a team of n threads, at least one. One thread works serially under any scheduler except the central
+    /// queue, which has a measurable cost even for one thread.
     ///
     /// # Errors
-    /// The system gives no more threads.
+    /// The system cannot start more threads.
     pub fn new(scheduler: Scheduler, threads: usize) -> Result<Team, ThreadPoolBuildError> {
         let pool = match (scheduler, threads) {
             (Scheduler::Serial, _) | (_, 0 | 1) => None,
@@ -91,8 +91,8 @@ impl Team {
         Ok(Team { scheduler, pool, tracer: None })
     }
 
-    /// The team as this process can use it: one with threads of its own in a process that was forked off, and a team of one where the system
-    /// gives none, with the same bits.
+    /// Returns a team for this process: with new threads in a forked process, or with one thread if the system provides
+    /// none. The bits of results are the same.
     pub(crate) fn here(&self) -> Team {
         match &self.pool {
             Some(pool) if !pool.is_here() => Team::new(self.scheduler, self.threads()).unwrap_or_default(),
@@ -104,12 +104,12 @@ impl Team {
         self.pool.as_ref()?.threads.as_ref()
     }
 
-    /// Number of threads.
+    /// Returns the number of threads.
     pub fn threads(&self) -> usize {
         self.pool().map_or(1, ThreadPool::current_num_threads)
     }
 
-    /// Who takes the next task.
+    /// Returns the scheduler.
     pub fn scheduler(&self) -> Scheduler {
         self.scheduler
     }
@@ -122,12 +122,12 @@ impl Team {
         }
     }
 
-    /// Runs `task` for each number below `count`, in any order and at the same time.
+    /// Runs `task` concurrently for each number below `count`, in any order.
     pub(crate) fn each(&self, phase: Phase, count: usize, task: impl Fn(usize) + Sync) {
         self.trace_each(phase, count, &task);
     }
 
-    /// Hands tasks out, and records how long each takes if the team traces. Calls tasks by reference, so that Rayon is compiled once.
+    /// Distributes tasks, and records their durations if the team traces. Tasks are called by reference, so that Rayon is compiled once.
     fn trace_each(&self, phase: Phase, count: usize, task: &(dyn Fn(usize) + Sync)) {
         let Some(tracer) = &self.tracer else { return self.hand_out(count, task) };
         let seconds: Vec<AtomicU64> = (0..count).map(|_| AtomicU64::new(0)).collect();
@@ -140,7 +140,7 @@ impl Team {
         tracer.lock().expect("no task panics while it traces").add(phase, seconds);
     }
 
-    /// Runs `task` for each number below `count`, in any order and at the same time, with the share that is its own.
+    /// Runs `task` concurrently for each number below `count`, in any order, each with its part of the memory.
     pub(crate) fn each_with<S: Shares>(
         &self,
         phase: Phase,
@@ -148,7 +148,7 @@ impl Team {
         shares: S,
         task: impl Fn(usize, S::Share) + Sync,
     ) {
-        // SAFETY: each number is handed out once.
+        // SAFETY: each number occurs once.
         self.each(phase, count, |number| task(number, unsafe { shares.share(number) }));
     }
 
@@ -166,7 +166,7 @@ impl Team {
         }
     }
 
-    /// Runs a piece of work that is not cut into tasks.
+    /// Runs work that is not divided into tasks.
     pub(crate) fn alone<R>(&self, phase: Phase, work: impl FnOnce() -> R) -> R {
         let Some(tracer) = &self.tracer else { return work() };
         let clock = Instant::now();
@@ -175,7 +175,7 @@ impl Team {
         result
     }
 
-    /// Returns the same team, but it records the duration of each task.
+    /// Returns a copy of the team that records the duration of each task.
     pub(crate) fn traced(&self) -> Team {
         Team { tracer: Some(Arc::default()), ..self.clone() }
     }
@@ -187,7 +187,7 @@ impl Team {
     }
 }
 
-/// Numbers of tasks that are still to be done.
+/// Numbers of the tasks that are not yet assigned.
 #[derive(Debug)]
 pub struct CentralQueue {
     next: Mutex<usize>,
@@ -195,12 +195,12 @@ pub struct CentralQueue {
 }
 
 impl CentralQueue {
-    /// A queue of the tasks below `count`.
+    /// Creates a queue of the tasks below `count`.
     pub fn new(count: usize) -> CentralQueue {
         CentralQueue { next: Mutex::new(0), count }
     }
 
-    /// Takes the next task; `None` when all are taken.
+    /// Takes the next task; `None` if the queue is empty.
     pub fn pop(&self) -> Option<usize> {
         let mut next = self.next.lock().expect("nothing panics while it holds the lock");
         let task = *next;
@@ -210,7 +210,7 @@ impl CentralQueue {
         })
     }
 
-    /// Takes tasks and does them until none is left.
+    /// Takes and runs tasks until the queue is empty.
     pub fn drain(&self, task: &dyn Fn(usize)) {
         while let Some(number) = self.pop() {
             task(number);
@@ -228,27 +228,27 @@ pub enum Phase {
     Constrain,
     /// Sweeps.
     Sweep,
-    /// Forces, motion, remembering impulses.
+    /// Forces, motion, storage of impulses.
     Integrate,
 }
 
-/// Tasks that may run at the same time; the next region starts when all are done.
+/// Tasks that may run concurrently; the next region starts when all are complete.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Region {
-    /// Phase that it belongs to.
+    /// Phase of the region.
     pub phase: Phase,
-    /// Duration of each task, s. Work that is not cut into tasks is a region of one.
+    /// Duration of each task, s. Undivided work is a region of one task.
     pub tasks: Vec<f64>,
 }
 
-/// The regions of a step, in their order.
+/// Regions of a step, in their order.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StepTrace {
     /// Regions.
     pub regions: Vec<Region>,
 }
 
-/// Gathers regions while a step runs.
+/// Recorder of the regions of a running step.
 #[derive(Debug, Default)]
 pub(super) struct Tracer {
     trace: StepTrace,

@@ -1,13 +1,13 @@
-//! Memory that tasks share out among them, so that each has a part that no other has.
+//! Partition of memory among tasks into disjoint parts.
 //!
-//! Here, and where the plan shares out candidates and bodies, is the proof that tasks write no memory of each other: what is handed out
-//! is safe to use. [`Disjoint`] is the bare means, for those who know of parts what no type can say.
+//! This module, and the partition of candidates and bodies by the plan, contain the proof that tasks never write to the
+//! same memory; their parts are safe to use. [`Disjoint`] is the unsafe primitive for parts that no type can describe.
 
 use std::marker::PhantomData;
 use std::ops::Range;
 
-/// Access to single parts of a slice from several threads. The plan of tasks, not the compiler, sees to it that no two
-/// tasks of a region touch the same part.
+/// Access to disjoint parts of a slice from several threads. The plan of tasks, not the compiler, guarantees that no
+/// two tasks of a region access the same part.
 #[derive(Debug)]
 pub(crate) struct Disjoint<'a, T> {
     start: *mut T,
@@ -15,70 +15,70 @@ pub(crate) struct Disjoint<'a, T> {
     slice: PhantomData<&'a mut [T]>,
 }
 
-// SAFETY: a reference to it hands out exclusive access to elements, as sending `&mut T` would.
+// SAFETY: a shared reference gives exclusive access to elements, as sending `&mut T` would.
 unsafe impl<T: Send> Sync for Disjoint<'_, T> {}
 
 impl<'a, T> Disjoint<'a, T> {
-    /// Access to the parts of a slice.
+    /// Creates the access to the parts of a slice.
     pub fn new(slice: &'a mut [T]) -> Disjoint<'a, T> {
         Disjoint { start: slice.as_mut_ptr(), len: slice.len(), slice: PhantomData }
     }
 
-    /// The first element, for kernels that compute addresses themselves.
+    /// Returns a pointer to the first element, for kernels that compute addresses.
     pub fn as_ptr(&self) -> *mut T {
         self.start
     }
 
-    /// Number of elements.
+    /// Returns the number of elements.
     pub fn len(&self) -> usize {
         self.len
     }
 
-    /// One element. In every build an index beyond the slice panics.
+    /// Returns one element. In every build, an index beyond the slice panics.
     ///
     /// # Safety
-    /// Nothing else may use this element while the reference lives.
+    /// No other access to this element may occur during the lifetime of the reference.
     #[inline(always)]
     pub unsafe fn at(&self, index: usize) -> &'a mut T {
         if index >= self.len {
             beyond(index, self.len);
         }
-        // SAFETY: inside the slice, and the caller's promise.
+        // SAFETY: the index is inside the slice, and the caller guarantees exclusive access.
         unsafe { &mut *self.start.add(index) }
     }
 
-    /// A range of elements. In every build one that leaves the slice panics.
+    /// Returns a range of elements. In every build, a range beyond the slice panics.
     ///
     /// # Safety
-    /// Nothing else may use these elements while the reference lives.
+    /// No other access to these elements may occur during the lifetime of the reference.
     #[inline]
     pub unsafe fn range(&self, range: Range<usize>) -> &'a mut [T] {
         assert!(range.start <= range.end && range.end <= self.len);
-        // SAFETY: inside the slice, and the caller's promise.
+        // SAFETY: the range is inside the slice, and the caller guarantees exclusive access.
         unsafe { std::slice::from_raw_parts_mut(self.start.add(range.start), range.len()) }
     }
 }
 
-/// Kept out of the way of loops that ask for elements.
+/// Panics outside the loops that access elements, so that these remain small.
 #[cold]
 #[inline(never)]
 fn beyond(index: usize, length: usize) -> ! {
     panic!("a task asked for part {index} of {length}")
 }
 
-/// Memory that the tasks of a region write, by their number.
+/// Memory that the tasks of a region write, by task number.
 pub(crate) trait Shares: Sync {
-    /// Share of one task.
+    /// Part of one task.
     type Share;
 
-    /// The share of a task.
+    /// Returns the part of a task.
     ///
     /// # Safety
-    /// Each number is asked for once while shares that were given live.
+    /// Each number may be passed only once during the lifetime of the returned parts.
     unsafe fn share(&self, number: usize) -> Self::Share;
 }
 
-/// An element for each task.
+/// One element per task.
 pub(crate) struct Each<'a, T>(Disjoint<'a, T>);
 
 impl<'a, T> Each<'a, T> {
@@ -92,12 +92,12 @@ impl<'a, T: Send> Shares for Each<'a, T> {
 
     #[inline(always)]
     unsafe fn share(&self, number: usize) -> &'a mut T {
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         unsafe { self.0.at(number) }
     }
 }
 
-/// So many elements for each task, one after the other; the last may get fewer.
+/// A fixed number of consecutive elements per task; the last task may have fewer.
 pub(crate) struct Runs<'a, T> {
     parts: Disjoint<'a, T>,
     length: usize,
@@ -115,7 +115,7 @@ impl<'a, T: Send> Shares for Runs<'a, T> {
     #[inline(always)]
     unsafe fn share(&self, number: usize) -> &'a mut [T] {
         let [start, end] = [number, number + 1].map(|number| (number * self.length).min(self.parts.len()));
-        // SAFETY: runs of different numbers do not overlap, and the caller's promise.
+        // SAFETY: runs of different numbers are disjoint; the caller guarantees distinct numbers.
         unsafe { self.parts.range(start..end) }
     }
 }
@@ -125,7 +125,7 @@ impl<A: Shares, B: Shares> Shares for (A, B) {
 
     #[inline(always)]
     unsafe fn share(&self, number: usize) -> Self::Share {
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         unsafe { (self.0.share(number), self.1.share(number)) }
     }
 }
@@ -135,7 +135,7 @@ impl<A: Shares, const N: usize> Shares for [A; N] {
 
     #[inline(always)]
     unsafe fn share(&self, number: usize) -> Self::Share {
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         self.each_ref().map(|shares| unsafe { shares.share(number) })
     }
 }

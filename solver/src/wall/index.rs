@@ -1,8 +1,8 @@
-//! The index of a wall: which of its faces may be near a point, without asking all of them.
+//! Spatial index of a wall: finds the faces near a point without a loop over all faces.
 //!
-//! A tree of boxes (bounding-volume hierarchy) over the faces as the scene places them, built once: a moving wall carries its
-//! index with it, and the point is taken into the wall's frame. A node halves its faces by their middles along the longest side of
-//! its box. Where space repeats itself, every image of the point that the whole tree may see is asked for.
+//! The index is a tree of boxes (bounding-volume hierarchy) over the faces at their positions in the scene, built once: the tree moves with
+//! its wall, and points are transformed into the frame of the wall. A node divides its faces into halves by their centres along the longest
+//! side of its box. With periodic axes, every image of the point within range of the whole tree is searched.
 
 use super::shape::Face;
 use crate::laws::period::Period;
@@ -10,27 +10,27 @@ use nalgebra::Vector3;
 
 type Vector = Vector3<f64>;
 
-/// Faces of a node that is not divided.
+/// Largest number of faces of a leaf.
 const LEAF: usize = 4;
 
-/// Faces of a wall from which on an index pays.
+/// Smallest number of faces for which an index pays.
 const FEWEST: usize = 16;
 
-/// Depth of the deepest tree: halves of 2^32 faces, and what waits beside them.
+/// Largest stack of the traversal: halves of 2^32 faces, and the pending siblings.
 const DEEPEST: usize = 64;
 
-/// Largest rounding error of a distance, over the largest length that it comes from.
+/// Largest rounding error of a distance, over the largest input length.
 const SLACK: f64 = 1e-9;
 
-/// Images of a point along one axis beyond which all faces count as near.
+/// Number of images of a point along one axis above which all faces are visited.
 const MOST_IMAGES: f64 = 16.0;
 
-/// A tree of boxes over the faces of a wall.
+/// Tree of boxes over the faces of a wall.
 #[derive(Clone, Debug)]
 pub(super) struct FaceIndex {
-    /// The root first; the first half of a node behind it.
+    /// Nodes, the root first; the first child of a node directly follows the node.
     nodes: Vec<Node>,
-    /// Numbers of the faces, leaf after leaf.
+    /// Indices of the faces, leaf after leaf.
     faces: Vec<u32>,
     period: Period,
 }
@@ -39,14 +39,14 @@ pub(super) struct FaceIndex {
 struct Node {
     low: Vector,
     high: Vector,
-    /// Of a leaf the place of its first face; of another node that of its second half.
+    /// Position of the first face of a leaf; index of the second child of any other node.
     next: u32,
-    /// Number of faces of a leaf; zero in other nodes.
+    /// Number of faces of a leaf; zero for other nodes.
     faces: u32,
 }
 
 impl FaceIndex {
-    /// An index over faces, numbered from `first` on; absent where they are few, or one has no end.
+    /// Builds an index of faces, numbered from `first` on; absent for few faces, or if a face is infinite.
     pub fn new(faces: &[Face], first: u32, period: Period) -> Option<FaceIndex> {
         if faces.len() < FEWEST {
             return None;
@@ -59,8 +59,8 @@ impl FaceIndex {
         Some(FaceIndex { nodes, faces: order, period })
     }
 
-    /// Visits every face that may be nearer than `radius` (m) to a point of the wall's frame (m), and some that are not, in no order that
-    /// means anything; with periodic axes perhaps more than once.
+    /// Visits every face that may be nearer than `radius` (m) to a point in the frame of the wall (m), and some others,
+    /// in arbitrary order; with periodic axes, possibly more than once.
     pub fn for_each_near(&self, point: &Vector, radius: f64, mut visit: impl FnMut(u32)) {
         let Node { low, high, .. } = self.nodes[0];
         let radius = radius + SLACK * (radius + point.amax() + low.amax().max(high.amax()));
@@ -94,7 +94,7 @@ impl FaceIndex {
             let place = waiting[count] as usize;
             let node = &self.nodes[place];
             let beside = (node.low - point).sup(&(point - node.high)).sup(&Vector::zeros());
-            // Written so that no distance, as from a point that is no number, is near.
+            // In this form, a comparison with NaN, as from an invalid point, is false.
             if beside.norm_squared() <= square {
                 if node.faces > 0 {
                     let faces = node.next as usize..(node.next + node.faces) as usize;
@@ -112,7 +112,7 @@ impl FaceIndex {
     }
 }
 
-/// Adds the node of these faces, which lie from `start` on in the order of all, and those below it.
+/// Adds the node of these faces, which begin at `start` in the order of all faces, and its descendants.
 fn divide(nodes: &mut Vec<Node>, order: &mut [u32], start: u32, bounds: &[[Vector; 2]]) {
     let boxes = order.iter().map(|&face| bounds[face as usize]);
     let [low, high] = boxes.fold([Vector::repeat(f64::INFINITY), Vector::repeat(f64::NEG_INFINITY)], |all, own| {

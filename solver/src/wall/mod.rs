@@ -1,19 +1,19 @@
 //! Walls: shape x motion x index.
 //!
 //! ```text
-//! shape.rs    Face       where the surface lies, as the scene places it: nearest point, time of impact
-//! motion.rs   Pose       where the wall stands at a time, and its velocity field: one a wall and step
-//! steered.rs  WallMotion how the caller moves a wall, in place of what the scene says
-//! index.rs    FaceIndex  which faces may be near a point: built once, in the wall's own frame
-//! mod.rs      Walls      all walls of a scene; their faces are numbered through, wall after wall
+//! shape.rs    Face       position of the surface in the scene: nearest point, time of impact
+//! motion.rs   Pose       position of the wall at a time, and its velocity field: one per wall and step
+//! steered.rs  WallMotion motion of a wall by the caller, instead of the scene
+//! index.rs    FaceIndex  search for faces near a point: built once, in the frame of the wall
+//! mod.rs      Walls      all walls of a scene; face indices are contiguous, wall after wall
 //! ```
 //!
-//! Nobody goes through all faces at every step. Poses are worked out wall by wall, and a face is put where it stands when a grain asks for
-//! it ([`PlacedFace`]), which costs a sum or a rotation. Whoever looks for faces near a point asks `WallsAt::for_each_near`, or of one wall
-//! `WallsAt::for_each_near_of`: walls of many faces answer from their index. What they find comes out as if all faces had been asked in
-//! the order of their numbers: whoever visits them puts what counts in that order, or takes the least.
+//! No step loops over all faces. Poses are computed per wall, and a face is moved to its position only for a grain near
+//! it ([`PlacedFace`]), at the cost of a sum or a rotation. Queries for faces near a point use
+//! `WallsAt::for_each_near`, or for one wall `WallsAt::for_each_near_of`; walls with many faces use their index.
+//! Results do not depend on the order of the query: callers sort the faces by index, or take the minimum.
 //!
-//! What is not here: friction and the rest of the contact, which are the materials' and the solve's; forces on driven walls
+//! Other modules contain friction and the remaining contact laws (materials and solve) and the forces on dynamic walls
 //! ([`drive`](crate::effects::drive)).
 
 mod index;
@@ -36,10 +36,10 @@ use std::ops::Range;
 
 type Vector = Vector3<f64>;
 
-/// Share of its radius up to which a grain that moves no farther in a step, and is no nearer to a face, cannot cross it.
+/// Fraction of the grain radius. A grain with a smaller displacement per step and a larger distance from a face cannot cross the face.
 pub(crate) const SHORT_WAY: f64 = 0.5;
 
-/// All walls of a scene, as they are placed, and how they move.
+/// All walls of a scene, with their positions in the scene and their motions.
 #[derive(Clone, Debug)]
 pub struct Walls {
     walls: Vec<Wall>,
@@ -48,7 +48,7 @@ pub struct Walls {
 
 #[derive(Clone, Debug)]
 struct Wall {
-    /// Numbers of its faces.
+    /// Indices of its faces.
     faces: Range<u32>,
     movement: Movement,
     index: Option<FaceIndex>,
@@ -57,34 +57,34 @@ struct Wall {
 #[derive(Clone, Copy, Debug)]
 struct WallFace {
     shape: Face,
-    /// Number of the wall in the scene.
+    /// Index of the wall in the scene.
     wall: u32,
-    /// Number of the wall's material.
+    /// Index of the material of the wall.
     material: u8,
-    /// True if the wall's motion maps it onto itself, so that only velocities change.
+    /// True if the motion maps the face onto itself, so that only velocities change.
     in_place: bool,
 }
 
-/// Walls and where they stand, a pose for each.
+/// Walls at their positions, with a pose for each wall.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct WallsAt<'a> {
     walls: &'a Walls,
     poses: &'a [Pose],
 }
 
-/// A face where it stands, with its velocity field.
+/// Face at its position, with its velocity field.
 #[derive(Clone, Copy, Debug)]
 pub struct PlacedFace<'a> {
-    /// As the scene places it.
+    /// Face at its position in the scene.
     placed: &'a Face,
-    /// Pose, if it differs from the scene's: most walls are at rest, and their faces are not copied.
+    /// Moved face, if the pose differs from that of the scene: most walls are at rest, and their faces are not copied.
     moved: Option<Face>,
     pose: &'a Pose,
     in_place: bool,
 }
 
 impl Walls {
-    /// The walls that a scene lists, in its domain; `material` gives the number of a material's name.
+    /// Creates the walls of a scene in its domain; `material` returns the index of a material by name.
     pub fn new(walls: &[scene::Wall], domain: &Domain, material: impl Fn(&str) -> u8) -> Walls {
         let mut faces: Vec<WallFace> = Vec::new();
         let place = |(number, wall): (u32, &scene::Wall)| {
@@ -102,53 +102,53 @@ impl Walls {
         Walls { walls, faces }
     }
 
-    /// Number of faces.
+    /// Returns the number of faces.
     pub fn faces(&self) -> usize {
         self.faces.len()
     }
 
-    /// Number in the scene of the wall that a face belongs to.
+    /// Returns the index in the scene of the wall of a face.
     #[inline]
     pub fn wall_of(&self, face: u32) -> u32 {
         self.faces[face as usize].wall
     }
 
-    /// Number of the material of a face.
+    /// Returns the index of the material of a face.
     #[inline]
     pub fn material_of(&self, face: u32) -> u8 {
         self.faces[face as usize].material
     }
 
-    /// Returns true if any of them ever moves.
+    /// Returns true if at least one wall moves at any time.
     pub fn any_moves(&self) -> bool {
         self.walls.iter().any(|wall| wall.movement.moves())
     }
 
-    /// Numbers of the walls that ever move.
+    /// Returns the indices of the walls that move at any time.
     pub(crate) fn moving(&self) -> impl Iterator<Item = u32> + '_ {
         let moves = |wall: &Wall| wall.movement.moves() && !wall.faces.is_empty();
         (0..).zip(&self.walls).filter(move |(_, wall)| moves(wall)).map(|(number, _)| number)
     }
 
-    /// Puts a wall where a drive has moved it, m or rad, at this rate, m/s or rad/s. One that nothing drives takes no notice.
+    /// Sets the displacement (m or rad) and the rate (m/s or rad/s) of a dynamic wall; no effect on a wall without a drive.
     pub fn put(&mut self, wall: u32, displacement: f64, rate: f64) {
         self.walls[wall as usize].movement.put(displacement, rate);
     }
 
-    /// Steers a wall from the next step on; `times` are now and when the candidate list was built, s.
+    /// Prescribes a motion of a wall from the next step on; `times` are the present time and that of the last build of the candidate list, s.
     ///
     /// # Errors
-    /// Why it cannot be moved so, in words that follow its name.
+    /// Reason why the wall cannot have this motion, as text that follows its name.
     pub(crate) fn steer(&mut self, wall: u32, motion: &WallMotion, times: [f64; 2]) -> Result<(), String> {
         self.with_faces(wall, |movement, faces| movement.steer(motion, faces, times))
     }
 
-    /// Has a wall steered as it was at some time.
+    /// Restores the prescribed motion of a wall from a stored state.
     pub(crate) fn restore(&mut self, wall: u32, steered: Steered) {
         self.with_faces(wall, |movement, faces| movement.restore(steered, faces));
     }
 
-    /// Changes how a wall moves, and with it which of its faces that maps onto themselves.
+    /// Changes the motion of a wall, and updates which faces the motion maps onto themselves.
     fn with_faces<R>(&mut self, wall: u32, change: impl FnOnce(&mut Movement, &[Face]) -> R) -> R {
         let Wall { faces, movement, .. } = &mut self.walls[wall as usize];
         let own = &mut self.faces[faces.start as usize..faces.end as usize];
@@ -160,65 +160,65 @@ impl Walls {
         result
     }
 
-    /// Walls that are steered, each with its state.
+    /// Returns the kinematic walls under control of the caller, each with its state.
     pub(crate) fn steered(&self) -> impl Iterator<Item = (u32, &Steered)> {
         (0..).zip(&self.walls).filter_map(|(number, wall)| Some((number, wall.movement.steered.as_ref()?)))
     }
 
-    /// Displacement of a wall along (m) and its angle (rad) at a time (s), from where the scene places it.
+    /// Returns the displacement (m) and the angle (rad) of a wall at a time (s) from its position in the scene.
     pub(crate) fn displacement(&self, wall: u32, time: f64) -> ([f64; 3], f64) {
         self.walls[wall as usize].movement.place(time)
     }
 
-    /// Moves walls that are steered for a step of length `h`, s.
+    /// Moves the walls under control of the caller for a step of length `h`, s.
     pub(crate) fn advance_steered(&mut self, h: f64) {
         self.walls.iter_mut().filter_map(|wall| wall.movement.steered.as_mut()).for_each(|steered| steered.advance(h));
     }
 
-    /// Keeps in mind where drives have walls while the candidate list is built.
+    /// Stores the displacements by drives when the candidate list is built.
     pub(crate) fn enter_list(&mut self) {
         self.walls.iter_mut().for_each(|wall| wall.movement.enter_list());
     }
 
-    /// Displacement of a driven wall then, m or rad.
+    /// Returns the stored displacement of a dynamic wall, m or rad.
     pub(crate) fn displacement_in_list(&self, wall: u32) -> f64 {
         self.walls[wall as usize].movement.displacement_in_list()
     }
 
-    /// Upper bound of how far a point of a wall within `radius` (m) of its motion's centre moves between two times (s), m; of driven
-    /// ones since they entered the list.
+    /// Returns an upper bound of the displacement (m) between two times (s) of a point of a wall within `radius` (m) of
+    /// the centre of its motion. The displacement of a dynamic wall is that since the build of the list.
     pub(crate) fn largest_shift(&self, from: f64, to: f64, radius: f64) -> f64 {
         let walls = self.walls.iter().filter(|wall| !wall.faces.is_empty());
         walls.map(|wall| wall.movement.largest_shift(from, to, radius)).fold(0.0, f64::max)
     }
 
-    /// Poses of the walls at a time (s), with their velocities there; driven ones as they were last put.
+    /// Returns the poses of the walls at a time (s), with the velocities at that time; for dynamic walls, the last state of their drives.
     pub fn poses(&self, time: f64) -> impl Iterator<Item = Pose> + '_ {
         self.walls.iter().map(move |wall| wall.movement.at(time))
     }
 
-    /// Poses of the walls at the start of a step of length `step` (s), with the velocities that count in it: where a wall vibrates, the mean one.
+    /// Returns the poses at the start of a step of length `step` (s), with the effective velocities of the step: the mean velocity of a vibration.
     pub(crate) fn poses_over(&self, time: f64, step: f64) -> impl Iterator<Item = Pose> + '_ {
         self.walls.iter().map(move |wall| wall.movement.over(time, step))
     }
 
-    /// The pose of one wall as by [`Walls::poses_over`].
+    /// Returns the pose of one wall, as [`Walls::poses_over`] does.
     pub(crate) fn pose_over(&self, wall: u32, time: f64, step: f64) -> Pose {
         self.walls[wall as usize].movement.over(time, step)
     }
 
-    /// A wall at the start of a step of length `step` (s), with the velocity that takes it to where it is at the end; a driven one
-    /// moves at `rate` (m/s or rad/s).
+    /// Returns the pose of a wall at the start of a step of length `step` (s), with the velocity that leads to its
+    /// position at the end. A dynamic wall moves at `rate` (m/s or rad/s).
     pub(crate) fn pose_through(&self, wall: u32, time: f64, step: f64, rate: f64) -> Pose {
         self.walls[wall as usize].movement.through(time, step, rate)
     }
 
-    /// The walls where these poses have them.
+    /// Returns the walls at these poses.
     pub(crate) fn placed<'a>(&'a self, poses: &'a [Pose]) -> WallsAt<'a> {
         WallsAt { walls: self, poses }
     }
 
-    /// Number of walls.
+    /// Returns the number of walls.
     pub(crate) fn count(&self) -> usize {
         self.walls.len()
     }
@@ -232,7 +232,7 @@ impl Walls {
 }
 
 impl<'a> WallsAt<'a> {
-    /// A face where it stands.
+    /// Returns a face at its position.
     #[inline]
     pub fn face(&self, number: u32) -> PlacedFace<'a> {
         let WallFace { shape, wall, in_place, .. } = &self.walls.faces[number as usize];
@@ -240,7 +240,7 @@ impl<'a> WallsAt<'a> {
         PlacedFace { placed: shape, moved: pose.moved(shape, *in_place), pose, in_place: *in_place }
     }
 
-    /// Asks a face where it stands, and its wall; a face at rest is not copied.
+    /// Evaluates a function of a face at its position, and of its wall; a face at rest is not copied.
     #[inline(always)]
     fn ask<R>(&self, number: u32, question: impl FnOnce(&Face, &Pose, bool) -> R) -> R {
         let WallFace { shape, wall, in_place, .. } = &self.walls.faces[number as usize];
@@ -251,16 +251,16 @@ impl<'a> WallsAt<'a> {
         }
     }
 
-    /// As [`PlacedFace::distance`], of the face of a number.
+    /// Returns the distance of the face with an index, as [`PlacedFace::distance`] does.
     #[inline]
     pub fn distance(&self, number: u32, point: &Vector) -> f64 {
         self.ask(number, |face, _, _| face.distance(point))
     }
 
-    /// Returns true if a grain has a contact in a step (s) with the face of a number, given its centre (m) and its velocity (m/s), its radius
-    /// and the gap up to which contacts count (m); and the distance from its centre to the face (m). A swept contact is one, too: that of
-    /// a grain which moves by more than its radius against the wall, and would otherwise be deep behind the face, or on the other side
-    /// of a shell, before the two are seen to touch.
+    /// Returns true if a grain has a contact with a face in a step (s), and the distance (m) from its centre to the
+    /// face. Input: index of the face; centre (m) and velocity (m/s) of the grain; its radius and the largest gap of a
+    /// contact (m). Swept contacts are included: a grain that moves by more than its radius relative to the wall could
+    /// otherwise be deep behind the face, or on the other side of a shell, before detection.
     #[inline(always)]
     pub fn touches(
         &self,
@@ -279,12 +279,12 @@ impl<'a> WallsAt<'a> {
         })
     }
 
-    /// Contact of a grain with a face in a step.
+    /// Returns the contact of a grain with a face in a step.
     ///
-    /// Input: number of the face; centre (m) and velocity (m/s) of the grain at the start; its radius (m); the step (s); the change of
-    /// velocity by gravity (m/s). Output: distance from the centre to the face (m), or to its tangent plane at the impact of a grain
-    /// too fast for the step; unit normal towards the face; true for a swept contact; velocity of the wall there, its change without a
-    /// jump, and its part from the drift of a turning wall, m/s.
+    /// Input: index of the face; centre (m) and velocity (m/s) of the grain at the start; its radius (m); the step (s); the
+    /// velocity increment by gravity (m/s). Output: distance from the centre to the face (m), or to its tangent plane at the
+    /// impact of a grain too fast for the step; unit normal towards the face; true for a swept contact. Further output, m/s:
+    /// velocity of the wall at the contact, its change without a jump, and its drift in a rotation.
     #[inline]
     pub fn contact(
         &self,
@@ -313,18 +313,18 @@ impl<'a> WallsAt<'a> {
         })
     }
 
-    /// The pose of each wall, with the numbers of its faces.
+    /// Returns the index, the pose and the face indices of each wall.
     pub fn each_wall(&self) -> impl Iterator<Item = (u32, &'a Pose, Range<u32>)> + use<'a> {
         let walls = (0..).zip(&self.walls.walls).zip(self.poses);
         walls.map(|((number, wall), pose)| (number, pose, wall.faces.clone()))
     }
 
-    /// Returns true if the faces of a wall are found by an index: they then come in no order, and perhaps more than once.
+    /// Returns true if a wall has an index for its faces: queries then return faces in arbitrary order, and possibly more than once.
     pub fn has_index(&self, wall: u32) -> bool {
         self.walls.walls[wall as usize].index.is_some()
     }
 
-    /// Visits every face of a wall that may be nearer to a point (m) than `radius` (m), and others.
+    /// Visits every face of a wall that may be nearer to a point (m) than `radius` (m), and other faces.
     pub fn for_each_near_of(
         &self,
         wall: u32,
@@ -340,7 +340,7 @@ impl<'a> WallsAt<'a> {
         }
     }
 
-    /// Visits the faces of all walls, given the radius for a wall with a pose.
+    /// Visits the faces of all walls, with a radius for each wall from its pose.
     pub fn for_each_near(
         &self,
         point: &Vector,
@@ -359,75 +359,75 @@ impl PlacedFace<'_> {
         self.moved.as_ref().unwrap_or(self.placed)
     }
 
-    /// Distance from a point to the face (m), negative behind a plane: see [`PlacedFace::nearest`].
+    /// Returns the distance from a point to the face (m), negative behind a plane: see [`PlacedFace::nearest`].
     #[inline]
     pub fn distance(&self, point: &Vector) -> f64 {
         self.shape().distance(point)
     }
 
-    /// Distance from a grain's centre to the face (m), and the unit normal from the centre to the nearest point. Where a whole circle or
-    /// sphere of points is nearest, as to the axis of a tube, it is the one in the grain's direction of `travel`, a vector of any length.
+    /// Returns the distance from the centre of a grain to the face (m), and the unit normal from the centre to the nearest point. If a whole circle
+    /// or sphere of points is nearest, as on the axis of a tube, the result is the point in the direction of `travel`, a vector of any length.
     ///
-    /// Behind a plane the distance is negative, so that the grain is pushed back. Discs, with a hole or without, and shells are thin: they
-    /// have two sides, and rims that grains roll over.
+    /// Behind a plane, the distance is negative, so that the contact pushes the grain back. Discs, with or without a
+    /// hole, and shells are thin: both have two sides, and rims as contact surfaces.
     #[inline]
     pub fn nearest(&self, centre: &Vector, travel: impl FnOnce() -> Vector) -> (f64, Vector) {
         self.shape().nearest(centre, travel)
     }
 
-    /// Returns true if a grain comes to a swept contact with the face: see [`WallsAt::touches`].
+    /// Returns true if a grain has a swept contact with the face: see [`WallsAt::touches`].
     pub(crate) fn is_swept(&self, centre: &Vector, radius: f64, velocity: &Vector, step: f64) -> bool {
         let path = self.path(centre, velocity, step);
         path.norm_squared() > radius * radius && self.shape().time_of_impact(centre, &path, radius).is_some()
     }
 
-    /// The path of a point that moves at `velocity` (m/s) for a step (s), as seen from the face, m.
+    /// Returns the path of a point with the given `velocity` (m/s) over a step (s), relative to the face, m.
     pub(crate) fn path(&self, from: &Vector, velocity: &Vector, step: f64) -> Vector {
         self.pose.path(from, velocity, step, self.in_place)
     }
 
-    /// First point where a path from a point comes within `level` (m) of the face, having begun farther away.
+    /// Returns the first point of a path within `level` (m) of the face, for a path that starts at a larger distance.
     pub(crate) fn time_of_impact(&self, from: &Vector, path: &Vector, level: f64) -> Option<Impact> {
         self.shape().time_of_impact(from, path, level)
     }
 
-    /// The velocity that takes a point where the wall takes it within a step (s), m/s.
+    /// Returns the velocity (m/s) of a point that moves with the wall over a step (s).
     pub(crate) fn carries(&self, point: &Vector, step: f64) -> Vector {
         self.pose.carries(point, step, self.in_place)
     }
 
-    /// Largest speed of a point of the face within `radius` (m) of another (m), as far as the face moves, m/s.
+    /// Returns the largest speed (m/s) of a point of the face within `radius` (m) of another point (m), from the motion of the face itself.
     pub(crate) fn largest_speed(&self, around: &Vector, radius: f64) -> f64 {
         self.pose.largest_speed_of(around, radius, self.in_place)
     }
 
-    /// Velocity of the wall at a point, m/s; in a step that of the step, without the drift of a wall that turns.
+    /// Returns the velocity of the wall at a point, m/s; in a step, the effective velocity without the drift of a rotation.
     #[inline]
     pub fn velocity_at(&self, point: &Vector) -> Vector {
         self.pose.velocity_at(point, self.in_place)
     }
 
-    /// Gain of the wall's velocity since the step before without a jump, m/s, besides what comes of drifts: no approach of what
-    /// rests on it.
+    /// Returns the change of the wall's velocity since the last step, without a jump and without the drift, m/s; no
+    /// part of the approach speed of a resting grain.
     pub(crate) fn gain(&self) -> Vector {
         self.pose.gain()
     }
 
-    /// Angular velocity of the wall, rad/s.
+    /// Returns the angular velocity of the wall, rad/s.
     pub fn spin(&self) -> Vector {
         self.pose.spin(self.in_place)
     }
 }
 
-/// Returns true if a wall would jump, or a vibration change its phase, where a scene is simulated for a time (s) and its clock then goes back to
-/// zero: its prescribed motion begins before, and does not lead back to the same surface. What a drive has moved stays where it is.
+/// Returns true if a wall would jump, or a vibration change its phase, on a reset of the time from the given time (s) to zero. This is the
+/// case if its prescribed motion begins earlier and does not lead back to the same surface. Displacements by a drive remain.
 pub fn jumps_back(wall: &scene::Wall, domain: &Domain, time: f64) -> bool {
     let faces = Face::of_shape(&wall.shape, domain);
     let extent = (Vector::from(domain.max) - Vector::from(domain.min)).norm();
     Movement::new(&wall.motion, &faces).jumps_back(time, &faces, extent)
 }
 
-/// The walls of a scene where they stand at a time.
+/// Walls of a scene at their positions at a time.
 ///
 /// ```
 /// use makadam::{Domain, Face, Shape, Wall, wall::PlacedWalls};
@@ -445,8 +445,8 @@ pub struct PlacedWalls {
 }
 
 impl PlacedWalls {
-    /// The walls at a time (s), in a domain; those that a force or a torque drives where `driven` says, and where the scene places them if
-    /// it says nothing.
+    /// Returns the walls at a time (s) in a domain. Dynamic walls have the positions in `driven`, or those in the scene
+    /// without an entry in `driven`.
     pub fn at(walls: &[scene::Wall], domain: &Domain, time: f64, driven: &[DrivenWall]) -> PlacedWalls {
         let mut placed = Walls::new(walls, domain, |_| 0);
         for one in driven.iter().filter(|one| (one.wall as usize) < walls.len()) {
@@ -456,31 +456,31 @@ impl PlacedWalls {
         PlacedWalls { walls: placed, poses }
     }
 
-    /// Faces, wall after wall, each with its wall's number in the scene.
+    /// Returns the faces, wall after wall, each with the index of its wall in the scene.
     pub fn faces(&self) -> impl Iterator<Item = (usize, PlacedFace<'_>)> {
         let placed = self.walls.placed(&self.poses);
         (0..self.walls.faces() as u32).map(move |face| (self.walls.wall_of(face) as usize, placed.face(face)))
     }
 
-    /// Distance of a point from the nearest wall, m; infinite where there is no wall.
+    /// Returns the distance of a point from the nearest wall, m; infinite without walls.
     ///
-    /// It is negative behind a plane or a box's face. Thin shells and discs have no behind.
+    /// The distance is negative behind a plane or a face of a box. Thin shells and discs have no back.
     pub fn distance(&self, point: &Vector) -> f64 {
         self.distances(point).fold(f64::INFINITY, f64::min)
     }
 
-    /// Number of faces nearer to a point than `radius` (m).
+    /// Returns the number of faces nearer to a point than `radius` (m).
     pub fn within(&self, point: &Vector, radius: f64) -> usize {
         self.distances(point).filter(|&distance| distance < radius).count()
     }
 
-    /// Distances of a point from all faces, m.
+    /// Returns the distances of a point from all faces, m.
     fn distances(&self, point: &Vector) -> impl Iterator<Item = f64> {
         let placed = self.walls.placed(&self.poses);
         (0..self.walls.faces() as u32).map(move |face| placed.distance(face, point))
     }
 
-    /// Position of a point (m) of a wall that the scene places.
+    /// Returns the present position of a point (m) of a wall, given in the scene.
     pub fn point_of(&self, wall: usize, point: &Vector) -> Vector {
         self.poses[wall].in_world(point)
     }

@@ -1,26 +1,26 @@
-//! The motion of a wall: where its shape stands at a time, and how fast it moves there. One pose a wall, however many faces it has.
+//! Motion of a wall: the position of its shape at a time, and its velocity field. A wall has one pose for all its faces.
 //!
-//! A point X of the wall as the scene places it stands at
+//! A point X of the wall in the scene moves by
 //!
 //! ```text
 //! translation   x = X + d(t)                    v = d'(t)
 //! rotation      x = c + R(a, phi(t)) (X - c)    v = omega a x (x - c)
 //! ```
 //!
-//! with what the scene prescribes for d and phi, or with what a drive has made of them so far. Steps are long against some motions, so
-//! two other velocities go with the same place: the mean one of a step for contacts ([`Movement::over`]), and the one that leads
-//! to where the wall is at the end of the step ([`Movement::through`]).
+//! with the d and phi that the scene prescribes or a drive has reached. Steps are long compared with some motions, so
+//! two further velocities belong to the same position: the mean velocity of a step for contacts ([`Movement::over`]),
+//! and the velocity that leads to the position of the wall at the end of the step ([`Movement::through`]).
 //!
-//! Grains move on straight lines in a step, so a grain that sticks to a wall that turns by `theta = omega h` stays at its place on the
-//! wall only if its centre moves along the chord of its arc. With the arm p from the wall's centre to the grain's and `t = omega a x p`,
+//! Grains move on straight lines in a step. A grain that sticks to a wall with the rotation `theta = omega h` therefore retains its position on the
+//! wall only if its centre moves along the chord of its arc. With the arm p from the centre of the wall to that of the grain and `t = omega a x p`,
 //!
 //! ```text
 //! chord of this step    (R(theta) p - p)/h  = s t + b omega a x t      s = sin(theta)/theta    b = h (1 - cos(theta))/theta^2
-//! of the step before    (p - R(-theta) p)/h = s t - b omega a x t
+//! previous step         (p - R(-theta) p)/h = s t - b omega a x t
 //! ```
 //!
-//! Their mean `s t` is the velocity at which impulses of the step work, and half their difference, `b omega a x t`, the drift towards the axis
-//! ([`Pose::drift`]). A face that the rotation maps onto itself moves along itself only: the drift's component along its normal is left out.
+//! Their mean `s t` is the velocity for the impulses of the step, and half their difference, `b omega a x t`, is the drift towards the axis
+//! ([`Pose::drift`]). A face that the rotation maps onto itself moves only in its tangent plane: the normal component of the drift is omitted.
 
 use super::shape::{Face, Rotation};
 use super::steered::Steered;
@@ -32,51 +32,51 @@ use std::f64::consts::TAU;
 
 type Vector = Vector3<f64>;
 
-/// Share of a time by which the sum of its steps may be longer.
+/// Relative tolerance for rounding in the sum of steps.
 const ROUNDING: f64 = 1e-9;
 
-/// Motion of a wall: as the scene prescribes, or as a drive has moved it.
+/// Motion of a wall: prescribed by the scene, or the result of a drive.
 #[derive(Clone, Debug)]
 pub(super) struct Movement {
     pub(super) motion: Motion,
-    /// True if a rotation moves any of its faces, rather than mapping them onto themselves.
+    /// True if a rotation moves at least one face, instead of mapping all faces onto themselves.
     pub(super) turns: bool,
-    /// Motion that the caller prescribes instead of the scene.
+    /// Motion by the caller instead of the scene.
     pub(super) steered: Option<Steered>,
-    /// Displacement by a drive, m or rad, now and when the candidate list was built; zero where nothing drives it.
+    /// Displacement by a drive, m or rad, at present and at the last build of the candidate list; zero without a drive.
     displacement: f64,
     displacement_in_list: f64,
     /// Velocity by a drive, m/s or rad/s.
     rate: f64,
 }
 
-/// A wall at a moment: where it stands and its velocity field.
+/// Wall at a time: its position and its velocity field.
 #[derive(Clone, Copy, Debug)]
 pub struct Pose {
     pub(super) displacement: Displacement,
     pub(super) velocity: Vector,
-    /// Gain of velocity since the step before.
+    /// Change of velocity since the last step.
     pub(super) gain: Vector,
-    /// Of faces that the rotation moves.
+    /// Rotation for faces that the rotation moves.
     pub(super) turning: Turning,
-    /// Of faces that it maps onto themselves.
+    /// Rotation for faces that the rotation maps onto themselves.
     pub(super) in_place: Turning,
-    /// True if there are faces that the rotation moves.
+    /// True if the rotation moves at least one face.
     turns: bool,
 }
 
-/// State of a wall that a force or a torque drives.
+/// State of a wall under a force or a torque.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DrivenWall {
-    /// Its place in the scene's list of walls.
+    /// Index in the scene's list of walls.
     pub wall: u32,
-    /// Displacement from the place in the scene, along or about its axis, m or rad.
+    /// Displacement from the position in the scene, along or about the axis, m or rad.
     pub displacement: f64,
     /// Velocity, m/s or rad/s.
     pub rate: f64,
 }
 
-/// Pose of a wall relative to its place in the scene.
+/// Pose of a wall relative to its position in the scene.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Displacement {
     Nowhere,
@@ -84,22 +84,22 @@ pub(super) enum Displacement {
     About(Vector, Rotation),
 }
 
-/// Angular velocity, rad/s, and the point that it is about, m.
+/// Angular velocity, rad/s, and a point of the axis, m.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Turning {
     pub(super) spin: Vector,
     pub(super) centre: Vector,
-    /// Length of the chord over that of the arc, and the drift over `omega a x t`, s: s and b above.
+    /// Ratio of the length of the chord to that of the arc, and of the drift to `omega a x t` (s): s and b above.
     pub(super) chord: [f64; 2],
 }
 
 impl Turning {
-    /// At a moment: the tangent.
+    /// Creates the rotation at one time: the tangent.
     pub(super) fn about(centre: Vector, spin: Vector) -> Turning {
         Turning { spin, centre, chord: [1.0, 0.0] }
     }
 
-    /// Over a step of length `step` (s): the chord.
+    /// Returns the rotation over a step of length `step` (s): the chord.
     fn over(self, step: f64) -> Turning {
         let angle = self.spin.norm() * step;
         if angle == 0.0 {
@@ -109,13 +109,13 @@ impl Turning {
         Turning { chord: [sine / angle, 2.0 * step * half * half / (angle * angle)], ..self }
     }
 
-    /// Velocity of a point (m) without its drift, m/s.
+    /// Returns the velocity (m/s) of a point (m) without its drift.
     #[inline]
     fn velocity(&self, point: &Vector) -> Vector {
         self.spin.cross(&(point - self.centre)) * self.chord[0]
     }
 
-    /// Drift of a point (m) towards the axis, m/s.
+    /// Returns the drift (m/s) of a point (m) towards the axis.
     #[inline]
     fn drift(&self, point: &Vector) -> Vector {
         self.spin.cross(&self.spin.cross(&(point - self.centre))) * self.chord[1]
@@ -123,30 +123,30 @@ impl Turning {
 }
 
 impl Movement {
-    /// That of a wall at time zero, given its faces.
+    /// Creates the motion of a wall at time zero from its faces.
     pub fn new(motion: &Motion, faces: &[Face]) -> Movement {
         let turns = rotates(motion) && !faces.iter().all(|face| keeps_in_place(face, motion));
         let [displacement, displacement_in_list, rate] = [0.0; 3];
         Movement { motion: motion.clone(), turns, steered: None, displacement, displacement_in_list, rate }
     }
 
-    /// Sets displacement (m or rad) and velocity (m/s or rad/s) of a driven wall. What nothing drives takes no notice.
+    /// Sets displacement (m or rad) and velocity (m/s or rad/s) of a dynamic wall; no effect on a wall without a drive.
     pub fn put(&mut self, displacement: f64, rate: f64) {
         (self.displacement, self.rate) = (displacement, rate);
     }
 
-    /// Keeps in mind where a drive has it while the candidate list is built.
+    /// Stores the displacement by a drive when the candidate list is built.
     pub fn enter_list(&mut self) {
         self.displacement_in_list = self.displacement;
         self.steered.iter_mut().for_each(Steered::enter_list);
     }
 
-    /// Displacement by a drive then, m or rad.
+    /// Returns the stored displacement by a drive, m or rad.
     pub fn displacement_in_list(&self) -> f64 {
         self.displacement_in_list
     }
 
-    /// The wall at a time (s), with its velocity there; a driven one as it was last put.
+    /// Returns the pose of the wall at a time (s), with the velocity at that time; for a dynamic wall, the last state of its drive.
     pub fn at(&self, time: f64) -> Pose {
         let zero = Vector::zeros();
         let rest = Turning::about(zero, zero);
@@ -196,8 +196,8 @@ impl Movement {
         pose
     }
 
-    /// Returns true if any of its faces would jump, or a vibration change its phase, if the clock went back from a time (s) to zero, in a scene of
-    /// this extent, m. What a drive has moved stays where it is.
+    /// Returns true if any face would jump, or a vibration change its phase, if the time were reset from a time (s) to
+    /// zero, in a scene of this extent, m. Displacements by a drive remain.
     pub fn jumps_back(&self, time: f64, faces: &[Face], extent: f64) -> bool {
         let (Motion::Translating { start, .. } | Motion::Rotating { start, .. } | Motion::Vibrating { start, .. }) =
             self.motion
@@ -218,7 +218,7 @@ impl Movement {
         elsewhere || out_of_phase
     }
 
-    /// Displacement along (m) and angle (rad) at a time (s), from where the scene places it; a driven wall as it was last put.
+    /// Returns the displacement (m) and angle (rad) at a time (s) from the position in the scene; for a dynamic wall, the last state of its drive.
     pub(super) fn place(&self, time: f64) -> ([f64; 3], f64) {
         if let Some(steered) = &self.steered {
             return steered.place();
@@ -233,7 +233,7 @@ impl Movement {
         }
     }
 
-    /// Angle by the scene at a time (s), rad.
+    /// Returns the prescribed angle (rad) at a time (s).
     pub(super) fn angle(&self, time: f64) -> f64 {
         match &self.motion {
             Motion::Rotating { rate, start, stop, reverse, .. } => rate * turning_time(time, *start, *stop, *reverse),
@@ -248,8 +248,8 @@ impl Movement {
         }
     }
 
-    /// The wall at the start of a step of length `step` (s), with the velocity that counts in it: where it vibrates, the mean one;
-    /// where it turns, that along the chord.
+    /// Returns the pose at the start of a step of length `step` (s), with the effective velocity of the step: the mean
+    /// velocity of a vibration, the velocity along the chord of a rotation.
     pub fn over(&self, time: f64, step: f64) -> Pose {
         let mut pose = self.at(time);
         (pose.turning, pose.in_place) = (pose.turning.over(step), pose.in_place.over(step));
@@ -262,8 +262,8 @@ impl Movement {
         pose
     }
 
-    /// The wall at the start of a step of length `step` (s), with the velocity that takes it to where it is at the end; a driven one
-    /// moves at `rate` (m/s or rad/s).
+    /// Returns the pose at the start of a step of length `step` (s), with the velocity that leads to the position at
+    /// the end; a dynamic wall moves at `rate` (m/s or rad/s).
     pub fn through(&self, time: f64, step: f64, rate: f64) -> Pose {
         let mut pose = self.at(time);
         if self.steered.is_some() {
@@ -290,13 +290,13 @@ impl Movement {
         pose
     }
 
-    /// Returns true if it ever moves.
+    /// Returns true if the wall moves at any time.
     pub fn moves(&self) -> bool {
         self.steered.is_some() || !matches!(self.motion, Motion::Fixed)
     }
 
-    /// Upper bound of how far a point of the wall within `radius` (m) of the motion's centre moves between two times (s), m, if it is
-    /// not mapped onto itself; of a driven one since it entered the list.
+    /// Returns an upper bound of the displacement (m) between two times (s) of a point within `radius` (m) of the centre of the motion,
+    /// unless the motion maps the wall onto itself. The displacement of a dynamic wall is that since the build of the list.
     pub fn largest_shift(&self, from: f64, to: f64, radius: f64) -> f64 {
         if let Some(steered) = &self.steered {
             return steered.largest_shift(radius, self.turns);
@@ -319,7 +319,7 @@ impl Movement {
     }
 }
 
-/// The drive of a wall that has one; `number` is the wall's in the scene.
+/// Returns the drive of a dynamic wall; `number` is the index of the wall in the scene.
 pub(crate) fn drive_of(wall: &Wall, number: u32) -> Option<Drive> {
     match wall.motion {
         Motion::ForceDriven { axis, force, mass, start } => {
@@ -333,12 +333,12 @@ pub(crate) fn drive_of(wall: &Wall, number: u32) -> Option<Drive> {
     }
 }
 
-/// Time spent in motion up to `time`, s.
+/// Returns the time in motion up to `time`, s.
 fn active_time(time: f64, start: f64, stop: Option<f64>) -> f64 {
     (stop.map_or(time, |stop| time.min(stop)) - start).max(0.0)
 }
 
-/// Time spent in turning up to `time`, less that of turning the other way, s.
+/// Returns the time of rotation up to `time`, minus that of reverse rotation, s.
 fn turning_time(time: f64, start: f64, stop: Option<f64>, reverse: Option<f64>) -> f64 {
     let back = reverse.map_or(0.0, |reverse| active_time(time, reverse, stop));
     active_time(time, start, stop) - 2.0 * back
@@ -363,7 +363,7 @@ pub(super) fn keeps_in_place(face: &Face, motion: &Motion) -> bool {
 }
 
 impl Pose {
-    /// A face of the wall where it now stands, if that is not where the scene places it; `in_place` if the motion maps it onto itself.
+    /// Returns a face at its present position, if that differs from its position in the scene; `in_place` if the motion maps the face onto itself.
     #[inline]
     pub(super) fn moved(&self, face: &Face, in_place: bool) -> Option<Face> {
         match &self.displacement {
@@ -374,7 +374,7 @@ impl Pose {
         }
     }
 
-    /// A point (m) of the world in the wall's own frame, in which the wall stands as the scene places it.
+    /// Transforms a point (m) from the world to the frame of the wall, in which the wall has its position in the scene.
     pub(super) fn in_wall(&self, point: &Vector) -> Vector {
         match &self.displacement {
             Displacement::Nowhere => *point,
@@ -383,7 +383,7 @@ impl Pose {
         }
     }
 
-    /// A point (m) of the wall as the scene places it: where it stands.
+    /// Transforms a point (m) from the frame of the wall to the world.
     pub(super) fn in_world(&self, point: &Vector) -> Vector {
         match &self.displacement {
             Displacement::Nowhere => *point,
@@ -397,40 +397,40 @@ impl Pose {
         if in_place { &self.in_place } else { &self.turning }
     }
 
-    /// Velocity of the wall at a point (m), m/s; in a step that of the step, without the drift of what turns.
+    /// Returns the velocity of the wall at a point (m), m/s; in a step, the effective velocity without the drift of a rotation.
     #[inline]
     pub(super) fn velocity_at(&self, point: &Vector, in_place: bool) -> Vector {
         self.velocity + self.turning(in_place).velocity(point)
     }
 
-    /// Drift towards the axis, m/s, of a grain with this centre (m) that goes with a face, the normal towards the face given: what takes its
-    /// velocity in a step from the tangent to the chord. Zero where nothing turns.
+    /// Returns the drift towards the axis (m/s) of a grain with this centre (m) that moves with a face, given the normal towards
+    /// the face. The drift is the difference between the chord and the tangent velocity of a step; zero without rotation.
     #[inline]
     pub(super) fn drift(&self, centre: &Vector, normal: &Vector, in_place: bool) -> Vector {
         let drift = self.turning(in_place).drift(centre);
         if in_place { drift - normal * normal.dot(&drift) } else { drift }
     }
 
-    /// Reports whether a face of the wall may drift in the step.
+    /// Returns true if a face of the wall may have a drift in the step.
     #[inline]
     pub(crate) fn drifts(&self) -> bool {
         self.turning.chord[1] != 0.0 || self.in_place.chord[1] != 0.0
     }
 
-    /// Gain of the wall's velocity since the step before without a jump, m/s: no approach of what rests on it.
+    /// Returns the change of the wall's velocity since the last step without a jump, m/s; no part of the approach speed of a resting grain.
     #[inline]
     pub(crate) fn gain(&self) -> Vector {
         self.gain
     }
 
-    /// Angular velocity, rad/s; in a step that of what sticks to the wall.
+    /// Returns the angular velocity, rad/s; in a step, that of grains that stick to the wall.
     #[inline]
     pub(super) fn spin(&self, in_place: bool) -> Vector {
         let Turning { spin, chord, .. } = self.turning(in_place);
         spin * chord[0]
     }
 
-    /// The path of a point (m) that moves at `velocity` (m/s) for a step (s), as seen from a face, m.
+    /// Returns the path of a point (m) with the given `velocity` (m/s) over a step (s), relative to a face, m.
     #[inline]
     pub(super) fn path(&self, from: &Vector, velocity: &Vector, step: f64, in_place: bool) -> Vector {
         match in_place || self.turning.spin == Vector::zeros() {
@@ -439,9 +439,9 @@ impl Pose {
         }
     }
 
-    /// The path where it is longer than `length` (m).
+    /// Returns the path if its length exceeds `length` (m).
     ///
-    /// Every grain near a wall asks for it in every step, and hardly one path is so long: the others must not go through memory.
+    /// Every grain near a wall calls this function in every step, and almost all paths are short: short paths must not be written to memory.
     #[inline(always)]
     pub(super) fn long_path(
         &self,
@@ -459,7 +459,7 @@ impl Pose {
         (path.norm_squared() > length * length).then_some(path)
     }
 
-    /// The path as seen from a face that turns, m.
+    /// Returns the path relative to a rotating face, m.
     #[inline(never)]
     fn path_from_turning(&self, from: &Vector, velocity: &Vector, step: f64) -> Vector {
         let Turning { spin, centre, .. } = self.turning;
@@ -467,13 +467,13 @@ impl Pose {
         centre + Rotation::new(spin / turn, -turn * step).turn(end - centre) - from
     }
 
-    /// The longest path that [`Pose::path`] gives, m, whichever face sees it.
+    /// Returns the length (m) of the longest path of [`Pose::path`] over all faces.
     pub(crate) fn longest_path(&self, from: &Vector, velocity: &Vector, step: f64) -> f64 {
         let seen = |in_place| self.path(from, velocity, step, in_place).norm();
         seen(true).max(if self.turns { seen(false) } else { 0.0 })
     }
 
-    /// The velocity that takes a point (m) where the wall takes it within a step (s), m/s.
+    /// Returns the velocity (m/s) of a point (m) that moves with the wall over a step (s).
     pub(super) fn carries(&self, point: &Vector, step: f64, in_place: bool) -> Vector {
         let Turning { spin, centre, .. } = self.turning;
         if !in_place && spin != Vector::zeros() {
@@ -483,13 +483,13 @@ impl Pose {
         self.velocity_at(point, in_place)
     }
 
-    /// Largest speed of a point of the wall within `radius` (m) of another (m), m/s; of faces that a rotation maps onto themselves only as far
-    /// as other motion goes.
+    /// Returns the largest speed (m/s) of a point of the wall within `radius` (m) of another point (m); for faces that
+    /// a rotation maps onto themselves, without the rotation.
     pub(crate) fn largest_speed(&self, around: &Vector, radius: f64) -> f64 {
         if self.turns { self.largest_speed_of(around, radius, false) } else { self.velocity.norm() }
     }
 
-    /// Largest speed of a point of one face, m/s: without rotation, if that maps the face onto itself.
+    /// Returns the largest speed (m/s) of a point of one face, without the rotation if the rotation maps the face onto itself.
     pub(super) fn largest_speed_of(&self, around: &Vector, radius: f64, in_place: bool) -> f64 {
         let Turning { spin, centre, .. } = self.turning;
         let turning = if in_place { 0.0 } else { spin.norm() * ((around - centre).norm() + radius) };

@@ -1,7 +1,7 @@
-//! The shape of a wall: its smooth faces, the point of each that is nearest to a grain, and where the path of a grain first touches it.
+//! Shape of a wall: its smooth faces, the point of each face nearest to a grain, and the first contact of a grain's path with a face.
 //!
-//! A face stands for itself: it knows of no wall and of no motion. Time of impact is where the centre of a sphere on a straight path
-//! first comes within `level` of a face; at a level of the sphere's radius the two touch,
+//! A face is independent of walls and motions. The time of impact is that of the first point of a straight path of a
+//! sphere's centre within `level` of a face; at a level equal to the radius, the sphere is in contact,
 //!
 //! ```text
 //! plane      n.(x + s d - p) = level                              x: start, d: path, 0 <= s <= 1
@@ -9,11 +9,11 @@
 //! sphere     |x + s d - c| = R + level
 //! ```
 //!
-//! A grain over a hole, or over the mouth of a tube, that is too narrow for it touches the rim on all sides, where a nearest point is one
-//! only. Three points of the rim stand for the circle: the nearest one, which the disc or the shell gives, and those a third of a turn to
-//! either side of it, each of which is a [`Face::Rim`]. They turn with the grain about the axis, so that no direction is preferred, and their
-//! three normals can bear any force that leads through the hole. On the axis, where the whole circle is equally near, the nearest point lies
-//! in the grain's direction of travel, as for a tube. At the height z over the rim of radius R and beside the axis by e they are at
+//! A grain over a hole, or over the mouth of a tube, that is smaller than the grain is in contact with the rim on all sides, but a nearest
+//! point is single. Three points of the rim represent the circle: the nearest one, from the disc or the shell, and one a third of a turn to
+//! either side, each a [`Face::Rim`]. The three points rotate with the grain about the axis, so that no direction is preferred, and their
+//! normals can support any force through the hole. On the axis, where the whole circle is equally near, the nearest point is in the grain's
+//! direction of travel, as for a tube. At the height z over a rim of radius R, at a distance e from the axis, the distances are
 //!
 //! ```text
 //! nearest point  sqrt(z^2 + (R - e)^2)        the two others  sqrt(z^2 + R^2 + e^2 + R e)
@@ -25,13 +25,13 @@ use nalgebra::Vector3;
 
 type Vector = Vector3<f64>;
 
-/// Extension of a face beyond its edges for a path that crosses it, over its size: where two faces meet, rounding must leave no gap.
+/// Extension of a face beyond its edges for a path that crosses the face, over its size: rounding must leave no gap between adjacent faces.
 const JOINT: f64 = 1e-9;
 
-/// Largest angle, rad, and share of the extent of a scene, within which two faces are the same surface.
+/// Largest angle, rad, and fraction of the extent of a scene, within which two faces are the same surface.
 const SAME: f64 = 1e-6;
 
-/// Sines of a third of a turn to either side, `sqrt(3)/2`.
+/// Sines of a third of a turn in either direction, `sqrt(3)/2`.
 const THIRD_OF_A_TURN: [f64; 2] = [0.866_025_403_784_438_6, -0.866_025_403_784_438_6];
 
 /// Position of a smooth surface, m.
@@ -41,35 +41,35 @@ pub(crate) enum Face {
         point: Vector,
         normal: Vector,
     },
-    /// Thin, with two sides.
+    /// Thin disc with two sides.
     Disc {
         centre: Vector,
         normal: Vector,
         radius: f64,
     },
-    /// A disc with a hole.
+    /// Disc with a hole.
     Ring {
         centre: Vector,
         normal: Vector,
         radius: f64,
         hole: f64,
     },
-    /// Its ends lie so far from the base along the axis; there are none where the axis is periodic.
+    /// Cylindrical shell; `ends` are distances from the base along the axis. A shell along a periodic axis has no ends.
     Shell {
         base: Vector,
         axis: Vector,
         radius: f64,
         ends: [f64; 2],
     },
-    /// A point of the rim of a hole: the one nearest to the grain's centre, turned about the normal by an angle of this sine, whose cosine
-    /// is -1/2.
+    /// Point of the rim of a hole: the point nearest to the grain's centre, rotated about the normal by an angle with
+    /// this sine and the cosine -1/2.
     Rim {
         centre: Vector,
         normal: Vector,
         radius: f64,
         sine: f64,
     },
-    /// A sphere seen from outside, and its images.
+    /// Sphere seen from outside, and its images.
     Ball {
         centre: Vector,
         radius: f64,
@@ -80,15 +80,15 @@ pub(crate) enum Face {
 /// First point of the path of a grain's centre within some distance of a face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Impact {
-    /// Share of the path, 0 to 1.
+    /// Fraction of the path, 0 to 1.
     pub share: f64,
-    /// Distance from the start of the path to the plane that touches the face there, m.
+    /// Distance from the start of the path to the tangent plane of the face at this point, m.
     pub distance: f64,
     /// Unit normal towards the face.
     pub normal: Vector,
 }
 
-/// A rotation about a unit axis.
+/// Rotation about a unit axis.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rotation {
     axis: Vector,
@@ -97,27 +97,27 @@ pub(super) struct Rotation {
 }
 
 impl Rotation {
-    /// By an angle, rad; sine and cosine from a portable library, for equal bits everywhere.
+    /// Creates a rotation by an angle, rad; sine and cosine are from a portable library, for equal bits on every platform.
     pub fn new(axis: Vector, angle: f64) -> Rotation {
         let (sine, cosine) = libm::sincos(angle);
         Rotation { axis, sine, cosine }
     }
 
-    /// A vector, turned by Rodrigues' formula.
+    /// Rotates a vector by Rodrigues' formula.
     #[inline]
     pub fn turn(&self, vector: Vector) -> Vector {
         let Rotation { axis, sine, cosine } = *self;
         vector * cosine + axis.cross(&vector) * sine + axis * (axis.dot(&vector) * (1.0 - cosine))
     }
 
-    /// The rotation back.
+    /// Returns the inverse rotation.
     pub fn inverse(self) -> Rotation {
         Rotation { sine: -self.sine, ..self }
     }
 }
 
 impl Face {
-    /// The faces of a shape in a domain: along a periodic axis they repeat themselves or have no end.
+    /// Returns the faces of a shape in a domain: along a periodic axis, faces repeat or have no end.
     pub(super) fn of_shape(shape: &Shape, domain: &Domain) -> Vec<Face> {
         let period = domain.period();
         match shape {
@@ -159,12 +159,12 @@ impl Face {
         }
     }
 
-    /// The points of the rim of a hole that a grain touches besides the nearest one.
+    /// Returns the rim points of a hole that a grain contacts in addition to the nearest one.
     fn rim(centre: Vector, normal: Vector, radius: f64) -> [Face; 2] {
         THIRD_OF_A_TURN.map(|sine| Face::Rim { centre, normal, radius, sine })
     }
 
-    /// Corners of a box that holds the face, m, but for its images; absent where a face has no end.
+    /// Returns the corners of a box around the face, m, without its images; absent for an infinite face.
     pub(super) fn bounds(&self) -> Option<[Vector; 2]> {
         let around = |middle: Vector, half: Vector| Some([middle - half, middle + half]);
         // A circle about a unit axis spans `R sqrt(1 - n_k^2)` along axis k.
@@ -183,7 +183,7 @@ impl Face {
         }
     }
 
-    /// The face, moved.
+    /// Returns the face after a translation.
     pub(super) fn moved(self, by: Vector) -> Face {
         match self {
             Face::Plane { point, normal } => Face::Plane { point: point + by, normal },
@@ -195,7 +195,7 @@ impl Face {
         }
     }
 
-    /// The face, turned about an axis through `centre`.
+    /// Returns the face after a rotation about an axis through `centre`.
     pub(super) fn turned(self, centre: Vector, rotation: &Rotation) -> Face {
         let place = |point: Vector| centre + rotation.turn(point - centre);
         match self {
@@ -216,7 +216,7 @@ impl Face {
         }
     }
 
-    /// Returns true if turning about this axis through `pivot` maps the face onto itself.
+    /// Returns true if a rotation about this axis through `pivot` maps the face onto itself.
     pub(super) fn turns_in_place(&self, pivot: Vector, axis: Vector) -> bool {
         let along = |direction: Vector| direction.cross(&axis).norm() < 1e-12;
         let on_axis = |place: Vector| (place - pivot).cross(&axis).norm() < 1e-12 * (1.0 + (place - pivot).norm());
@@ -230,7 +230,7 @@ impl Face {
         }
     }
 
-    /// Returns true if a face that was moved is the same surface again, in a scene of this extent, m.
+    /// Returns true if a moved face is the same surface again, in a scene of this extent, m.
     pub(super) fn is_same(&self, other: &Face, extent: f64) -> bool {
         let near = |gap: Vector| gap.norm() < SAME * extent;
         let aligned = |one: Vector, other: Vector| (one - other).norm() < SAME;
@@ -253,7 +253,7 @@ impl Face {
         }
     }
 
-    /// Distance from a point to the face, negative behind a plane. Most faces are planes, of which it is found without the rest.
+    /// Returns the distance from a point to the face, negative behind a plane. Most faces are planes, which need no further computation.
     #[inline(always)]
     pub(super) fn distance(&self, point: &Vector) -> f64 {
         match self {
@@ -262,7 +262,7 @@ impl Face {
         }
     }
 
-    /// Distance from a point to the face, and the unit normal towards it: see [`PlacedFace::nearest`](super::PlacedFace::nearest).
+    /// Returns the distance from a point to the face, and the unit normal towards the face: see [`PlacedFace::nearest`](super::PlacedFace::nearest).
     #[inline]
     pub(super) fn nearest(&self, centre: &Vector, travel: impl FnOnce() -> Vector) -> (f64, Vector) {
         match *self {
@@ -314,7 +314,7 @@ impl Face {
             Face::Ball { centre: middle, radius, period } => {
                 let arm = period.arm(centre, &middle);
                 let distance = arm.norm();
-                // Any direction leads out of the middle.
+                // At the centre, any direction is outward.
                 let inward = if distance > 0.0 {
                     arm / distance
                 } else {
@@ -325,8 +325,8 @@ impl Face {
         }
     }
 
-    /// First point of a path from `centre` along `shift` (m), seen from the face, within `level` (m) of it, having begun farther away;
-    /// at level 0 where it crosses the face. Absent where it does not. Rims are left out: what passes beside a face does not cross it.
+    /// Returns the first point of a path from `centre` along `shift` (m), relative to the face, within `level` (m) of the face,
+    /// if the path starts farther away; at level 0, the crossing point. Rims are omitted: a path past a face does not cross it.
     pub(super) fn time_of_impact(&self, centre: &Vector, shift: &Vector, level: f64) -> Option<Impact> {
         match *self {
             Face::Plane { point, normal } => flat(normal, centre - point, shift, level, [0.0, f64::INFINITY]),
@@ -340,7 +340,7 @@ impl Face {
             Face::Shell { base, axis, radius, ends } => {
                 let arm = centre - base;
                 let (across, moved) = (arm - axis * axis.dot(&arm), shift - axis * axis.dot(shift));
-                // From inside the far crossing with the circle at this level, from outside the near one.
+                // From inside, the far intersection with the circle at this level; from outside, the near one.
                 let inside = across.norm() < radius;
                 let (side, touch) = if inside { (1.0, radius - level) } else { (-1.0, radius + level) };
                 let (square, half) = (moved.norm_squared(), across.dot(&moved));
@@ -362,7 +362,7 @@ impl Face {
                 let (arm, touch) = (period.arm(&middle, centre), radius + level);
                 let (square, half, beyond) = (shift.norm_squared(), arm.dot(shift), arm.norm_squared() - touch * touch);
                 let root = half * half - square * beyond;
-                // Apart now and nearing, at this level before the path ends.
+                // The two are apart and approach, and reach this level before the path ends.
                 if root < 0.0 || beyond <= 0.0 || half >= 0.0 {
                     return None;
                 }
@@ -374,29 +374,29 @@ impl Face {
     }
 }
 
-/// Height of a point above a plane, m, given a point of the plane.
+/// Returns the height of a point above a plane, m, from a point of the plane.
 #[inline(always)]
 fn height(normal: &Vector, point: &Vector, foot: &Vector) -> f64 {
     normal.dot(&(point - foot))
 }
 
-/// The normal of a face with two sides on the side of a point.
+/// Returns the normal of a two-sided face on the side of a point.
 fn facing(normal: Vector, arm: Vector) -> Vector {
     if normal.dot(&arm) < 0.0 { -normal } else { normal }
 }
 
-/// [`Face::time_of_impact`] for a part of a plane between two circles, given the `arm` from its middle to the start.
+/// Computes [`Face::time_of_impact`] for the area between two circles of a plane, with the `arm` from its centre to the start.
 fn flat(normal: Vector, arm: Vector, shift: &Vector, level: f64, [hole, radius]: [f64; 2]) -> Option<Impact> {
     let (height, fall) = (normal.dot(&arm), -normal.dot(shift));
     let share = (height - level) / fall;
-    // In front of the face now, at this level before the path ends.
+    // The point is in front of the face, and at this level before the path ends.
     let nears = height > level && (0.0..=1.0).contains(&share);
     let across = (arm + shift * share - normal * level).norm();
     let beside = across > radius * (1.0 + JOINT) || across < hole * (1.0 - JOINT);
     (nears && !beside).then_some(Impact { share, distance: height, normal: -normal })
 }
 
-/// A unit vector across a unit vector: the direction of `travel` across it, or any if it leads nowhere.
+/// Returns a unit vector normal to a unit vector: the normal part of `travel`, or any direction if that part is zero.
 #[cold]
 fn perpendicular(axis: Vector, travel: Vector) -> Vector {
     let across = travel - axis * axis.dot(&travel);

@@ -1,10 +1,10 @@
-//! Walls that the caller moves, in place of what the scene says of their motion.
+//! Kinematic walls under control of the caller, instead of the motion in the scene.
 //!
-//! A wall that is steered moves along, or turns about an axis that stays; which of the two is settled when it is steered for the first time.
-//! Its velocity is constant over a step, and where it stands follows by `d' = d + h v` or `phi' = phi + h omega`, as that of grains does.
+//! Such a wall has a translation, or a rotation about a fixed axis; the first motion by the caller determines which. Its velocity
+//! is constant over a step, and its position follows from `d' = d + h v` or `phi' = phi + h omega`, as for grains.
 //!
-//! The first velocity that it is given is a jump, as the start of a motion in a scene is: grains that the wall meets take an impact. Later
-//! changes count as acceleration, as that of a vibrating wall does: what rests on the wall goes with it without rebounding.
+//! The first velocity is a jump, as at the start of a motion in a scene: grains in contact with the wall have an
+//! impact. Later changes are accelerations, as for a vibrating wall: resting grains follow the wall without rebound.
 
 use super::Vector;
 use super::motion::{Displacement, Movement, Pose, Turning};
@@ -15,24 +15,24 @@ use serde::{Deserialize, Serialize};
 /// Motion of a wall by the caller.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum WallMotion {
-    /// It moves along at this velocity, m/s.
+    /// Translation at a velocity.
     Translation {
         /// Velocity, m/s.
         velocity: [f64; 3],
     },
-    /// It turns about an axis.
+    /// Rotation about an axis.
     Rotation {
         /// Angular velocity about the axis, rad/s.
         rate: f64,
-        /// A point of the axis (m) and its direction; absent for the axis that the scene gives, or that was given before.
+        /// Point of the axis (m) and its direction; absent for the axis of the scene, or that of an earlier motion.
         about: Option<([f64; 3], [f64; 3])>,
     },
 }
 
-/// State of a wall that is steered.
+/// State of a wall under control of the caller.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Steered {
-    /// A point of the axis (m) and its unit vector, where it turns.
+    /// Point of the axis (m) and its unit vector, for a rotation.
     about: Option<([f64; 3], [f64; 3])>,
     /// Displacement, m.
     shift: [f64; 3],
@@ -45,12 +45,12 @@ pub(crate) struct Steered {
     rate: f64,
 }
 
-/// No place or speed of a wall comes near it, in SI units.
+/// Upper bound of all positions and speeds of walls, in SI units.
 const LARGEST: f64 = 1e9;
 
 impl Steered {
-    /// Starts a wall on its first motion by the caller; `now` is where the scene has it, `then` where it had it when the candidate
-    /// list was built.
+    /// Begins the first motion of a wall by the caller; `now` is its pose in the scene, `then` its pose at the last
+    /// build of the candidate list.
     fn begin(scene: &Motion, asked: &WallMotion, [now, then]: [&Pose; 2], angles: [f64; 2]) -> Result<Steered, String> {
         let along = |pose: &Pose| match pose.displacement {
             Displacement::By(shift) => shift.into(),
@@ -92,7 +92,7 @@ impl Steered {
         })
     }
 
-    /// Gives it a motion; `first` if it has had none.
+    /// Sets the motion; `first` for the first motion by the caller.
     fn take(&mut self, asked: &WallMotion, first: bool) -> Result<(), String> {
         match (self.about, asked) {
             (None, WallMotion::Translation { velocity }) => {
@@ -121,7 +121,7 @@ impl Steered {
         Ok(())
     }
 
-    /// Returns true if a face is mapped onto itself.
+    /// Returns true if the motion maps a face onto itself.
     pub(super) fn keeps_in_place(&self, face: &Face) -> bool {
         self.about.is_some_and(|(point, axis)| face.turns_in_place(point.into(), axis.into()))
     }
@@ -143,7 +143,7 @@ impl Steered {
         }
     }
 
-    /// Upper bound of how far a point within `radius` (m) of the centre has moved since the candidate list was built, m.
+    /// Returns an upper bound of the displacement (m) of a point within `radius` (m) of the centre since the build of the candidate list.
     pub(super) fn largest_shift(&self, radius: f64, turns: bool) -> f64 {
         match self.about {
             None => (Vector::from(self.shift) - Vector::from(self.shift_in_list)).norm(),
@@ -156,17 +156,17 @@ impl Steered {
         (self.shift_in_list, self.angle_in_list) = (self.shift, self.angle);
     }
 
-    /// Displacement, m, and angle, rad.
+    /// Returns the displacement, m, and the angle, rad.
     pub(crate) fn place(&self) -> ([f64; 3], f64) {
         (self.shift, self.angle)
     }
 
-    /// Displacement and angle when the candidate list was built.
+    /// Returns displacement and angle at the last build of the candidate list.
     pub(crate) fn in_list(&self) -> Steered {
         Steered { shift: self.shift_in_list, angle: self.angle_in_list, ..*self }
     }
 
-    /// Moves it for a step of length `h`, s.
+    /// Moves the wall for a step of length `h`, s.
     pub(super) fn advance(&mut self, h: f64) {
         for axis in 0..3 {
             self.shift[axis] += h * self.velocity[axis];
@@ -175,7 +175,7 @@ impl Steered {
         self.velocity_before = self.velocity;
     }
 
-    /// Returns true if its numbers are such as a run can have.
+    /// Returns true if the values are valid for a run.
     pub(crate) fn is_sound(&self) -> bool {
         let vectors = [self.shift, self.shift_in_list, self.velocity, self.velocity_before];
         let (point, axis) = self.about.unwrap_or_default();
@@ -186,7 +186,7 @@ impl Steered {
 }
 
 impl Movement {
-    /// Steers the wall from its next step on; `now` is the time and `listed` the one at which the candidate list was built, s.
+    /// Prescribes a motion of the wall from its next step on; `now` is the present time and `listed` that of the last build of the candidate list, s.
     pub(super) fn steer(&mut self, asked: &WallMotion, faces: &[Face], [now, listed]: [f64; 2]) -> Result<(), String> {
         let first = self.steered.is_none();
         let mut steered = match self.steered {
@@ -201,14 +201,14 @@ impl Movement {
         Ok(())
     }
 
-    /// Has it steered as it was at some time.
+    /// Restores the motion of the wall from a stored state.
     pub(super) fn restore(&mut self, steered: Steered, faces: &[Face]) {
         self.turns = steered.about.is_some() && !faces.iter().all(|face| steered.keeps_in_place(face));
         self.steered = Some(steered);
     }
 }
 
-/// The axis of a wall, if none was asked for or it is the same.
+/// Returns the axis of a wall if the requested axis is absent or the same.
 fn same_axis(own: ([f64; 3], [f64; 3]), asked: &WallMotion) -> Result<([f64; 3], [f64; 3]), String> {
     let WallMotion::Rotation { about: Some((point, axis)), .. } = asked else { return Ok(own) };
     let (along, arm) = (Vector::from(own.1), Vector::from(*point) - Vector::from(own.0));

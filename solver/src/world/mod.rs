@@ -1,4 +1,4 @@
-//! State of a simulation: bodies, walls and their drives, material pairs, the clock.
+//! State of a simulation: bodies, walls and their drives, material pairs, time.
 
 mod materials;
 
@@ -17,52 +17,52 @@ use nalgebra::Vector3;
 use std::collections::TryReserveError;
 use std::ops::Range;
 
-/// Dummy bodies of a box, at which padding lanes point: one for each lane and side. A box has its own, so that no two
-/// tasks of a stage write to the same.
+/// Padding bodies of a box for padding lanes: one for each lane and side. Each box has its own, so that no two tasks of
+/// a stage write to the same body.
 pub const DUMMIES: usize = 2 * LANES;
 
-/// Grains that are moved, sorted or compared as one task.
+/// Number of grains that one task moves, sorts or compares.
 const CHUNK: usize = 4096;
 
-/// Number of such tasks.
+/// Returns the number of chunks.
 pub(crate) fn chunks(grains: usize) -> usize {
     grains.div_ceil(CHUNK)
 }
 
-/// Places of the grains of one.
+/// Returns the slots of the grains of one chunk.
 pub(crate) fn chunk(number: usize, grains: usize) -> Range<usize> {
     CHUNK * number..(CHUNK * (number + 1)).min(grains)
 }
 
-/// Chunks of an array of grains, or of bodies.
+/// Splits an array of grains or bodies into chunks.
 pub(crate) fn by_chunk<T>(array: &mut [T]) -> Runs<'_, T> {
     Runs::of(array, CHUNK)
 }
 
-/// Number of the one that a grain belongs to.
+/// Returns the number of the chunk of a grain.
 pub(crate) fn chunk_of(place: usize) -> usize {
     place / CHUNK
 }
 
 /// Moment of inertia of a solid sphere over `m r^2`.
 pub(crate) const INERTIA: f64 = 0.4;
-/// One over [`INERTIA`].
+/// Inverse of [`INERTIA`].
 pub(crate) const INVERSE_INERTIA: f64 = 2.5;
 
 /// Dynamic state of a grain: one cache line of two quads.
 ///
-/// The spin is kept as the scaled spin `radius * angular velocity` (m/s), which takes the lever arm out of the
-/// contact: for solid spheres an impulse P changes it by `INVERSE_INERTIA` (5/2) over m times the cross product of P and the normal.
+/// The spin is stored as the scaled spin `radius * angular velocity` (m/s), which removes the lever arm from the contact: for solid
+/// spheres, an impulse P changes the scaled spin by `INVERSE_INERTIA` (5/2) over m times the cross product of P and the normal.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub struct Body {
     /// Velocity, m/s.
     pub velocity: [f64; 3],
-    /// One over the mass, 1/kg.
+    /// Inverse mass, 1/kg.
     pub inverse_mass: f64,
     /// Radius times angular velocity, m/s.
     pub scaled_spin: [f64; 3],
-    /// One over the radius, 1/m.
+    /// Inverse radius, 1/m.
     pub(crate) inverse_radius: f64,
 }
 
@@ -76,27 +76,27 @@ pub struct Sphere {
     pub radius: f64,
 }
 
-/// All bodies and walls, and the clock.
+/// All bodies and walls, and the time.
 ///
-/// Grains lie in memory in the order of the boxes and cells that they were in when the candidate list was last built; a
-/// grain's index there is its place. `ids` tells who is who.
+/// Grains are stored in the order of their boxes and cells at the last build of the candidate list; a grain's index in
+/// this order is its slot. `ids` maps slots to grains.
 #[derive(Clone, Debug)]
 pub struct World {
-    /// Grains by place, then the dummy bodies at rest, box after box.
+    /// Grains by slot, then the padding bodies at rest, box after box.
     pub bodies: Vec<Body>,
-    /// Spheres of the same, those of the dummies out of reach of each other.
+    /// Spheres of the bodies; those of padding bodies are out of the interaction range of each other.
     pub spheres: Vec<Sphere>,
-    /// Material numbers of the same.
+    /// Material indices of the bodies.
     pub materials: Vec<u8>,
-    /// Id of the grain at each place.
+    /// Id of the grain in each slot.
     pub ids: Vec<u32>,
-    /// Velocity and inverse mass of every body at the start of the step; between steps, room to reorder grains in.
+    /// Velocity and inverse mass of every body at the start of the step; between steps, a buffer for reordering grains.
     pub(crate) before: Vec<Quad>,
-    /// Surface speed of every body at the start of the step, where friction goes by how contacts slide or the step may be abandoned.
+    /// Surface speed of every body at the start of the step, if friction depends on sliding or the step may be abandoned.
     pub(crate) spins_before: Vec<Quad>,
-    /// The scene's walls.
+    /// Walls of the scene.
     pub walls: Walls,
-    /// Walls driven by a force or a torque.
+    /// Drives of dynamic walls.
     pub drives: Vec<Drive>,
     /// Pair properties.
     pub table: MaterialTable,
@@ -106,7 +106,7 @@ pub struct World {
     pub field: Field,
     /// Corners of the domain, m.
     pub domain: (Vector3<f64>, Vector3<f64>),
-    /// Axes along which the domain repeats itself.
+    /// Periods of the domain.
     pub period: Period,
     /// Simulated time, s.
     pub time: f64,
@@ -114,7 +114,7 @@ pub struct World {
     pub(crate) kept: KeptInPlace,
 }
 
-/// True while arrays must not move in memory. A copy has arrays of its own, which may move.
+/// True while arrays must not move in memory. The arrays of a copy are independent and may move.
 #[derive(Debug, Default)]
 pub(crate) struct KeptInPlace(bool);
 
@@ -124,7 +124,7 @@ impl Clone for KeptInPlace {
     }
 }
 
-/// A [`World`] whose bodies are being written.
+/// Parts of a [`World`] other than the bodies, which are borrowed for writing.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct WorldBesideBodies<'a> {
     grains: usize,
@@ -140,23 +140,23 @@ pub(crate) struct WorldBesideBodies<'a> {
 }
 
 impl WorldBesideBodies<'_> {
-    /// Number of grains.
+    /// Returns the number of grains.
     pub fn grains(&self) -> usize {
         self.grains
     }
 
-    /// Place of the first dummy of a box.
+    /// Returns the slot of the first padding body of a box.
     #[inline]
     pub fn dummies_of(&self, number: usize) -> u32 {
         (self.grains + number * DUMMIES) as u32
     }
 
-    /// Number of the drive of the wall that a face belongs to, if it has one.
+    /// Returns the index of the drive of the wall of a face, if any.
     pub fn drive_of(&self, surface: u32) -> Option<usize> {
         drive_of_wall(self.drives, self.walls.wall_of(surface))
     }
 
-    /// Properties of contacts of a grain with a face.
+    /// Returns the properties of contacts of a grain with a face.
     #[inline]
     pub fn wall_material(&self, grain: usize, surface: u32) -> &ContactMaterial {
         self.table.with_wall(self.materials[grain], self.walls.material_of(surface))
@@ -168,7 +168,7 @@ fn drive_of_wall(drives: &[Drive], wall: u32) -> Option<usize> {
 }
 
 impl World {
-    /// Builds the world of a checked scene at time zero, without dummies.
+    /// Builds the world of a checked scene at time zero, without padding bodies.
     pub(crate) fn new(scene: &Scene, grains: &[Grain]) -> World {
         let table = MaterialTable::new(scene);
         let body = |grain: &Grain| Body {
@@ -218,10 +218,10 @@ impl World {
         }
     }
 
-    /// Makes room for the dummies of so many boxes, and sees to it that bodies and spheres do not move from here on.
+    /// Reserves memory for the padding bodies of n boxes; bodies and spheres do not move in memory from then on.
     ///
     /// # Errors
-    /// Where there is no memory for them.
+    /// The memory cannot be allocated.
     pub(crate) fn keep_in_place(&mut self, boxes: usize) -> Result<(), TryReserveError> {
         let all = self.grains() + boxes * DUMMIES;
         self.bodies.try_reserve_exact(all.saturating_sub(self.bodies.len()))?;
@@ -230,16 +230,16 @@ impl World {
         Ok(())
     }
 
-    /// Puts the dummies of so many boxes behind the grains. Dummies of the two sides of a contact are far apart and at
-    /// rest, so that padding lanes bear nothing without being masked. Along a periodic axis half a period is as far as it gets.
-    /// Those that are there already stay.
+    /// Adds the padding bodies of n boxes after the grains. Padding bodies of the two sides of a contact are at rest
+    /// and far apart, so that padding lanes are inactive without a mask. Along a periodic axis, the largest distance is
+    /// half a period. Existing padding bodies remain.
     pub(crate) fn add_dummies(&mut self, boxes: usize) {
         let grains = self.grains();
         if self.bodies.len() == grains + boxes * DUMMIES {
             return;
         }
         let all = grains + boxes * DUMMIES;
-        // Somebody may hold pointers into them.
+        // Other code may have pointers into the arrays.
         let stays = !self.kept.0 || all <= self.bodies.capacity().min(self.spheres.capacity());
         assert!(stays, "arrays that are kept in place would have to move for {boxes} boxes");
         self.bodies.truncate(grains);
@@ -258,7 +258,7 @@ impl World {
         }
     }
 
-    /// The bodies, to be written, and all that contacts are made from beside them.
+    /// Returns the bodies for writing, and separately all other data that contacts are built from.
     pub(crate) fn split(&mut self) -> (&mut [Body], WorldBesideBodies<'_>) {
         let World { bodies, spheres, materials, ids, before, spins_before, walls, drives, table, .. } = self;
         let (grains, gravity, period) = (ids.len(), &self.gravity, &self.period);
@@ -277,7 +277,7 @@ impl World {
         (bodies, beside)
     }
 
-    /// The vector from one sphere's centre to the nearest image of another's, m.
+    /// Returns the vector from the centre of one sphere to the nearest image of another, m.
     #[inline]
     pub(crate) fn arm(&self, from: usize, to: usize) -> Vector3<f64> {
         self.period.arm(&self.spheres[from].centre, &self.spheres[to].centre)
@@ -289,7 +289,7 @@ impl World {
         self.period.wrapped(point, &self.domain.0)
     }
 
-    /// Sets the clock, and gravity to what it then is.
+    /// Sets the time, and gravity at that time.
     pub(crate) fn set_time(&mut self, time: f64) {
         self.time = time;
         if self.field.changes() {
@@ -297,13 +297,13 @@ impl World {
         }
     }
 
-    /// Puts driven walls where their drives have moved them.
+    /// Moves dynamic walls to the positions of their drives.
     pub(crate) fn place_driven_walls(&mut self) {
         let World { walls, drives, .. } = self;
         drives.iter().for_each(|drive| walls.put(drive.wall, drive.displacement, drive.rate));
     }
 
-    /// Number of the drive of the wall that a face belongs to, if it has one.
+    /// Returns the index of the drive of the wall of a face, if any.
     pub(crate) fn drive_of(&self, surface: u32) -> Option<usize> {
         self.drive_of_wall(self.walls.wall_of(surface))
     }
@@ -312,24 +312,24 @@ impl World {
         drive_of_wall(&self.drives, wall)
     }
 
-    /// A wall at the start of a step of length `step` (s), with the velocity that takes it to where it is at the end.
+    /// Returns the pose of a wall at the start of a step of length `step` (s), with the velocity that leads to its position at the end.
     pub(crate) fn pose_through(&self, wall: u32, step: f64) -> Pose {
         let rate = self.drive_of_wall(wall).map_or(0.0, |drive| self.drives[drive].rate);
         self.walls.pose_through(wall, self.time, step, rate)
     }
 
-    /// Properties of contacts of a grain with a face.
+    /// Returns the properties of contacts of a grain with a face.
     #[inline]
     pub(crate) fn wall_material(&self, grain: usize, surface: u32) -> &ContactMaterial {
         self.table.with_wall(self.materials[grain], self.walls.material_of(surface))
     }
 
-    /// Number of grains.
+    /// Returns the number of grains.
     pub fn grains(&self) -> usize {
         self.ids.len()
     }
 
-    /// Moves the grain at place `order[i]` to place `i`.
+    /// Moves the grain in slot `order[i]` to slot `i`.
     pub(crate) fn reorder(&mut self, order: &[u32], team: &Team) {
         let World { bodies, spheres, materials, ids, before, .. } = self;
         before.resize(bodies.len(), Quad::default());
@@ -340,7 +340,7 @@ impl World {
         let spheres: &mut [Quad] = bytemuck::must_cast_slice_mut(&mut spheres[..order.len()]);
         reorder_quads(spheres, order, before, team, |quad| quad);
         team.alone(Phase::Detect, || {
-            // Ids and materials are small: one quad takes both.
+            // Ids and materials are small: both fit into one quad.
             for (quad, (id, material)) in before.iter_mut().zip(ids.iter().zip(&*materials)) {
                 *quad = Quad([f64::from(*id), f64::from(*material), 0.0, 0.0]);
             }
@@ -360,20 +360,20 @@ impl World {
             + self.walls.memory_bytes()
     }
 
-    /// Largest and mean radius, m; (0, 0) in an empty world.
+    /// Returns the largest and mean radius, m; (0, 0) in an empty world.
     pub fn largest_and_mean_radius(&self) -> (f64, f64) {
         let radii = || self.spheres[..self.grains()].iter().map(|sphere| sphere.radius);
         (radii().fold(0.0, f64::max), radii().sum::<f64>() / self.grains().max(1) as f64)
     }
 
-    /// Largest gap across which cohesion pulls, m.
+    /// Returns the largest gap with a cohesive force, m.
     pub fn range_of_cohesion(&self) -> f64 {
-        // The range from a work of adhesion grows with the effective radius, which is that of the grain at a wall.
+        // The range from a work of adhesion increases with the effective radius, which is that of the grain at a wall.
         let (largest, _) = self.largest_and_mean_radius();
         if largest > 0.0 { self.largest(|pair| pair.pull(largest).range).max(0.0) } else { 0.0 }
     }
 
-    /// Largest value of a property over the contacts that the grains can have: of materials that no grain and no wall has there are none.
+    /// Returns the largest value of a property over the possible contacts of the grains, for materials of existing grains and walls.
     fn largest(&self, property: impl Fn(&ContactMaterial) -> f64) -> f64 {
         let mut known = [false; 256];
         self.materials[..self.grains()].iter().for_each(|&material| known[usize::from(material)] = true);
@@ -384,21 +384,21 @@ impl World {
         self.table.largest(&grains, &walls, property)
     }
 
-    /// Largest skin of a candidate list where axes are periodic, m.
+    /// Returns the largest skin of a candidate list with periodic axes, m.
     pub(crate) fn longest_reach(&self) -> f64 {
         let pair = 2.0 * self.largest_and_mean_radius().0 + self.range_of_cohesion();
         let periods = (0..3).filter(|&axis| self.period.is_periodic(axis)).map(|axis| self.period.length(axis));
         periods.fold(f64::INFINITY, |reach, period| reach.min(period / REACHES - pair))
     }
 
-    /// A bound on the stiffness, against its inertia, of every contact that the grains can have: two of the smallest grains, at
-    /// touch, made of the stiffest and least damped pair of materials that meet.
+    /// Returns an upper bound of the stiffness, relative to inertia, of all possible contacts: two of the smallest
+    /// grains, at zero overlap, of the stiffest and least damped pair of materials.
     pub fn stiffest_contact(&self) -> NormalContact<f64> {
         let grains = self.spheres[..self.grains()].iter().zip(&self.bodies);
         let (radius, inverse_mass) = grains.fold((f64::INFINITY, 0.0_f64), |(radius, inverse_mass), (sphere, body)| {
             (radius.min(sphere.radius), inverse_mass.max(body.inverse_mass))
         });
-        // Without grains there is no contact, and nothing to bound.
+        // Without grains there are no contacts, and the bound is zero.
         let bound = |largest: f64| if largest.is_finite() { largest } else { 0.0 };
         NormalContact {
             overlap: 0.0,
@@ -411,7 +411,7 @@ impl World {
     }
 }
 
-/// Moves the quad of the record at `order[i]` to the record at `i`, by way of `room`.
+/// Moves the quad of the record at `order[i]` to the record at `i`, with `room` as a buffer.
 fn reorder_quads<R: Copy + Send + Sync>(
     records: &mut [R],
     order: &[u32],

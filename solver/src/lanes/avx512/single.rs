@@ -4,13 +4,13 @@ use super::super::{Octet, SINGLE_LANES, SingleLanes, Sixteen};
 use super::{Avx512Single, join};
 use std::arch::x86_64::*;
 
-/// Matrices of four rows of four, transposed, one in each 128 bits.
+/// Transposes matrices of four rows of four, one in each 128 bits.
 ///
 /// # Safety
 /// AVX-512F.
 #[inline(always)]
 unsafe fn transposed(rows: [__m512; 4]) -> [__m512; 4] {
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     unsafe {
         let [a, b, c, d] = rows;
         let (low_a, low_c) = (_mm512_castps_pd(_mm512_unpacklo_ps(a, b)), _mm512_castps_pd(_mm512_unpacklo_ps(c, d)));
@@ -24,14 +24,14 @@ unsafe fn transposed(rows: [__m512; 4]) -> [__m512; 4] {
     }
 }
 
-/// The lanes of four bodies out of the lower halves of two octets' lanes (`UPPER` 0), or out of the upper halves: those of
-/// the first, then those of the second, by 128 bits in turn.
+/// Returns the lanes of four bodies from the lower halves of two octets' lanes (`UPPER` 0), or from the upper halves:
+/// those of the first, then those of the second, alternating by 128 bits.
 ///
 /// # Safety
 /// AVX-512F.
 #[inline(always)]
 unsafe fn merge<const UPPER: i64>(first: Avx512Single, second: Avx512Single) -> __m512 {
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     unsafe {
         let at = 4 * UPPER;
         let order = _mm512_setr_epi64(at, at + 1, at + 8, at + 9, at + 2, at + 3, at + 10, at + 11);
@@ -40,26 +40,26 @@ unsafe fn merge<const UPPER: i64>(first: Avx512Single, second: Avx512Single) -> 
     }
 }
 
-/// The rows `rows + lane` and `rows + lane + 4` of a group, in one register.
+/// Loads the rows `rows + lane` and `rows + lane + 4` of a group into one register.
 ///
 /// # Safety
-/// As for [`SingleLanes::load_octets`].
+/// The requirements of [`SingleLanes::load_octets`] apply.
 #[inline(always)]
 unsafe fn octet_rows(base: *const Octet, indices: &[u32; SINGLE_LANES], lane: usize) -> __m512 {
-    // SAFETY: the caller's promise; an octet is as large as a quad and as well aligned.
+    // SAFETY: guaranteed by the caller; an octet has the size and alignment of a quad.
     unsafe {
         let (low, high) = (base.add(indices[lane] as usize), base.add(indices[lane + 4] as usize));
         _mm512_castpd_ps(join(low.cast(), high.cast()))
     }
 }
 
-/// Writes what [`octet_rows`] reads.
+/// Writes rows in the layout of [`octet_rows`].
 ///
 /// # Safety
-/// As for [`SingleLanes::store_octets`].
+/// The requirements of [`SingleLanes::store_octets`] apply.
 #[inline(always)]
 unsafe fn put_octet_rows(base: *mut Octet, indices: &[u32; SINGLE_LANES], lane: usize, rows: __m512) {
-    // SAFETY: the caller's promise; octets are aligned to 32 bytes.
+    // SAFETY: guaranteed by the caller; octets are aligned to 32 bytes.
     unsafe {
         let rows = _mm512_castps_pd(rows);
         let (low, high) = (base.add(indices[lane] as usize), base.add(indices[lane + 4] as usize));
@@ -83,9 +83,9 @@ impl SingleLanes for Avx512Single {
 
     #[inline(always)]
     unsafe fn load_octets(base: *const Octet, indices: &[u32; SINGLE_LANES]) -> [Avx512Single; 8] {
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         unsafe {
-            // First and second four numbers of bodies 0 to 3 and of 4 to 7; and the same of 8 to 15.
+            // First and second four numbers of bodies 0 to 3 and of 4 to 7; then those of 8 to 15.
             let [a, b, c, d] = transposed([
                 octet_rows(base, indices, 0),
                 octet_rows(base, indices, 1),
@@ -113,7 +113,7 @@ impl SingleLanes for Avx512Single {
 
     #[inline(always)]
     unsafe fn store_octets(base: *mut Octet, indices: &[u32; SINGLE_LANES], octets: [Avx512Single; 8]) {
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         unsafe {
             let [x, y, z, w, p, q, r, s] = octets;
             let [a, b, c, d] = transposed([merge::<0>(x, p), merge::<0>(y, q), merge::<0>(z, r), merge::<0>(w, s)]);

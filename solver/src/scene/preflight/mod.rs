@@ -1,7 +1,7 @@
-//! Preflight checks: properties of a scene that its text alone decides, checked before a run. See `docs/scene-checks.md`.
+//! Preflight checks: properties of a scene that depend only on its text, checked before a run. See `docs/scene-checks.md`.
 //!
-//! An error is refused wherever a scene is read or simulated. A warning leaves the scene as it is. Nothing is predicted here: a deep
-//! overlap, an escaped grain or spurious energy is reported by the watchdogs ([`crate::watch`]) in the steps in which it happens.
+//! Scenes with an error are rejected when they are read or simulated. A warning does not change the scene. The checks predict nothing: the
+//! watchdogs ([`crate::watch`]) report a deep overlap, an escaped grain or spurious energy in the step of the violation.
 
 mod motion;
 mod settings;
@@ -16,14 +16,14 @@ use serde::{Deserialize, Serialize};
 pub(super) use speed::{fall_speed, longest_step_of_walls};
 use std::fmt;
 
-/// Bytes of a grain in a dense bed while it is simulated, candidate list and contacts included: `docs/memory.md`.
+/// Memory per grain in a dense bed during a simulation, candidate list and contacts included, bytes: `docs/memory.md`.
 const BYTES_PER_GRAIN: f64 = 1_000.0;
-/// Additional bytes of a grain at the process's peak, where the start is placed and frames are written: measured, 450 to 600.
+/// Additional peak memory per grain for initial placement and written frames, bytes: measured, 450 to 600.
 const BYTES_PER_GRAIN_AT_PEAK: f64 = 500.0;
-/// Bytes of a site of the lattice that a population is placed on.
+/// Memory per lattice site of a population, bytes.
 const BYTES_PER_SITE: f64 = 24.0;
 
-/// Simulation before the run begins, where the run starts from a prepared state: the table `prepare` of a document.
+/// Simulation before the run, if the run starts from a prepared state: the table `prepare` of a document.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Beforehand {
     /// Simulated time, s.
@@ -36,7 +36,7 @@ pub struct Beforehand {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Severity {
-    /// The scene cannot be simulated as written: it is refused.
+    /// The scene cannot be simulated as written and is rejected.
     Error,
     /// The scene runs; a value is unusual, has no effect, or is beyond what the step resolves.
     Warning,
@@ -62,9 +62,9 @@ impl fmt::Display for Finding {
 }
 
 impl Scene {
-    /// Runs all preflight checks. `text` is that of the scene's file, if it has one, for lines.
+    /// Runs all preflight checks. Line numbers are from `text`, the text of the scene file, if present.
     ///
-    /// Grains are placed without a check of overlaps: some tenths of a second for half a million.
+    /// Placement without an overlap check takes some tenths of a second for half a million grains.
     pub fn findings(&self, text: Option<&str>) -> Vec<Finding> {
         self.findings_after(None, text)
     }
@@ -83,18 +83,18 @@ impl Scene {
     fn warnings(&self, beforehand: Option<Beforehand>) -> Vec<Fault> {
         let mut warnings = units::faults(self);
         warnings.extend(settings::faults(self));
-        // Grains that cannot be placed are an error, which placing them reports.
+        // Failed placement is an error of `placed`, reported elsewhere.
         if let Ok(grains) = placed(self, self.seed) {
             warnings.extend(speed::faults(self, &grains, beforehand));
         }
         warnings
     }
 
-    /// Refuses values out of range, motions that are shorter than a step, and a speed-dependent restitution where the step resolves
-    /// impacts. Scenes made in code keep the same rules as those from files.
+    /// Rejects values out of range, motions that are shorter than a step, and a speed-dependent restitution if the step
+    /// resolves impacts. The rules for scenes made in code and for scenes from files are the same.
     ///
     /// # Errors
-    /// [`SceneError::Invalid`] with the first of these.
+    /// [`SceneError::Invalid`] with the first fault.
     pub fn check(&self) -> Result<(), SceneError> {
         super::check::check(self)?;
         self.check_motion(None)?;
@@ -110,7 +110,7 @@ impl Scene {
         self.check_motion(Some(beforehand))
     }
 
-    /// Refuses motions that the steps do not resolve.
+    /// Rejects motions that the steps do not resolve.
     pub(super) fn check_motion(&self, beforehand: Option<Beforehand>) -> Result<(), SceneError> {
         motion::faults(self, beforehand).into_iter().next().map_or(Ok(()), |fault| Err(fault.into()))
     }

@@ -1,4 +1,4 @@
-//! Prescribed motions against the step: one that changes within a step is not what is simulated.
+//! Checks prescribed motions against the step: a motion that changes within a step is not resolved.
 
 use super::Beforehand;
 use crate::scene::document::DocumentPath;
@@ -6,26 +6,26 @@ use crate::scene::error::{Fault, short};
 use crate::scene::{Motion, Scene};
 use std::f64::consts::TAU;
 
-/// Fewest steps of a period, of a vibration or a turn. A step moves a wall by its mean velocity: with `n` steps a period the largest
-/// velocity is `sin(pi/n) n/pi` of the true one, 0.989 at 12, the largest acceleration the square of that. Measured, of a grain that
-/// bounces on a floor at three times gravity: its mean kinetic energy and height are within a tenth of what 400 steps a period give
-/// from 12 on; at 9 the height is lower by two fifths, at 4 by nine tenths.
+/// Fewest steps per period of a vibration or a rotation. A step moves a wall by its mean velocity: with `n` steps per period, the
+/// ratio of the largest velocity to the true one is `sin(pi/n) n/pi`, 0.989 at 12; for the largest acceleration the ratio is the
+/// square. Measured for a grain that bounces on a floor at three times gravity: from 12 steps on, mean kinetic energy and height
+/// are within a tenth of those at 400 steps per period; the height is lower by two fifths at 9 steps, by nine tenths at 4.
 const STEPS_A_PERIOD: f64 = 12.0;
 
-/// Share of a time by which a step that was computed from it may be longer.
+/// Relative tolerance for rounding of a step that was computed from the limit.
 const ROUNDING: f64 = 1e-9;
 
-/// Share of the largest gravity that a pulse must have to count.
+/// Smallest pulse that is checked, as a fraction of the largest gravity.
 const PULSE: f64 = 1e-3;
 
-/// A step, the time that it is taken for, and where the scene says it.
+/// Step, simulated time with this step, and path in the scene.
 struct Stepping {
     step: f64,
     until: f64,
     at: DocumentPath,
 }
 
-/// Motions that are faster than the steps of the scene resolve.
+/// Returns the faults of motions that the steps of the scene do not resolve.
 pub(super) fn faults(scene: &Scene, beforehand: Option<Beforehand>) -> Vec<Fault> {
     let solver = DocumentPath::default().key("solver").key("step");
     let mut all = vec![Stepping { step: scene.solver.step, until: scene.duration, at: solver }];
@@ -40,7 +40,7 @@ pub(super) fn faults(scene: &Scene, beforehand: Option<Beforehand>) -> Vec<Fault
     all.iter().flat_map(of_each).collect()
 }
 
-/// Longest step that all motions of a scene can be carried out with, s.
+/// Returns the longest step (s) that resolves all motions of a scene.
 pub(in crate::scene) fn longest_step(scene: &Scene) -> f64 {
     let periods = scene.wall.iter().filter_map(|wall| period(&wall.motion, scene.duration));
     let lasting =
@@ -94,12 +94,12 @@ fn gravity<'s>(scene: &'s Scene, stepping: &'s Stepping) -> impl Iterator<Item =
 }
 
 impl Stepping {
-    /// Returns true if the step is longer than what would do, s.
+    /// Returns true if the step is longer than the limit (s).
     fn misses(&self, longest: f64) -> bool {
         self.step * (1.0 - ROUNDING) > longest
     }
 
-    /// A time that is shorter than half a step, of which no step is taken.
+    /// Returns the fault of a simulated time shorter than half a step, which has no steps.
     fn nothing_moves(&self) -> Option<Fault> {
         let taken = (self.until / self.step).round() >= 1.0;
         let problem = format!("no step of {} s is taken in {} s", short(self.step), short(self.until));
@@ -108,7 +108,7 @@ impl Stepping {
 
     fn fault(&self, at: &DocumentPath, problem: String, largest: f64, or_else: &str) -> Fault {
         let key = crate::scene::error::label(&self.at.path());
-        // Rounded downwards, so that what is named does.
+        // Rounding down makes the suggested value valid.
         let digits = 10_f64.powf(largest.log10().floor() - 2.0);
         let would_do = (largest / digits).floor() * digits;
         let remedy = format!("give {key} at most {:e} s{or_else}", short(would_do).parse::<f64>().unwrap_or(would_do));
@@ -116,7 +116,7 @@ impl Stepping {
     }
 }
 
-/// Time in which a motion repeats itself, s, if it does and has begun by then.
+/// Returns the period of a motion (s), if the motion is periodic and starts before `until`.
 fn period(motion: &Motion, until: f64) -> Option<f64> {
     let (rate, start) = match *motion {
         Motion::Vibrating { amplitude, frequency, start, .. } if amplitude != [0.0; 3] => (TAU * frequency, start),
@@ -126,7 +126,7 @@ fn period(motion: &Motion, until: f64) -> Option<f64> {
     (rate > 0.0 && start < until).then(|| TAU / rate)
 }
 
-/// Times from which to which a wall moves in one way, with the key that ends it.
+/// Returns the intervals of uniform motion of a wall (start and end, s), each with the key of its end.
 fn intervals(motion: &Motion) -> Vec<(&'static str, f64, f64)> {
     match *motion {
         Motion::Translating { start, stop, .. } | Motion::Vibrating { start, stop, .. } => {
@@ -142,10 +142,10 @@ fn intervals(motion: &Motion) -> Vec<(&'static str, f64, f64)> {
     }
 }
 
-/// Gravity that changes and goes back: its samples at the steps have its mean if it lasts for two of them, since straight lines are
-/// added up exactly then.
+/// Temporary change of gravity. The samples at the steps have the mean of the pulse if its duration is at least two
+/// steps, because the sum is exact for linear interpolation.
 struct Pulse {
-    /// Of the change that is the peak.
+    /// Index of the change at the peak.
     index: usize,
     start: f64,
     lasts: f64,

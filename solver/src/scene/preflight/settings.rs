@@ -1,13 +1,13 @@
-//! Settings without effect.
+//! Checks for settings without effect.
 
 use crate::scene::document::DocumentPath;
 use crate::scene::error::{Fault, short};
 use crate::scene::{Motion, Scene, SolverMethod, SolverSettings};
 
-/// Largest difference of the duration and a whole number of steps, over the duration, that is not reported.
+/// Largest unreported difference between the duration and a whole number of steps, over the duration.
 const UNEVEN: f64 = 0.01;
 
-/// Reports settings that the method ignores, motions that never happen, and a duration that is not a whole number of steps.
+/// Reports settings that the method ignores, motions that never start, and a duration that is not a whole number of steps.
 pub(super) fn faults(scene: &Scene) -> Vec<Fault> {
     let root = DocumentPath::default();
     let mut faults = Vec::new();
@@ -63,7 +63,7 @@ pub(super) fn faults(scene: &Scene) -> Vec<Fault> {
         );
         faults.push(root.key("duration").fault(problem, "give a duration that is, or a smaller solver.step"));
     }
-    // Straight lines lead to each change from the one before.
+    // Gravity is linear between consecutive changes.
     let before = std::iter::once(0.0).chain(scene.gravity_changes.iter().map(|change| change.time));
     if let Some((index, _)) =
         before.enumerate().take(scene.gravity_changes.len()).find(|(_, time)| *time >= scene.duration)

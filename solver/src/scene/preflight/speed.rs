@@ -1,4 +1,4 @@
-//! Stated speeds compared with the step and with `restitution_threshold`: velocities of the start and prescribed motions of walls.
+//! Checks of stated speeds against the step and `restitution_threshold`: initial velocities and prescribed motions of walls.
 
 use super::Beforehand;
 use crate::laws::compliance::{NormalContact, NormalScheme, damping_ratio, effective_radius};
@@ -10,9 +10,9 @@ use nalgebra::Vector3;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
-/// Largest path of a wall in a step, over the smallest radius: a grain that it drives passes no other one.
+/// Largest displacement of a wall per step, over the smallest radius: a driven grain does not pass another grain.
 const DIAMETER: f64 = 2.0;
-/// Smallest speed of an impact, over g h, whose bounce the step shows.
+/// Smallest impact speed, over g h, with a resolved bounce.
 const VISIBLE: f64 = 5.0;
 
 /// Reports motion above a diameter per step, and impacts that are all below the restitution threshold.
@@ -71,7 +71,7 @@ fn passing(grains: &[Grain], step: f64) -> Option<(usize, usize)> {
     let velocities: Vec<Vector3<f64>> = grains.iter().map(velocity).collect();
     let mean = velocities.iter().sum::<Vector3<f64>>() / grains.len().max(1) as f64;
     let smallest = smallest_radius(grains);
-    // One of two that are so fast is half as fast against the mean.
+    // At least one of two such grains moves at half the relative speed against the mean.
     let fast = (0..grains.len()).filter(|&grain| (velocities[grain] - mean).norm() * step > smallest);
     fast.into_iter().find_map(|first| {
         let passes = |&second: &usize| {
@@ -82,9 +82,9 @@ fn passing(grains: &[Grain], step: f64) -> Option<(usize, usize)> {
     })
 }
 
-/// Reports a scene in which no grain can meet what is at rest at `restitution_threshold` or faster, though the step would show its bounce.
+/// Reports a scene with no impact at `restitution_threshold` or faster on bodies at rest, although the step would resolve the bounce.
 ///
-/// The bound is the speed at the end of a fall from the start through the whole domain. It is unknown where walls move or gravity changes.
+/// The bound is the speed after a fall from the start through the whole domain. The bound is unknown if walls move or gravity changes.
 fn below_threshold(scene: &Scene, grains: &[Grain]) -> Option<Fault> {
     let unknown = scene.wall.iter().any(|wall| wall.motion != Motion::Fixed) || !scene.gravity_changes.is_empty();
     if unknown || scene.material.values().all(|material| material.restitution == 0.0) {
@@ -106,10 +106,10 @@ fn below_threshold(scene: &Scene, grains: &[Grain]) -> Option<Fault> {
     })
 }
 
-/// Bounds the speed (m/s) that a grain reaches by falling through the domain.
+/// Returns an upper bound of the speed (m/s) of a grain after a fall through the domain.
 pub(in crate::scene) fn fall_speed(scene: &Scene, grain: &Grain) -> f64 {
     let period = scene.domain.period();
-    // Energy per mass that gravity gives on the way to the lowest corner of the domain.
+    // Energy per mass that a fall to the lowest corner of the domain adds.
     let energy = (0..3).filter(|&axis| scene.gravity[axis] != 0.0).map(|axis| {
         let corner = if scene.gravity[axis] < 0.0 { scene.domain.min } else { scene.domain.max };
         let energy = scene.gravity[axis] * (corner[axis] - grain.position[axis]);
@@ -134,16 +134,16 @@ fn floor(value: f64) -> f64 {
     format!("{:.0e}", (value / scale).floor() * scale).parse().unwrap_or(value)
 }
 
-/// Walls that can drive a grain into others, by their index, with their largest speed in the domain (m/s).
+/// Returns the indices of the walls that can drive a grain into others, with their largest speed in the domain (m/s).
 ///
-/// The distance of grains from the axis of a plane that turns is unknown.
+/// The distance of grains from the axis of a rotating plane is unknown.
 fn driving<'s>(scene: &'s Scene, grains: &[Grain]) -> impl Iterator<Item = (usize, f64)> + 's {
     let endless = |wall: &Wall| matches!((&wall.shape, &wall.motion), (Shape::Plane { .. }, Motion::Rotating { .. }));
     let walls = scene.wall.iter().enumerate().take(if grains.len() < 2 { 0 } else { usize::MAX });
     walls.filter(move |(_, wall)| !endless(wall)).map(|(index, wall)| (index, fastest(scene, wall)))
 }
 
-/// Returns the largest speed of a wall's points in the domain within the scene's time, m/s.
+/// Returns the largest speed (m/s) of the points of a wall in the domain within the simulated time.
 fn fastest(scene: &Scene, wall: &Wall) -> f64 {
     let began = |start: f64| start < scene.duration;
     match wall.motion {
@@ -160,7 +160,7 @@ fn fastest(scene: &Scene, wall: &Wall) -> f64 {
     }
 }
 
-/// Bounds the distance (m) of a shape's points in the domain from an axis; `arm` gives that of a point.
+/// Returns an upper bound of the distance (m) between the points of a shape in the domain and an axis; `arm` returns the distance of a point.
 fn furthest(scene: &Scene, shape: &Shape, arm: impl Fn(Vector3<f64>) -> f64) -> f64 {
     let corners = |min: &[f64; 3], max: &[f64; 3]| {
         let corner =
@@ -185,7 +185,7 @@ fn furthest(scene: &Scene, shape: &Shape, arm: impl Fn(Vector3<f64>) -> f64) -> 
 }
 
 impl Scene {
-    /// The largest grains are the softest against their inertia, and the slowest impacts that matter the longest.
+    /// The largest grains have the lowest stiffness relative to their inertia, and the slowest impacts with restitution last longest.
     pub(super) fn resolved_impact(&self) -> Option<Fault> {
         if self.solver.normal_law == NormalLaw::Rigid {
             return None;
@@ -204,8 +204,8 @@ impl Scene {
         pairs.into_iter().find_map(|((first, radius), (second, other))| self.resolved(first, *radius, second, *other))
     }
 
-    /// Speed (m/s) from which on an impact that the step does not resolve has its restitution: see [`SolverSettings::slowest_impact`],
-    /// here with the mean of the radii that the scene gives.
+    /// Returns the approach speed (m/s) above which an unresolved impact has restitution, see
+    /// [`SolverSettings::slowest_impact`], for the mean of the radii in the scene.
     ///
     /// [`SolverSettings::slowest_impact`]: crate::scene::SolverSettings::slowest_impact
     pub fn slowest_impact(&self) -> f64 {
@@ -215,7 +215,7 @@ impl Scene {
         self.solver.slowest_impact(sum / f64::max(count, 1.0), self.largest_gravity())
     }
 
-    /// The fault of impacts of a grain of a radius (m) and another one, or a wall.
+    /// Returns the fault of impacts between a grain of a radius (m) and another grain or a wall.
     fn resolved(&self, first: &str, radius: f64, second: &str, other: Option<f64>) -> Option<Fault> {
         let pair = self.contact_coefficients(first, second, other.is_none());
         if !pair.restitution_speed.is_finite() {
@@ -234,7 +234,7 @@ impl Scene {
         let both = softness(one.poisson_ratio, one.youngs_modulus) + softness(two.poisson_ratio, two.youngs_modulus);
         let inverse_mass =
             |density: f64, radius: f64| 0.75 / (std::f64::consts::PI * density * radius * radius * radius);
-        // What closes slower is at rest.
+        // A slower contact is at rest.
         let speed = pair.restitution_speed.max(scheme.restitution_threshold);
         let impact = NormalContact {
             overlap: 0.0,
@@ -257,7 +257,7 @@ impl Scene {
         })
     }
 
-    /// Place in the scene of the speed of a pair.
+    /// Returns the path in the scene of the restitution speed of a pair.
     fn says_restitution_speed(&self, first: &str, second: &str) -> Vec<Step> {
         let names =
             |rule: &[String; 2]| (rule[0] == first && rule[1] == second) || (rule[0] == second && rule[1] == first);

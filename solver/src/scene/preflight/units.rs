@@ -1,7 +1,7 @@
-//! Values that no known granular material has: most often a value in another unit than the SI unit that the key has.
+//! Checks for values that no known granular material has: most often a value in a unit other than the SI unit of the key.
 //!
-//! Each bound is that of a material or a machine that exists, so that a value beyond it is either in other units or of a thought
-//! experiment. The scene runs all the same.
+//! Each bound is that of an existing material or machine, so that a value beyond the bound is either in other units or
+//! of a thought experiment. The scene runs nevertheless.
 
 use crate::scene::document::DocumentPath;
 use crate::scene::error::{Fault, short};
@@ -19,12 +19,12 @@ const GRAMS_PER_CUBIC_CENTIMETRE: f64 = 1e3;
 const DIAMOND: f64 = 1.22e12;
 /// Young's modulus of hydrogel beads, Pa.
 const HYDROGEL: f64 = 1e4;
-/// Largest coefficient of friction that is measured between dry solids: clean metals in vacuum, rubber.
+/// Largest measured coefficient of friction between dry solids: clean metals in vacuum, rubber.
 const STICKIEST: f64 = 4.0;
 /// Largest acceleration of geotechnical centrifuges, m/s2. Gravity of the Earth in mm/s2 is twice this number.
 const CENTRIFUGE: f64 = 5_000.0;
 
-/// Findings on values that no known material or machine has.
+/// Returns the findings on values that no known material or machine has.
 pub(super) fn faults(scene: &Scene) -> Vec<Fault> {
     let root = DocumentPath::default();
     let mut faults: Vec<Fault> = sizes(scene).into_iter().collect();
@@ -45,7 +45,7 @@ pub(super) fn faults(scene: &Scene) -> Vec<Fault> {
     faults
 }
 
-/// The first population or grain whose size is none of a grain in metres; one of many is enough.
+/// Returns the fault of the first population or grain with an implausible size in metres; one fault is enough.
 fn sizes(scene: &Scene) -> Option<Fault> {
     let root = DocumentPath::default();
     let populations = scene
@@ -75,7 +75,7 @@ fn sizes(scene: &Scene) -> Option<Fault> {
     })
 }
 
-/// Least and largest radius of a distribution, m.
+/// Returns the smallest and largest radius of a distribution, m.
 fn range(distribution: &RadiusDistribution) -> [f64; 2] {
     match distribution {
         RadiusDistribution::Fixed { value } => [*value; 2],
