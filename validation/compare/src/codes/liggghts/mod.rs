@@ -79,7 +79,7 @@ fn write_input(job: &Job<'_>) -> Result<(Plan, Turn), CodeError> {
     let deck = deck(&scene, &grains, &walls, &plan, &palette);
     let deck = deck.map_err(|reason| CodeError::Unsupported { code: NAME, reason })?;
     let mut contacts = vec!["pairs.dump".to_string()];
-    contacts.extend(walls.are_told().then(|| "walls.dump".into()));
+    contacts.extend(walls.are_dumped().then(|| "walls.dump".into()));
     // The local computes have no column names.
     let numbers: Vec<usize> = walls.meshes.iter().map(|(wall, _)| *wall).collect();
     let list = |names: &str| names.split(',').map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", ");
@@ -132,7 +132,7 @@ fn deck(
         rolling => pairs.iter().map(|pair| pair.map_or(0.0, |pair| pair.rolling_friction)).collect::<Vec<_>>(),
         meshes => meshes.collect::<Vec<_>>(),
         primitives => primitives.collect::<Vec<_>>(),
-        tables => tables(walls.are_told()),
+        tables => tables(walls.are_dumped()),
         pieces => pieces(scene, walls, plan),
     };
     Ok(render(include_str!("deck.in"), context! { ..own, ..values(scene, grains, plan, walls.purpose) }))
@@ -357,7 +357,7 @@ impl Walls {
     }
 
     /// Returns true if the contacts of the walls are dumped.
-    pub fn are_told(&self) -> bool {
+    pub fn are_dumped(&self) -> bool {
         self.purpose == Purpose::Measuring && !self.meshes.is_empty()
     }
 }
