@@ -136,7 +136,12 @@ pub fn open(mark: [u8; 8], bytes: &[u8]) -> Result<&[u8], String> {
 
 /// Hash that identifies a text or a state: FNV-1a, 64 bits (G. Fowler, L. C. Noll, K.-P. Vo).
 pub fn checksum(bytes: &[u8]) -> u64 {
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3))
+    checksum_after(0xcbf2_9ce4_8422_2325, bytes)
+}
+
+/// Continues a [`checksum`] with further bytes.
+pub fn checksum_after(before: u64, bytes: &[u8]) -> u64 {
+    bytes.iter().fold(before, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3))
 }
 
 /// Suffix of the name of a temporary file; a number follows.

@@ -1,7 +1,7 @@
 //! Observables over time as CSV, one row per frame.
 
 use super::{WriteError, write_whole};
-use makadam::checkpoint::sync_file;
+use makadam::checkpoint::{checksum, checksum_after, sync_file};
 use rustix::fs::OFlags;
 use serde::{Deserialize, Serialize};
 use std::fs::{File, OpenOptions};
@@ -28,6 +28,8 @@ pub struct TableWritten {
     pub rows: u64,
     /// Length of the file, bytes.
     pub length: u64,
+    /// Checksum of the file.
+    pub checksum: u64,
 }
 
 impl TimeTable {
@@ -36,7 +38,7 @@ impl TimeTable {
         let names = line(columns);
         write_whole(path, &names)?;
         let columns = columns.iter().map(ToString::to_string).collect();
-        let written = TableWritten { columns, rows: 0, length: names.len() as u64 };
+        let written = TableWritten { columns, rows: 0, length: names.len() as u64, checksum: checksum(&names) };
         Ok(TimeTable { path: path.to_path_buf(), file: open_to_grow(path)?, written })
     }
 
@@ -51,6 +53,7 @@ impl TimeTable {
         if !written.columns.iter().eq(names.iter().take(written.columns.len())) {
             return Err(does_not_fit(path, "its columns are others"));
         }
+        let expected = written.clone();
         let mut table = TimeTable { path: path.to_path_buf(), file, written };
         if names.len() == table.written.columns.len() {
             let (length, least) = (table.file.metadata().map_err(refused)?.len(), table.written.length);
@@ -60,11 +63,11 @@ impl TimeTable {
             table.file.set_len(least).map_err(refused)?;
         } else {
             // The table has gained columns since.
-            let TableWritten { rows, length, .. } = table.written;
             table.rewrite()?;
-            if (table.written.rows, table.written.length) != (rows, length) {
-                return Err(does_not_fit(path, "its rows are others"));
-            }
+        }
+        table.written.checksum = checksum(&std::fs::read(path).map_err(refused)?);
+        if table.written != expected {
+            return Err(does_not_fit(path, "its rows are others"));
         }
         Ok(table)
     }
@@ -98,6 +101,7 @@ impl TimeTable {
         })?;
         self.written.rows += 1;
         self.written.length += row.len() as u64;
+        self.written.checksum = checksum_after(self.written.checksum, &row);
         Ok(())
     }
 
@@ -116,7 +120,7 @@ impl TimeTable {
         }
         write_whole(&self.path, &new)?;
         self.file = open_to_grow(&self.path)?;
-        (self.written.rows, self.written.length) = (counted, new.len() as u64);
+        (self.written.rows, self.written.length, self.written.checksum) = (counted, new.len() as u64, checksum(&new));
         Ok(())
     }
 

@@ -51,3 +51,18 @@ fn a_table_goes_on_from_before_rows_and_columns_that_came_later() {
     std::fs::write(&path, "time\n").unwrap();
     assert!(TimeTable::go_on(&path, written).err().unwrap().to_string().contains("5 of 9 bytes"));
 }
+
+#[test]
+fn an_altered_row_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("table.csv");
+    let mut table = TimeTable::create(&path, &["time"]).unwrap();
+    table.push(row(&[("time", 0.25)])).unwrap();
+    let written = table.written().clone();
+    let text = std::fs::read_to_string(&path).unwrap();
+    std::fs::write(&path, text.replace("0.25", "0.75")).unwrap();
+    let message = TimeTable::go_on(&path, written.clone()).err().unwrap().to_string();
+    assert!(message.contains("table.csv") && message.contains("rows are others"), "{message}");
+    std::fs::write(&path, text).unwrap();
+    assert_eq!(*TimeTable::go_on(&path, written.clone()).unwrap().written(), written);
+}

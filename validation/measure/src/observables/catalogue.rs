@@ -138,8 +138,8 @@ pub fn page() -> String {
          contacts or grains; the *bulk* is what lies at least two mean diameters from walls and free surface (one, where fewer than 50 \
          grains would be left). Every number follows from positions, velocities and contacts alone, by one code for every simulator.\n\n\
          The value of a run is the mean over the measured frames, for `largest_overlap` and `coulomb_excess` the maximum. It equals that of \
-         the columns of `observables.csv`. Angles, the flowing layer, Lacey's index in drums and discharge use all measured frames \
-         together; the table has the values of single frames. Gravity and walls are those of the time of the frame.\n\n\
+         the columns of `observables.csv`. Angles, thickness and speed of the flowing layer, Lacey's index in drums and discharge use \
+         all measured frames together; the table has the values of single frames. Gravity and walls are those of the time of the frame.\n\n\
          The free surface is the outline of the bed in a drum, a level where the bed is level between walls, otherwise the outline of a \
          heap, averaged over azimuth. Without gravity there is none, and grains must fill the space between the walls. Packing fraction, \
          coordination and contact forces are not measured if the bulk holds a hole: a point farther than a mean diameter from the surface \

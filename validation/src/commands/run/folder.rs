@@ -15,7 +15,7 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 /// Magic bytes of a run's checkpoint; the last byte is the format version.
-const RUN: [u8; 8] = *b"mkd-run\x05";
+const RUN: [u8; 8] = *b"mkd-run\x06";
 
 #[derive(Serialize, Deserialize)]
 pub(super) struct Checkpoint {
