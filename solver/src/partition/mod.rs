@@ -81,7 +81,7 @@ pub struct Layout {
     /// Tasks with candidates, stage after stage, replaced by `Layout::replan`.
     pub plan: Plan,
     /// Lane groups of every possible task by its number ([`PlannedTask::number`]), at least of every planned task.
-    /// Those of a box are contiguous, so that a box with an unchanged number reuses its memory.
+    /// Groups of a box are contiguous, so that a box with an unchanged number reuses its memory.
     pub groups: Vec<TaskGroups>,
     /// Number of boxes in the plan; earlier plans may have had more.
     pub(crate) boxes: usize,

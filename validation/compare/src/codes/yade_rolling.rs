@@ -6,7 +6,7 @@
 //! radius, so the mean radius there is 1.5 R and the effective one is R. (A `hertzian` facet has an infinite radius, which
 //! would lock rolling; without it contacts with facets have sqrt(2/3) of the stiffness of a flat wall.)
 //!
-//! Where the normal force is zero, as at the end of a damped impact, YADE treats a cap of zero as no cap, and the spring continues to turn.
+//! At zero normal force, as at the end of a damped impact, YADE treats a cap of zero as no cap, and the spring continues to turn.
 //! A grain that hits another at 1 m/s with a spin of 50 rad/s loses twice the amount that the cap allows. Permanent contacts are not
 //! affected.
 //!

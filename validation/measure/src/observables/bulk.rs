@@ -28,7 +28,7 @@ const FEWEST: usize = 50;
 
 /// Tolerance of the border, in diameters: for lengths that are multiples of each other, points lie on the border, and
 /// rounding would decide their side.
-const HAIR: f64 = 1e-9;
+const BORDER_TOLERANCE: f64 = 1e-9;
 
 /// Bulk of the bed of one frame.
 pub struct Bulk {
@@ -37,7 +37,7 @@ pub struct Bulk {
     /// Flags of the grains in the bulk, in the order of the frame's table.
     pub inside: Vec<bool>,
     /// Tolerance for points on the border, m.
-    hair: f64,
+    tolerance: f64,
     surface: FreeSurface,
 }
 
@@ -77,8 +77,12 @@ impl Bulk {
     /// Finds the bulk below a surface, at the distance that the number of grains permits.
     fn below(surface: FreeSurface, view: &View<'_>) -> Result<Bulk, String> {
         let (setting, grains) = (view.setting, &view.frame.particles);
-        let mut bulk =
-            Bulk { inset: 2.0 * setting.diameter, inside: Vec::new(), hair: HAIR * setting.diameter, surface };
+        let mut bulk = Bulk {
+            inset: 2.0 * setting.diameter,
+            inside: Vec::new(),
+            tolerance: BORDER_TOLERANCE * setting.diameter,
+            surface,
+        };
         let count = |inside: &[bool]| inside.iter().filter(|inside| **inside).count();
         bulk.inside = bulk.find(view);
         if count(&bulk.inside) < FEWEST {
@@ -106,19 +110,19 @@ impl Bulk {
     /// Finds the grains with centres in the bulk.
     fn find(&self, view: &View<'_>) -> Vec<bool> {
         let is_inside = |(grain, distance): (&Particle, &f64)| {
-            *distance >= self.inset - self.hair && self.is_covered(&grain.position.into())
+            *distance >= self.inset - self.tolerance && self.is_covered(&grain.position.into())
         };
         view.frame.particles.iter().zip(view.wall_distances()).map(is_inside).collect()
     }
 
     /// Returns true for a point in the bulk.
     pub fn contains(&self, walls: &PlacedWalls, point: &Vector3<f64>) -> bool {
-        walls.distance(point) >= self.inset - self.hair && self.is_covered(point)
+        walls.distance(point) >= self.inset - self.tolerance && self.is_covered(point)
     }
 
     /// Returns true for a point deep enough below the free surface.
     pub fn is_covered(&self, point: &Vector3<f64>) -> bool {
-        self.surface.covers(point, self.inset - self.hair)
+        self.surface.covers(point, self.inset - self.tolerance)
     }
 
     /// Returns the height of a level free surface along the direction up, m.
