@@ -360,3 +360,19 @@ fn recording_reads_kept_recordings_and_writes_references() {
     // From then on nothing is run, the program is not even there: raw recordings are measured.
     assert_eq!(record(Some("/nowhere/liggghts")), first);
 }
+
+#[cfg(unix)]
+#[test]
+fn recording_refuses_an_unknown_version() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = tempfile::tempdir().unwrap();
+    let (scene, program) = (changed(folder.path(), "duration = 0.4", "duration = 0.1"), folder.path().join("nameless"));
+    std::fs::write(&program, "#!/bin/sh\necho built by hand\n").unwrap();
+    std::fs::set_permissions(&program, std::fs::Permissions::from_mode(0o755)).unwrap();
+    let mut command = makadam(folder.path());
+    command.arg("compare").arg(&scene).args(["--record", "--codes", "liggghts"]).env("MAKADAM_LIGGGHTS", &program);
+    let output = command.output().unwrap();
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert!(!output.status.success() && message.contains("version of LIGGGHTS is unknown"), "{message}");
+    assert!(!folder.path().join("changed-reference").exists());
+}

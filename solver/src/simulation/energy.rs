@@ -98,7 +98,7 @@ impl ContactEnergy {
         let walls = world.walls.placed(&poses);
         for wall in &candidates.walls {
             let sphere = &world.spheres[wall.body as usize];
-            let distance = walls.face(wall.surface).distance(&sphere.centre);
+            let distance = walls.distance(wall.surface, &sphere.centre);
             if distance <= (sphere.radius + range) * (1.0 + 1e-9) {
                 take(world.wall_contact(wall, distance), sphere.radius, wall.body as usize);
             }

@@ -466,7 +466,11 @@ impl PlacedWalls {
     ///
     /// The distance is negative behind a plane or a face of a box. Thin shells and discs have no back.
     pub fn distance(&self, point: &Vector) -> f64 {
-        self.distances(point).fold(f64::INFINITY, f64::min)
+        let placed = self.walls.placed(&self.poses);
+        let faces = (0..).zip(&self.walls.faces);
+        // The disc or the shell of a rim is never farther than the other points of the rim.
+        let nearest = faces.filter(|(_, face)| !matches!(face.shape, Face::Rim { .. }));
+        nearest.map(|(face, _)| placed.distance(face, point)).fold(f64::INFINITY, f64::min)
     }
 
     /// Returns the number of faces nearer to a point than `radius` (m).

@@ -43,17 +43,21 @@ pub fn close_pairs(grains: &[Particle], reach: f64) -> Vec<Pair> {
     }
 
     let mut pairs = Vec::with_capacity(4 * grains.len());
-    for (first, place) in places.iter().enumerate() {
-        let (cell, radius) = (cell_of(place), grains[first].radius);
-        let (from, to) = (cell.map(|c| c.saturating_sub(1)), cell.add_scalar(1).inf(&dims.map(|d| d - 1)));
-        for z in from.z..=to.z {
-            for y in from.y..=to.y {
-                let row = flat(Vector3::new(from.x, y, z))..=flat(Vector3::new(to.x, y, z));
-                for (second, other, other_radius) in &sorted[start[*row.start()]..start[*row.end() + 1]] {
-                    let (touch, square) = (radius + other_radius, (other - place).norm_squared());
-                    if *second > first && square < (touch + reach).powi(2) {
-                        pairs.push(Pair { first, second: *second, gap: square.sqrt() - touch });
-                    }
+    for (index, (one, place, radius)) in sorted.iter().enumerate() {
+        let cell = cell_of(place);
+        let (from, to) = (cell.x.saturating_sub(1), (cell.x + 1).min(dims.x - 1));
+        let row = |y: usize, z: usize| start[flat(Vector3::new(from, y, z))]..start[flat(Vector3::new(to, y, z)) + 1];
+        // Half of the neighbouring cells, so that each pair is found once: the rest of the row, then the rows behind it.
+        let rest = index + 1..row(cell.y, cell.z).end;
+        let behind = (cell.y + 1 < dims.y).then(|| row(cell.y + 1, cell.z));
+        let above = (cell.z + 1..dims.z.min(cell.z + 2))
+            .flat_map(|z| (cell.y.saturating_sub(1)..dims.y.min(cell.y + 2)).map(move |y| (y, z)));
+        for range in std::iter::once(rest).chain(behind).chain(above.map(|(y, z)| row(y, z))) {
+            for (other, other_place, other_radius) in &sorted[range] {
+                let (touch, square) = (radius + other_radius, (other_place - place).norm_squared());
+                if square < (touch + reach).powi(2) {
+                    let gap = square.sqrt() - touch;
+                    pairs.push(Pair { first: *one.min(other), second: *one.max(other), gap });
                 }
             }
         }

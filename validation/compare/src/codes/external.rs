@@ -6,7 +6,7 @@
 
 use super::input::stl;
 use super::process::{Run, check_pattern, io, locate};
-use super::{Code, CodeError, CodeName, Job, starting_grains, write_files};
+use super::{Code, CodeError, CodeName, Job, UNKNOWN_VERSION, starting_grains, write_files};
 use makadam::scene::{Grain, Reaction};
 use makadam::snapshot::Particle;
 use makadam_frames::import::{FilePattern, ImportError, Manifest, Tables, assemble, unlike};
@@ -105,7 +105,7 @@ impl External {
         // Names of codes live as long as the program; one program tests one code.
         let name = description.name.as_deref().unwrap_or("frames");
         let name = Box::leak(shown(name, false).into_owned().into_boxed_str());
-        let version = description.version.clone().unwrap_or_else(|| "unknown".into());
+        let version = description.version.clone().unwrap_or_else(|| UNKNOWN_VERSION.into());
         External { name, version, description, here, folders }
     }
 

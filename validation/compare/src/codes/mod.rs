@@ -60,11 +60,14 @@ pub struct Job<'a> {
     pub progress: &'a (dyn Fn(f64) + Sync),
 }
 
+/// Version of a code that does not tell its version.
+pub const UNKNOWN_VERSION: &str = "unknown";
+
 /// Code that can simulate a scene.
 pub trait Code: Sync {
     /// Name, such as "Makadam" or "YADE".
     fn name(&self) -> &'static str;
-    /// Version, or `None` if the code is not installed.
+    /// Version, [`UNKNOWN_VERSION`], or `None` if the code is not installed.
     fn version(&self) -> Option<String>;
     /// Contact law in the input of the code; empty where the code has a single law. Runs with different laws are never mixed.
     fn contact_law(&self) -> &'static str {

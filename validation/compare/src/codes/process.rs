@@ -3,7 +3,7 @@
 //! On a busy machine wall time depends on other processes. The time of a run is the processor time of its stepping on one core, for every code.
 //! It is the wall time of the stepping, without set-up and output, times the fraction of a core that the run got.
 
-use super::CodeError;
+use super::{CodeError, UNKNOWN_VERSION};
 use makadam_frames::output::shown;
 use rustix::process::{Pid, Signal, kill_process_group};
 use std::ffi::{OsStr, OsString};
@@ -31,11 +31,11 @@ pub(super) struct Program {
 }
 
 impl Program {
-    /// Returns the version that `version_in` finds in the output for these arguments, else "unknown"; none if the program is missing.
+    /// Returns the version that `version_in` finds in the output for these arguments, else [`UNKNOWN_VERSION`]; none if the program is missing.
     pub fn version(&self, arguments: &[&str], version_in: impl Fn(&str) -> Option<&str>) -> Option<String> {
         let ask = || {
             let words = first_words(&self.path, arguments)?;
-            Some(shown(version_in(&words).unwrap_or("unknown"), false).into_owned())
+            Some(shown(version_in(&words).unwrap_or(UNKNOWN_VERSION), false).into_owned())
         };
         self.version.get_or_init(ask).clone()
     }

@@ -1,7 +1,7 @@
 //! Recording: runs of reference codes are measured and replace those in a scene's references.
 
 use super::{CodeRuns, Reference, ReferenceError, Runs, distinct};
-use crate::codes::{Code, CodeError};
+use crate::codes::{Code, CodeError, UNKNOWN_VERSION};
 use makadam_frames::output::WriteError;
 use makadam_frames::plan::{MeasuredScene, physics_hash};
 use makadam_measure::statistics::Ensemble;
@@ -46,13 +46,20 @@ pub enum RecordError {
 /// scene's registered seeds count, else as many as are recorded, and at least [`FEW_SEEDS`]. `warn` receives a sentence per failed run.
 ///
 /// # Errors
-/// [`RecordError::Reference`] or [`RecordError::Write`] if the references cannot be read or written.
+/// [`RecordError::Refused`] for a code of unknown version, before any run; [`RecordError::Reference`] or [`RecordError::Write`] if the
+/// references cannot be read or written.
 pub fn record(
     codes: &[Box<dyn Code>],
     runs: &Runs<'_>,
     seeds: Option<u64>,
     warn: &dyn Fn(&str),
 ) -> Result<Recorded, RecordError> {
+    if let Some(code) = codes.iter().find(|code| code.version().as_deref() == Some(UNKNOWN_VERSION)) {
+        return Err(RecordError::Refused(format!(
+            "the version of {} is unknown, and references name the version that they are from; give a program that prints its version",
+            code.name()
+        )));
+    }
     let folder = Reference::folder(runs.scene_file);
     let before = Reference::load(&folder)?.unwrap_or_default();
     let seeds = seeds.or(runs.scene.measure.seeds).unwrap_or_else(|| before.seeds().max(FEW_SEEDS));

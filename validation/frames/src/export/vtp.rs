@@ -103,7 +103,43 @@ pub(crate) fn encode(part: &Part) -> Vec<u8> {
     [file.text.as_bytes(), &file.appended, b"\n</AppendedData>\n</VTKFile>\n"].concat()
 }
 
-/// VTP file during writing.
+/// Columns over the nodes of a regular grid.
+pub(super) struct ImageData<'a> {
+    /// Simulated time, s.
+    pub time: f64,
+    /// First node, m.
+    pub origin: [f64; 3],
+    /// Distances of the nodes along the axes, m.
+    pub spacing: [f64; 3],
+    /// Numbers of nodes along the axes.
+    pub counts: [usize; 3],
+    /// Columns, the first axis fastest.
+    pub columns: &'a [Column],
+}
+
+impl ImageData<'_> {
+    /// Returns the bytes of a VTI file.
+    pub fn encode(&self) -> Vec<u8> {
+        let mut file = File { text: String::new(), appended: Vec::new() };
+        let list = |numbers: [f64; 3]| numbers.map(|number| number.to_string()).join(" ");
+        let [x, y, z] = self.counts.map(|count| count - 1);
+        let extent = format!("0 {x} 0 {y} 0 {z}");
+        let _ = writeln!(
+            file.text,
+            "<?xml version=\"1.0\"?>\n<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\" \
+             compressor=\"vtkZLibDataCompressor\">\n<ImageData WholeExtent=\"{extent}\" Origin=\"{}\" Spacing=\"{}\">\n<FieldData>",
+            list(self.origin),
+            list(self.spacing)
+        );
+        file.column(&Column::new("TimeValue", DOUBLE, [self.time]), true);
+        let _ = writeln!(file.text, "</FieldData>\n<Piece Extent=\"{extent}\">\n<PointData>");
+        self.columns.iter().for_each(|column| file.column(column, false));
+        file.text += "</PointData>\n</Piece>\n</ImageData>\n<AppendedData encoding=\"raw\">\n_";
+        [file.text.as_bytes(), &file.appended, b"\n</AppendedData>\n</VTKFile>\n"].concat()
+    }
+}
+
+/// XML file during writing.
 struct File {
     text: String,
     /// Bytes after the document.

@@ -349,7 +349,7 @@ impl FrameTables {
 
     /// Returns both ends of the line of each contact, m: the centre of the first grain, and the centre of the second grain or of its nearest
     /// image, or the contact point on a wall.
-    fn ends(&self, frame: &Snapshot) -> Vec<[[f64; 3]; 2]> {
+    pub fn ends(&self, frame: &Snapshot) -> Vec<[[f64; 3]; 2]> {
         let period = self.scene.domain.period();
         let centre = |id: u32| Vector::from(frame.particles[id as usize].position);
         let contacts = frame.contacts.iter();

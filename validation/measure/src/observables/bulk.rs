@@ -168,9 +168,9 @@ impl Outline {
             let corners = || pieces.iter().flat_map(|(piece, _)| piece);
             let centre =
                 [0, 1].map(|axis| corners().map(|corner| corner[axis]).sum::<f64>() / corners().count() as f64);
-            let radius = corners().map(|[x, y]| (x - centre[0]).hypot(y - centre[1])).fold(0.0, f64::max);
+            let square = corners().map(|[x, y]| (x - centre[0]).powi(2) + (y - centre[1]).powi(2)).fold(0.0, f64::max);
             // Rounding must not increase the distance to a run.
-            Run { pieces: pieces.into(), centre, radius: (1.0 + 1e-9) * radius }
+            Run { pieces: pieces.into(), centre, radius: (1.0 + 1e-9) * square.sqrt() }
         };
         Outline(pieces.chunks(Outline::LENGTH).map(run).collect())
     }

@@ -53,7 +53,7 @@ fn read(view: &View<'_>, readings: &mut Readings) -> Result<(), String> {
     }
     readings.add("coordination_number", mean_over(&neighbours, &|_| true));
 
-    let held = held_grains(view);
+    let held = held_grains(view, &neighbours);
     let mut among_held = vec![0; in_bulk.len()];
     for pair in view.pairs().iter().filter(|pair| held[pair.first] && held[pair.second]) {
         among_held[pair.first] += 1;
@@ -79,8 +79,8 @@ fn read(view: &View<'_>, readings: &mut Readings) -> Result<(), String> {
     Ok(())
 }
 
-/// Returns the grains left after repeated removal of rattlers.
-fn held_grains(view: &View<'_>) -> Vec<bool> {
+/// Returns the grains left after repeated removal of rattlers, given the number of neighbours of each grain.
+fn held_grains(view: &View<'_>, neighbours: &[usize]) -> Vec<bool> {
     let grains = &view.frame.particles;
     let needed = if view.setting.properties.frictional() { 2 } else { 4 };
     let reach = TOUCHING * view.setting.diameter;
@@ -89,18 +89,20 @@ fn held_grains(view: &View<'_>) -> Vec<bool> {
         _ => 0,
     };
     let mut supports: Vec<usize> = grains.iter().zip(view.wall_distances()).map(walls).collect();
-    let mut touching = vec![Vec::new(); grains.len()];
-    for pair in view.pairs() {
-        supports[pair.first] += 1;
-        supports[pair.second] += 1;
-        touching[pair.first].push(pair.second);
-        touching[pair.second].push(pair.first);
+    supports.iter_mut().zip(neighbours).for_each(|(supports, count)| *supports += count);
+    // Neighbours of all grains in one list; those of a grain end at `ends[grain]`.
+    let mut ends: Vec<usize> =
+        neighbours.iter().scan(0, |end, count| Some(std::mem::replace(end, *end + count))).collect();
+    let mut touching = vec![0; 2 * view.pairs().len()];
+    for (grain, other) in view.pairs().iter().flat_map(|pair| [(pair.first, pair.second), (pair.second, pair.first)]) {
+        touching[ends[grain]] = other;
+        ends[grain] += 1;
     }
     let mut held = vec![true; grains.len()];
     let mut loose: Vec<usize> = (0..grains.len()).filter(|&grain| supports[grain] < needed).collect();
     loose.iter().for_each(|&grain| held[grain] = false);
     while let Some(rattler) = loose.pop() {
-        for &neighbour in touching[rattler].iter() {
+        for &neighbour in &touching[ends[rattler] - neighbours[rattler]..ends[rattler]] {
             supports[neighbour] -= 1;
             if held[neighbour] && supports[neighbour] < needed {
                 held[neighbour] = false;

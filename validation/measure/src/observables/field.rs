@@ -60,6 +60,7 @@ impl Field {
     }
 
     /// Returns the first and last column, and the first and last row, of a sphere's cells; last before first for no cells.
+    #[inline(always)]
     fn reach(&self, centre: [f64; 2], radius: f64) -> [(isize, isize); 2] {
         // Cells beyond the grid receive nothing, for any position and radius of the sphere.
         let cells = [self.columns as isize, self.rows as isize];

@@ -6,7 +6,6 @@ use super::view::View;
 use makadam::snapshot::Particle;
 use makadam_frames::plan::Observable;
 use nalgebra::Vector3;
-use std::collections::BTreeMap;
 
 pub(super) const GROUP: Group = Group {
     observable: Observable::SizeMixing,
@@ -46,13 +45,14 @@ const TWO_SIZES: f64 = 1.3;
 /// Chem. 4, 257, 1954). `None` if there are too few grains.
 pub fn lacey_index(places: impl Iterator<Item = ([f64; 3], bool)>, cell: f64) -> Option<f64> {
     // Sorted, so that sums have the same order in every run.
-    let mut cells: BTreeMap<[i64; 3], (f64, f64)> = BTreeMap::new();
-    for (place, is_marked) in places {
-        let (marked, all) = cells.entry(place.map(|x| (x / cell).floor() as i64)).or_default();
-        *marked += f64::from(u8::from(is_marked));
-        *all += 1.0;
-    }
-    let full: Vec<(f64, f64)> = cells.into_values().filter(|(_, all)| *all >= FEWEST).collect();
+    let mut grains: Vec<([i64; 3], bool)> =
+        places.map(|(place, is_marked)| (place.map(|x| (x / cell).floor() as i64), is_marked)).collect();
+    grains.sort_unstable();
+    let counts = grains.chunk_by(|(one, _), (other, _)| one == other).map(|grains| {
+        let marked = grains.iter().filter(|(_, is_marked)| *is_marked).count();
+        (marked as f64, grains.len() as f64)
+    });
+    let full: Vec<(f64, f64)> = counts.filter(|(_, all)| *all >= FEWEST).collect();
     let total: f64 = full.iter().map(|(_, all)| all).sum();
     let share = full.iter().map(|(marked, _)| marked).sum::<f64>() / total;
     let variance = full.iter().map(|(marked, all)| all * (marked / all - share).powi(2)).sum::<f64>() / total;
