@@ -98,8 +98,8 @@ impl CellGrid {
         }
     }
 
-    /// Sorts the grains of a world. Returns the old index of the grain at each new index. The order of grains within a cell is
-    /// preserved.
+    /// Sorts the grains of a world. Returns the old index of the grain at each new index. Within a cell, grains are in the order
+    /// of their ids, so that the order depends on positions and ids alone.
     pub fn sort(&mut self, world: &World, team: &Team) -> &[u32] {
         let grains = world.grains();
         let mut cell_of = std::mem::take(&mut self.cell_of);
@@ -118,7 +118,7 @@ impl CellGrid {
             }
         });
         self.cell_of = cell_of;
-        team.alone(Phase::Detect, || self.count());
+        team.alone(Phase::Detect, || self.count(&world.ids));
         &self.order
     }
 
@@ -134,8 +134,8 @@ impl CellGrid {
         number * self.cells_of_box() as u32 + self.inside(at) as u32
     }
 
-    /// Sorts by counting.
-    fn count(&mut self) {
+    /// Sorts by counting, and each cell by the ids of its grains.
+    fn count(&mut self, ids: &[u32]) {
         let cells = self.boxes.boxes() * self.cells_of_box();
         self.start.clear();
         self.start.resize(cells + 1, 0);
@@ -154,6 +154,9 @@ impl CellGrid {
         // Filling moved each start to its end: shift back.
         self.start.copy_within(0..cells, 1);
         self.start[0] = 0;
+        for ends in self.start.windows(2).filter(|ends| ends[1] > ends[0] + 1) {
+            self.order[ends[0] as usize..ends[1] as usize].sort_unstable_by_key(|&grain| ids[grain as usize]);
+        }
     }
 
     pub(super) fn memory_bytes(&self) -> usize {
