@@ -137,7 +137,6 @@ impl Frames {
         }
         let page = beside(py, || {
             self.check()?;
-            self.same_grains()?;
             let run = self.run(walls);
             let last = run.read(run.count() - 1).map_err(|error| error.to_string())?;
             let fields = fields_of(&last, fields.as_deref());
@@ -147,23 +146,6 @@ impl Frames {
         match page.map_err(refuse)?.note {
             note if note.is_empty() => Ok(()),
             note => warn(py, &format!("{}: {note}", file.display())),
-        }
-    }
-
-    /// Refuses frames of different grains: a page shows one set of grains over time.
-    fn same_grains(&self) -> Result<(), String> {
-        let radii = |frame: &'_ Snapshot| frame.particles.iter().map(|grain| grain.radius).collect::<Vec<_>>();
-        let first = radii(&self.frames[0]);
-        match self.frames.iter().find(|frame| radii(frame) != first) {
-            Some(frame) => Err(format!(
-                "the frame at {} s has other grains ({}) than that at {} s ({}), and a page shows the same grains over time; give frames \
-                 from before, or from after, grains came or went",
-                frame.time,
-                frame.particles.len(),
-                self.frames[0].time,
-                first.len()
-            )),
-            None => Ok(()),
         }
     }
 }

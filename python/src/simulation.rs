@@ -472,7 +472,7 @@ impl Simulation {
     ///     all_grains: Starts the view with all grains, including those far from the walls.
     ///
     /// Raises:
-    ///     makadam.JudgeError: The frames have different grains, lack a field, or the file cannot be written.
+    ///     makadam.JudgeError: The frames lack a field, or the file cannot be written.
     #[pyo3(signature = (file, frames=None, *, fields=None, every=None, megabytes=200.0, contacts=true, walls=true, all_grains=false))]
     #[allow(clippy::too_many_arguments)] // They have names in Python.
     fn view(

@@ -13,6 +13,7 @@
 //! A thread may read or write such an array while another one steps. Reads then return old or new numbers, and writes may be
 //! lost. This is safe: any bit pattern is valid, and no number is used as an unchecked index.
 
+use crate::errors::exception;
 use crate::shared::{HeldPairs, Shared};
 use numpy::ndarray::{ArrayView, Dimension, IntoDimension, ShapeBuilder};
 use numpy::{Element, PyArray, PyArrayMethods};
@@ -106,6 +107,11 @@ pub enum State {
 
 /// Returns a view of the grains of a simulation, rows in memory order.
 pub fn state<'py>(py: Python<'py>, shared: &Arc<Shared>, what: State) -> PyResult<Bound<'py, PyAny>> {
+    if shared.scene.plan.flows() {
+        let message =
+            "grains come and go in the steps of this scene, so that no array of them can stay; take copies: frame()";
+        return Err(exception(py, "ViewError", message));
+    }
     let writable = matches!(what, State::Positions | State::Velocities | State::ScaledSpins);
     // From here on, insertion and removal of grains are refused.
     let owner = Bound::new(py, StateOwner::of(shared, writable))?.into_any();

@@ -73,8 +73,8 @@ def test_a_page_shows_frames(filled, tmp_path):
     with pytest.raises(makadam.JudgeError, match=".html"):
         filled.view(tmp_path / "film.htmx", frames)
     filled.insert([0.03, 0.03, 0.28], 0.004)
-    with pytest.raises(makadam.JudgeError, match=r"61\) .*60\)|60\) .*61\)"):
-        filled.view(tmp_path / "wrong.html", [*frames, makadam_step(filled).frame()])
+    filled.view(tmp_path / "grown.html", [*frames, makadam_step(filled).frame()])
+    assert "4 frames" in payload(tmp_path / "grown.html")
     assert not (tmp_path / "wrong.html").exists()
 
 

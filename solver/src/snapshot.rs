@@ -20,8 +20,10 @@ use crate::effects::drive::Drive;
 use crate::effects::spring::SpringLanes;
 use crate::groups::ContactLanes;
 use crate::lanes::Eight;
+pub use crate::simulation::flow::Passed;
 use crate::simulation::swept::Struck;
 pub use crate::wall::DrivenWall;
+use crate::world::Roll;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -89,6 +91,8 @@ pub struct Origin {
     pub number: u64,
     /// Number of the material, in the order of the scene's material names.
     pub material: u8,
+    /// Index of the source in the scene; absent for grains of the scene and for grains inserted by the caller.
+    pub source: Option<u16>,
 }
 
 /// State of all grains and all contacts at a time.
@@ -105,6 +109,8 @@ pub struct Snapshot {
     /// Identities of the grains, in the order of [`Snapshot::particles`]; empty if no grain was inserted or removed, so that ids
     /// equal those of the scene's grains.
     pub origins: Vec<Origin>,
+    /// Grains that have come from sources and gone into sinks.
+    pub passed: [Passed; 2],
 }
 
 impl Simulation {
@@ -134,18 +140,19 @@ impl Simulation {
             contacts: contacts.collect(),
             driven_walls: driven.collect(),
             origins: self.origins(),
+            passed: self.passed(),
         }
     }
 
     /// Identities of the grains by id; empty if no grain was inserted or removed.
     fn origins(&self) -> Vec<Origin> {
-        let numbers = self.interventions.numbers();
-        if numbers.is_empty() {
-            return Vec::new();
-        }
-        let material = |place: u32| self.world.materials[place as usize];
+        let Roll { changed: true, numbers, sources, .. } = &self.world.roll else { return Vec::new() };
         let places = self.places_by_id().into_iter();
-        places.zip(numbers).map(|(place, &number)| Origin { number, material: material(place) }).collect()
+        let origin = |((place, &number), &source): ((u32, &u64), &u16)| {
+            let (material, source) = (self.world.materials[place as usize], source.checked_sub(1));
+            Origin { number, material, source }
+        };
+        places.zip(numbers).zip(sources).map(origin).collect()
     }
 
     fn pair_contacts(&self) -> impl Iterator<Item = Contact> + '_ {

@@ -29,13 +29,13 @@ use std::fmt;
 pub enum Trouble {
     /// A grain's position, velocity or spin is not finite.
     NotFinite {
-        /// Id of the grain.
-        grain: u32,
+        /// Permanent number of the grain.
+        grain: u64,
     },
     /// A grain overlaps its partner beyond the tolerance.
     Overlap {
-        /// Id of the grain.
-        grain: u32,
+        /// Permanent number of the grain.
+        grain: u64,
         /// Overlap over the smaller radius.
         share: f64,
         /// Tolerated value.
@@ -43,8 +43,8 @@ pub enum Trouble {
     },
     /// A grain overlaps its partner so far that its centre is inside: the direction of the contact force is no longer meaningful.
     DeepOverlap {
-        /// Id of the grain.
-        grain: u32,
+        /// Permanent number of the grain.
+        grain: u64,
         /// Overlap over the smaller radius.
         share: f64,
         /// Limit beyond which the results are invalid.
@@ -52,8 +52,8 @@ pub enum Trouble {
     },
     /// Mechanical energy has grown without a source.
     Energy {
-        /// Id of the fastest grain.
-        grain: u32,
+        /// Permanent number of the fastest grain.
+        grain: u64,
         /// Gain over the scale of [`Watch::energy`].
         share: f64,
         /// Tolerated value.
@@ -61,22 +61,22 @@ pub enum Trouble {
     },
     /// A grain has left the domain.
     Escape {
-        /// Id of the grain.
-        grain: u32,
+        /// Permanent number of the grain.
+        grain: u64,
         /// Position, m.
         position: [f64; 3],
     },
     /// A grain has crossed a wall.
     Crossing {
-        /// Id of the grain.
-        grain: u32,
+        /// Permanent number of the grain.
+        grain: u64,
         /// Number of the wall in the scene.
         wall: u32,
     },
     /// Two grains may have passed through each other.
     Passage {
-        /// Ids of the two grains.
-        grains: [u32; 2],
+        /// Permanent numbers of the two grains.
+        grains: [u64; 2],
     },
     /// No solve since the last check has come close to a solution.
     Stagnation {
@@ -179,6 +179,8 @@ pub struct Watchdog {
     settings: Watch,
     /// Number of interventions at the last observed step.
     interventions: u64,
+    /// Energy of grains that came and went by the last observed step, J.
+    flowed: f64,
     /// Number of steps at the last observed step, and at the last check.
     noted: u64,
     looked: Option<u64>,
@@ -203,6 +205,7 @@ impl Watchdog {
         Watchdog {
             settings: settings.clone(),
             interventions: simulation.interventions.count,
+            flowed: simulation.supplied_by_flow(),
             noted: simulation.steps,
             looked: None,
             gravity: simulation.world.gravity,
@@ -273,7 +276,7 @@ impl Watchdog {
             note(self.escape(simulation), self.settings.on_escape);
             let contacts = simulation.contact_energy();
             note(self.energy(simulation, &contacts), self.settings.on_energy);
-            let (overlap, reaction) = self.overlap(&contacts);
+            let (overlap, reaction) = self.overlap(simulation, &contacts);
             note(overlap, reaction);
         }
         troubles
@@ -309,19 +312,22 @@ impl Watchdog {
             (self.available, self.supplied) = (f64::INFINITY, 0.0);
         } else {
             let (world, h) = (&simulation.world, simulation.settings.step);
-            let walls_and_forces = simulation.work_of_walls() + simulation.interventions.work;
+            let flowed = simulation.supplied_by_flow() - self.flowed;
+            let walls_and_forces = simulation.work_of_walls() + simulation.interventions.work + flowed;
             self.supplied += walls_and_forces + work_of_changing_gravity(world, self.gravity, h);
         }
         (self.noted, self.gravity) = (simulation.steps, simulation.world.gravity);
         self.interventions = interventions;
+        self.flowed = simulation.supplied_by_flow();
     }
 
     /// Returns the deepest overlap, if beyond a limit, and the reaction.
-    fn overlap(&self, contacts: &ContactEnergy) -> (Option<Trouble>, Reaction) {
+    fn overlap(&self, simulation: &Simulation, contacts: &ContactEnergy) -> (Option<Trouble>, Reaction) {
         let Watch { overlap: bound, on_overlap, on_deep_overlap, .. } = self.settings;
         let Some((share, grain)) = contacts.deepest.filter(|(share, _)| *share > bound) else {
             return (None, on_overlap);
         };
+        let grain = simulation.world.roll.number(grain);
         let deep = bound.max(DEEP);
         if share > deep && on_deep_overlap != Reaction::Ignore {
             return (Some(Trouble::DeepOverlap { grain, share, bound: deep }), on_deep_overlap);
@@ -337,12 +343,12 @@ impl Watchdog {
 
     fn escape(&self, simulation: &Simulation) -> Option<Trouble> {
         let (low, high) = simulation.world.domain;
-        let outside = simulation.first_grain(|sphere, _| {
+        let (id, place) = simulation.first_grain(|sphere, _| {
             let outside = |axis: usize| sphere.centre[axis] < low[axis] || sphere.centre[axis] > high[axis];
             (0..3).any(|axis| outside(axis) && !simulation.world.period.is_periodic(axis))
         })?;
-        let position = simulation.world.spheres[simulation.places_by_id()[outside as usize] as usize].centre.into();
-        Some(Trouble::Escape { grain: outside, position })
+        let position = simulation.world.spheres[place].centre.into();
+        Some(Trouble::Escape { grain: simulation.world.roll.number(id), position })
     }
 
     /// Detects energy gain without a source.
@@ -372,7 +378,7 @@ impl Watchdog {
             let squares =
                 world.bodies[..world.grains()].iter().map(|body| body.velocity.iter().map(|v| v * v).sum::<f64>());
             let place = squares.enumerate().max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(place, _)| place);
-            world.ids.get(place).copied().unwrap_or(0)
+            world.ids.get(place).map_or(0, |&id| world.roll.number(id))
         };
         gained.then(|| Trouble::Energy { grain: fastest(), share, bound })
     }

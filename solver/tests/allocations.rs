@@ -82,6 +82,29 @@ fn steady_steps_allocate_nothing() {
         assert_eq!(total, 0, "{} in a settled packing", method.name());
     }
 
+    // Where grains come and go, a step that rebuilds no list allocates nothing. These fall without a contact.
+    let body = "[[insert]]\nmaterial = 'grain'\nradius = { kind = 'fixed', value = 0.004 }\nrate = 400\n\
+                region = { kind = 'box', min = [0, 0, 0.3], max = [0.06, 0.06, 0.309] }\n\
+                [[remove]]\nregion = { kind = 'box', min = [0, 0, 0], max = [0.06, 0.06, 0.05] }\n";
+    let text = format!(
+        "name = 'stream'\nduration = 1.0\ndomain = {{ min = [0, 0, 0], max = [0.06, 0.06, 0.4] }}\n\
+         [material.grain]\ndensity = 2500\nyoungs_modulus = 1e7\npoisson_ratio = 0.3\nfriction = 0.5\nrestitution = 0.5\n\
+         [solver]\nstep = 2e-4\nstop = {{ kind = 'sweeps', sweeps = 5 }}\n[watch]\non_escape = 'ignore'\n{body}"
+    );
+    let mut stream = Simulation::new(&Scene::parse(&text).unwrap(), 1).unwrap();
+    allocations(&mut stream, 2500);
+    let (mut quiet, mut lists) = (0, 0);
+    for _ in 0..1000 {
+        let before = stream.rebuilds();
+        let count = allocations(&mut stream, 1)[0];
+        let rebuilt = stream.rebuilds() > before;
+        quiet += u32::from(count == 0 && !rebuilt);
+        lists += u32::from(rebuilt);
+    }
+    println!("{quiet} quiet steps and {lists} lists");
+    assert!(lists > 5 && stream.passed()[1].grains > 100, "{lists} lists");
+    assert_eq!(quiet + lists, 1000, "a step without a new list allocates");
+
     // Where grains flow, lists are built all the time; their memory is found within the first of them.
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference-scenes/drum/scene.toml");
     let scene = Scene::load(&file).unwrap();

@@ -216,10 +216,14 @@ fn all() -> Scene {
     let lid = "[[wall]]\nname = 'lid'\nmaterial = 'grain'\n\
                shape = { kind = 'plane', point = [0.0, 0.0, 0.1], normal = [0.0, 0.0, -1.0] }\n\
                motion = { kind = 'force-driven', axis = [0, 0, 1], force = 0.1, mass = 0.1 }\n[[grain]]";
+    let flow = "[[insert]]\nmaterial = 'grain'\nradius = { kind = 'fixed', value = 0.01 }\nrate = 1\n\
+                region = { kind = 'box', min = [0, 0, 0.1], max = [0.1, 0.1, 0.2] }\n\
+                [[remove]]\nregion = { kind = 'box', min = [0, 0, -1], max = [1, 1, -0.9] }\n";
     let text = text(&[("", lines.into())], "")
         .replacen("gravity =", "gravity_changes = [{ time = 0.1, gravity = [0.0, 0.0, -9.0] }]\ngravity =", 1)
         .replacen("max = [1, 1, 1]", "max = [1, 1, 1], periodic = ['x']", 1)
-        .replacen("[[grain]]", &format!("motion = {{ kind = 'translating', velocity = [1, 0, 0] }}\n{lid}"), 1);
+        .replacen("[[grain]]", &format!("motion = {{ kind = 'translating', velocity = [1, 0, 0] }}\n{lid}"), 1)
+        .replacen("[[grain]]", &format!("{flow}[[grain]]"), 1);
     let mut scene = parse(&text).unwrap();
     // A fall of restitution goes with rigid contacts, viscosity with the others; nothing is simulated here.
     scene.solver.normal_law = makadam::NormalLaw::Hertz;

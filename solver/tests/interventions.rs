@@ -199,9 +199,12 @@ fn every_intervention_is_in_the_ledger() {
     steps(&mut simulation, 50);
     check(&simulation, "steps after it was written");
     simulation.insert(&scene, &[grain([0.03, 0.03, 0.28])]).unwrap();
-    let inserted = check(&simulation, "inserted");
+    check(&simulation, "inserted");
+    // The next list finds the overlaps of contacts that have not borne an impulse yet.
+    simulation.step();
+    let inserted = check(&simulation, "a step after the insertion");
     assert!((inserted - written - mass() * 9.81 * 0.28).abs() < 1e-12);
-    steps(&mut simulation, 50);
+    steps(&mut simulation, 49);
     check(&simulation, "steps after the insertion");
     simulation.remove(&[0, 5, 80]).unwrap();
     check(&simulation, "removed");

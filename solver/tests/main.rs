@@ -15,6 +15,7 @@ mod driven_walls;
 mod effect_combinations;
 mod effects_catalogue;
 mod empty_domain;
+mod flow;
 mod front_door;
 mod golden;
 mod gravity;

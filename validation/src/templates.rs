@@ -17,7 +17,7 @@ macro_rules! templates {
     };
 }
 
-templates!["box", "drum", "heap", "mixer", "shaker", "silo"];
+templates!["box", "drum", "heap", "mixer", "shaker", "silo", "stream"];
 
 /// Returns the template of a name.
 pub fn template(name: &str) -> Option<&'static Template> {

@@ -11,7 +11,7 @@ use crate::lanes::{Available, LANES};
 use crate::partition::{BoxGrid, DIRECTIONS, Layout, Plan, PlannedTask};
 use crate::schedule::{Disjoint, Each, Phase, Team};
 use crate::wall::Pose;
-use crate::world::{World, chunk, chunks};
+use crate::world::{GONE, Moves, World, chunk, chunks};
 use nalgebra::Vector3;
 use std::ops::Range;
 use std::sync::Mutex;
@@ -100,9 +100,10 @@ struct Buffers {
 }
 
 impl Candidates {
-    /// Creates an empty list for the given number of grains; `skin` in m, `step` in s; `torques` if contacts transmit torques.
-    pub fn new(boxes: &BoxGrid, world: &World, skin: f64, step: f64, torques: bool) -> Candidates {
-        let (grains, (largest_radius, _)) = (world.grains(), world.largest_and_mean_radius());
+    /// Creates an empty list for boxes that were chosen for the given number of grains; `skin` in m, `step` in s; `torques` if
+    /// contacts transmit torques.
+    pub fn new(boxes: &BoxGrid, world: &World, grains: usize, skin: f64, step: f64, torques: bool) -> Candidates {
+        let (largest_radius, _) = world.largest_and_mean_radius();
         let range = world.range_of_cohesion();
         let skin = skin + range;
         Candidates {
@@ -134,6 +135,37 @@ impl Candidates {
     /// Returns the centres of the grains in memory order (m) and the simulated time (s) at the last build; `None` without a list.
     pub(crate) fn built_from(&self) -> Option<(&[Vector3<f64>], f64)> {
         (self.rebuilds > 0).then_some((&self.reference, self.built_at))
+    }
+
+    /// Returns the number of grains that the boxes were chosen for.
+    pub(crate) fn boxes_for(&self) -> usize {
+        self.grid.chosen_for()
+    }
+
+    /// Moves the list to the new places of the grains, after grains of a world have come and gone, and forgets the impulses of
+    /// those that are gone; a rebuild must follow. Chooses boxes anew if the number of grains has doubled or halved since.
+    pub(crate) fn change(&mut self, moves: &Moves, world: &World) {
+        let moved = |place: &mut u32| {
+            let to = moves.places[*place as usize];
+            *place = if to == GONE { 0 } else { to };
+            to != GONE
+        };
+        for (candidate, pair) in self.pairs.iter_mut().enumerate() {
+            if !(moved(&mut pair.first) & moved(&mut pair.second)) {
+                self.impulses.pairs.set(candidate, Impulse::default(), ImpactMemory::default(), [0.0; 3]);
+            }
+        }
+        for (candidate, wall) in self.walls.iter_mut().enumerate() {
+            if !moved(&mut wall.body) {
+                self.impulses.walls.set(candidate, Impulse::default(), ImpactMemory::default(), [0.0; 3]);
+            }
+        }
+        let (grains, before) = (world.grains(), self.boxes_for());
+        if grains > 2 * before || 2 * grains < before {
+            let (largest, _) = world.largest_and_mean_radius();
+            let boxes = BoxGrid::new(&world.domain, &world.period, grains, largest, self.skin);
+            self.grid = CellGrid::new(&boxes, grains, 2.0 * largest + self.skin);
+        }
     }
 
     /// Returns the largest possible number of boxes of the domain for this number of grains.

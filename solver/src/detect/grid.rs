@@ -13,6 +13,8 @@ pub struct CellGrid {
     boxes: BoxGrid,
     /// Least width of a cell, m.
     reach: f64,
+    /// Number of grains that the boxes and cells were chosen for.
+    grains: usize,
     /// Cells of a box along an axis.
     per_box: u32,
     size: [f64; 3],
@@ -57,6 +59,7 @@ impl CellGrid {
         let mut grid = CellGrid {
             boxes: boxes.clone(),
             reach,
+            grains,
             per_box: 1,
             size: boxes.widths(),
             start: Vec::new(),
@@ -64,8 +67,13 @@ impl CellGrid {
             cell_of: Vec::new(),
             runs: Vec::new(),
         };
-        grid.cut_boxes(grains);
+        grid.cut_boxes();
         grid
+    }
+
+    /// Returns the number of grains that the boxes and cells were chosen for.
+    pub(crate) fn chosen_for(&self) -> usize {
+        self.grains
     }
 
     /// Returns the boxes as of the last sort.
@@ -74,10 +82,10 @@ impl CellGrid {
     }
 
     /// Divides each box into cells, and groups these into patches.
-    fn cut_boxes(&mut self, grains: usize) {
+    fn cut_boxes(&mut self) {
         let boxes = &self.boxes;
         // Empty cells cost time too: at most about eight per grain.
-        let most = libm::cbrt((8.0 * grains as f64 + 4096.0) / boxes.boxes() as f64);
+        let most = libm::cbrt((8.0 * self.grains as f64 + 4096.0) / boxes.boxes() as f64);
         // Around a periodic axis, the two neighbours of a cell must differ.
         let around = |axis: usize| f64::from(3_u32.div_ceil(boxes.counts()[axis]));
         let least = (0..3).filter(|&axis| boxes.period().is_periodic(axis)).map(around).fold(1.0, f64::max);
@@ -98,8 +106,8 @@ impl CellGrid {
         }
     }
 
-    /// Sorts the grains of a world. Returns the old index of the grain at each new index. The order of grains within a cell is
-    /// preserved.
+    /// Sorts the grains of a world. Returns the old index of the grain at each new index. Within a cell, grains are in the order
+    /// of their ids, so that the order depends on positions and ids alone.
     pub fn sort(&mut self, world: &World, team: &Team) -> &[u32] {
         let grains = world.grains();
         let mut cell_of = std::mem::take(&mut self.cell_of);
@@ -107,7 +115,7 @@ impl CellGrid {
         let followed = self.boxes.follows();
         let follows = team.alone(Phase::Detect, || self.boxes.follow(&world.spheres[..grains], &mut cell_of));
         if follows || followed {
-            self.cut_boxes(grains);
+            self.cut_boxes();
         }
         team.each_with(Phase::Detect, chunks(grains), by_chunk(&mut cell_of), |number, cells| {
             for (cell, sphere) in cells.iter_mut().zip(&world.spheres[chunk(number, grains)]) {
@@ -118,7 +126,7 @@ impl CellGrid {
             }
         });
         self.cell_of = cell_of;
-        team.alone(Phase::Detect, || self.count());
+        team.alone(Phase::Detect, || self.count(&world.ids));
         &self.order
     }
 
@@ -134,8 +142,8 @@ impl CellGrid {
         number * self.cells_of_box() as u32 + self.inside(at) as u32
     }
 
-    /// Sorts by counting.
-    fn count(&mut self) {
+    /// Sorts by counting, and each cell by the ids of its grains.
+    fn count(&mut self, ids: &[u32]) {
         let cells = self.boxes.boxes() * self.cells_of_box();
         self.start.clear();
         self.start.resize(cells + 1, 0);
@@ -154,6 +162,9 @@ impl CellGrid {
         // Filling moved each start to its end: shift back.
         self.start.copy_within(0..cells, 1);
         self.start[0] = 0;
+        for ends in self.start.windows(2).filter(|ends| ends[1] > ends[0] + 1) {
+            self.order[ends[0] as usize..ends[1] as usize].sort_unstable_by_key(|&grain| ids[grain as usize]);
+        }
     }
 
     pub(super) fn memory_bytes(&self) -> usize {

@@ -7,6 +7,7 @@ pub mod catalogue;
 pub mod cohesion;
 pub mod compliance;
 pub mod drive;
+pub mod flow;
 pub mod friction;
 pub mod gravity;
 pub mod impact;
@@ -23,6 +24,7 @@ pub use catalogue::Effect;
 pub use cohesion::COHESION;
 pub use compliance::{COMPLIANCE, VISCOSITY};
 pub use drive::DRIVEN_WALLS;
+pub use flow::{INFLOW, OUTFLOW};
 pub use friction::{FRICTION, KINETIC_FRICTION, SPIN};
 pub use gravity::{CHANGING_GRAVITY, GRAVITY};
 pub use period::PERIODIC_AXES;
@@ -33,11 +35,13 @@ pub use spring::TANGENTIAL_SPRING;
 pub use vibration::WALL_MOTION;
 
 /// All effects, in their order within a step. A coefficient follows those that bound it.
-pub static CATALOGUE: [&Effect; 17] = [
+pub static CATALOGUE: [&Effect; 19] = [
     &GRAVITY,
     &CHANGING_GRAVITY,
     &WALL_MOTION,
     &DRIVEN_WALLS,
+    &INFLOW,
+    &OUTFLOW,
     &SIZE_SPREAD,
     &PERIODIC_AXES,
     &COMPLIANCE,

@@ -1,15 +1,16 @@
 //! Size spread: grains of more than one radius.
 
 use super::catalogue::{Call, Change, Effect};
-use crate::scene::{DocumentPath, Population, RadiusDistribution, Scene};
+use crate::scene::{DocumentPath, RadiusDistribution, Scene};
 
 /// Size spread.
 pub static SIZE_SPREAD: Effect = Effect {
     off: Some(Change {
         words: "off: all of the mean radius",
         apply: |scene| {
-            let value = mean_radius(scene);
+            let value = Scene { grain: Vec::new(), ..scene.clone() }.mean_radius();
             scene.population.iter_mut().for_each(|group| group.radius = RadiusDistribution::Fixed { value });
+            scene.insert.iter_mut().for_each(|source| source.radius = RadiusDistribution::Fixed { value });
         },
     }),
     ..Effect::of_scene("size spread", call)
@@ -17,8 +18,9 @@ pub static SIZE_SPREAD: Effect = Effect {
 
 fn call(scene: &Scene) -> Result<Call, &'static str> {
     let populations = scene.population.iter().map(|group| group.radius.bounds());
-    let ranges: Vec<(f64, f64)> =
-        populations.chain(scene.grain.iter().map(|grain| (grain.radius, grain.radius))).collect();
+    let sources = scene.insert.iter().map(|source| source.radius.bounds());
+    let grains = scene.grain.iter().map(|grain| (grain.radius, grain.radius));
+    let ranges: Vec<(f64, f64)> = populations.chain(sources).chain(grains).collect();
     let smallest = ranges.iter().fold(f64::INFINITY, |least, range| least.min(range.0));
     let largest = ranges.iter().fold(0.0, |most: f64, range| most.max(range.1));
     if smallest >= largest {
@@ -26,28 +28,12 @@ fn call(scene: &Scene) -> Result<Call, &'static str> {
     }
     // The first entry with a distribution of radii, or with a radius that differs from those of earlier entries.
     let index = ranges.iter().position(|range| *range != (ranges[0].0, ranges[0].0)).unwrap_or(0);
-    let (table, entry) = match index.checked_sub(scene.population.len()) {
-        Some(grain) => ("grain", grain),
-        None => ("population", index),
+    let (populations, sources) = (scene.population.len(), scene.insert.len());
+    let (table, entry) = match index {
+        _ if index < populations => ("population", index),
+        _ if index < populations + sources => ("insert", index - populations),
+        _ => ("grain", index - populations - sources),
     };
     let place = DocumentPath::default().key(table).index(entry).key("radius");
     Ok(Call { why: format!("radii from {smallest} to {largest} m"), place })
-}
-
-/// Returns the mean radius (m) of the grains of all populations.
-fn mean_radius(scene: &Scene) -> f64 {
-    let count: usize = scene.population.iter().map(|group| group.count).sum();
-    let share = |group: &Population| group.count as f64 / count as f64;
-    scene.population.iter().map(|group| share(group) * mean_of(&group.radius)).sum()
-}
-
-fn mean_of(radius: &RadiusDistribution) -> f64 {
-    match radius {
-        RadiusDistribution::Fixed { value } => *value,
-        RadiusDistribution::Uniform { mean, .. } | RadiusDistribution::Normal { mean, .. } => *mean,
-        RadiusDistribution::Discrete { radii, shares } => {
-            let sum: f64 = shares.iter().sum();
-            radii.iter().zip(shares).map(|(radius, share)| radius * share / sum).sum()
-        }
-    }
 }

@@ -117,8 +117,12 @@ impl Bed {
             (population.count as f64, population.radius.mean(), scene.material[&population.material].density)
         });
         let listed = scene.grain.iter().map(|grain| (1.0, grain.radius, scene.material[&grain.material].density));
+        let come = scene
+            .insert
+            .iter()
+            .map(|source| (scene.expected(source), source.radius.mean(), scene.material[&source.material].density));
         let [mut count, mut radius, mut volume, mut mass] = [0.0; 4];
-        for (number, own, density) in placed.chain(listed) {
+        for (number, own, density) in placed.chain(listed).chain(come) {
             count += number;
             radius += number * own;
             volume += number * sphere_volume(own);

@@ -1,14 +1,14 @@
 //! Scenes made in code.
 
 use super::{
-    Accuracy, Axis, GrainEntry, Material, Motion, PairRule, Population, RadiusDistribution, Region, Scene, SceneError,
-    Shape, SolverSettings, Wall, Watch,
+    Accuracy, Axis, GrainEntry, Insertion, Material, Motion, PairRule, Population, RadiusDistribution, Region, Removal,
+    Scene, SceneError, Shape, SolverSettings, Wall, Watch,
 };
 
 /// Builder of a scene: [`Scene::builder`].
 ///
 /// Absent values have the defaults of a scene file. Without a [`domain`](SceneBuilder::domain), the domain of the scene
-/// is the smallest box around the regions of its populations, its grains and its bounded walls.
+/// is the smallest box around the regions of its populations and sources, its grains and its bounded walls.
 #[derive(Clone, Debug)]
 pub struct SceneBuilder {
     scene: Scene,
@@ -57,6 +57,10 @@ impl SceneBuilder {
         wall(wall: Wall) |builder| builder.scene.wall.push(wall);
         /// Adds a group of grains placed by rule.
         population(population: Population) |builder| builder.scene.population.push(population);
+        /// Adds a source of grains.
+        insert(source: Insertion) |builder| builder.scene.insert.push(source);
+        /// Adds a sink of grains.
+        remove(sink: Removal) |builder| builder.scene.remove.push(sink);
         /// Adds a grain.
         grain(grain: GrainEntry) |builder| builder.scene.grain.push(grain);
         /// Settings of the time step and of the contact solver.
@@ -116,6 +120,7 @@ fn extent(scene: &Scene) -> ([f64; 3], [f64; 3]) {
             }
         }
     }
+    all.extend(scene.insert.iter().map(|source| source.region.bounds()));
     all.extend(scene.grain.iter().map(|grain| around(&grain.position, &[grain.radius; 3])));
     let none = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     all.into_iter().fold(none, |(low, high), (min, max)| {
@@ -124,7 +129,7 @@ fn extent(scene: &Scene) -> ([f64; 3], [f64; 3]) {
 }
 
 /// Returns the corners (m) of the boxes around the two ends of a cylinder.
-fn ends(base: &[f64; 3], axis: &[f64; 3], radius: f64, length: f64) -> [([f64; 3], [f64; 3]); 2] {
+pub(super) fn ends(base: &[f64; 3], axis: &[f64; 3], radius: f64, length: f64) -> [([f64; 3], [f64; 3]); 2] {
     let norm = axis.iter().map(|x| x * x).sum::<f64>().sqrt();
     let side = axis.map(|x| radius * (1.0 - x * x / (norm * norm)).max(0.0).sqrt());
     [0.0, length / norm].map(|along| around(&std::array::from_fn(|i| base[i] + axis[i] * along), &side))

@@ -5,8 +5,8 @@ use super::document::{Checked, Document, DocumentPath};
 use super::error::{Fault, is_printable, short};
 use super::settings::{Obstacle, SettingError};
 use super::{
-    ContactCoefficients, MOST_MEMORY, Motion, NormalLaw, RadiusDistribution, Region, Scene, Shape, SolverMethod,
-    SolverSettings, Stop, TangentialLaw, periodic,
+    ContactCoefficients, MOST_MEMORY, Motion, NormalLaw, RadiusDistribution, Scene, Shape, SolverMethod,
+    SolverSettings, Stop, TangentialLaw, flow, periodic,
 };
 use std::collections::HashMap;
 
@@ -33,6 +33,7 @@ pub(super) fn check(scene: &Scene) -> Checked {
     materials(scene)?;
     walls(scene)?;
     grains(scene)?;
+    flow::check(scene)?;
     accuracy(scene)?;
     solver(scene)?;
     watch(scene)
@@ -190,16 +191,7 @@ fn grains(scene: &Scene) -> Checked {
         at.key("spacing").range(population.spacing, 1.0, 100.0, "largest diameters")?;
         at.key("agitation").range(population.agitation, 0.0, 1e3, "m/s")?;
         radii(&at.key("radius"), &population.radius)?;
-        match &population.region {
-            Region::Box { min, max } => extent(&at.key("region"), min, max)?,
-            Region::Cylinder { base, axis, radius, length } => {
-                let region = at.key("region");
-                region.key("base").finite(base)?;
-                region.key("axis").direction(axis)?;
-                region.key("radius").range(*radius, 1e-9, 1e4, "m")?;
-                region.key("length").range(*length, 1e-9, 1e4, "m")?;
-            }
-        }
+        population.region.check(&at.key("region"))?;
     }
     for (index, grain) in scene.grain.iter().enumerate() {
         let at = DocumentPath::default().key("grain").index(index);
@@ -248,7 +240,7 @@ fn accuracy(scene: &Scene) -> Checked {
     Ok(())
 }
 
-fn radii(at: &DocumentPath, distribution: &RadiusDistribution) -> Checked {
+pub(super) fn radii(at: &DocumentPath, distribution: &RadiusDistribution) -> Checked {
     match distribution {
         RadiusDistribution::Fixed { value } => at.key("value").range(*value, 1e-9, 100.0, "m"),
         RadiusDistribution::Uniform { mean, spread } => {
@@ -385,7 +377,7 @@ fn interval(at: &DocumentPath, start: f64, stop: Option<f64>) -> Checked {
     at.key("stop").range(stop.unwrap_or(start), start, 1e6, "s")
 }
 
-fn extent(at: &DocumentPath, min: &[f64; 3], max: &[f64; 3]) -> Checked {
+pub(super) fn extent(at: &DocumentPath, min: &[f64; 3], max: &[f64; 3]) -> Checked {
     at.key("min").finite(min)?;
     at.key("max").finite(max)?;
     match (0..3).all(|i| min[i] < max[i]) {
@@ -397,7 +389,7 @@ fn extent(at: &DocumentPath, min: &[f64; 3], max: &[f64; 3]) -> Checked {
     }
 }
 
-fn known_material(scene: &Scene, at: &DocumentPath, name: &str) -> Checked {
+pub(super) fn known_material(scene: &Scene, at: &DocumentPath, name: &str) -> Checked {
     match scene.material.contains_key(name) {
         true => Ok(()),
         false => Err(at.fault(

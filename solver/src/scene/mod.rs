@@ -48,6 +48,7 @@ mod check;
 pub(crate) mod coefficients;
 mod document;
 mod error;
+mod flow;
 mod periodic;
 mod populate;
 mod preflight;
@@ -67,6 +68,7 @@ pub use error::{Fault, SceneError, SceneFileError, line_of};
 use nalgebra::Vector3;
 pub(crate) use periodic::REACHES;
 pub use populate::{Grain, populate};
+pub(crate) use populate::{Neighbours, draw_radius};
 pub use preflight::{Beforehand, Finding, Severity};
 use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
@@ -77,7 +79,10 @@ pub(crate) use settings::{method_goes_with, precision_goes_with};
 use std::collections::BTreeMap;
 pub use suggestions::{nearest, suggestion, wish};
 pub(crate) use types::sphere_volume;
-pub use types::{Axis, Domain, GrainEntry, GravityChange, Motion, Population, RadiusDistribution, Region, Shape, Wall};
+pub use types::{
+    Axis, Domain, GrainEntry, GravityChange, Insertion, Motion, Population, RadiusDistribution, Region, Removal, Shape,
+    Wall,
+};
 
 /// Tables of a scene file that describe measurements; the solver ignores these tables.
 pub const TABLES_OF_WHO_MEASURES: [&str; 4] = ["prepare", "measure", "output", "compare"];
@@ -131,6 +136,14 @@ pub struct Scene {
     /// Grains placed one by one.
     #[serde(default)]
     pub grain: Vec<GrainEntry>,
+    /// Sources: grains that come during the run.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(feature = "schema", schemars(!skip_serializing_if))]
+    pub insert: Vec<Insertion>,
+    /// Sinks: regions whose grains leave the simulation.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(feature = "schema", schemars(!skip_serializing_if))]
+    pub remove: Vec<Removal>,
     #[serde(default, rename = "prepare", skip_serializing)]
     #[cfg_attr(feature = "schema", schemars(skip))]
     #[doc(hidden)]

@@ -16,8 +16,7 @@ const PARALLEL: f64 = 1e-9;
 /// Checks the period against the grains, and the periodicity of every wall.
 pub(super) fn check(scene: &Scene) -> Checked {
     let (domain, at) = (&scene.domain, DocumentPath::default().key("domain"));
-    let of_populations = scene.population.iter().map(|population| population.radius.bounds().1);
-    let largest = of_populations.chain(scene.grain.iter().map(|grain| grain.radius)).fold(0.0, f64::max);
+    let largest = scene.grain_kinds().map(|(_, (_, largest))| largest).fold(0.0, f64::max);
     for axis in &domain.periodic {
         let (length, number) = (domain.max[axis.number()] - domain.min[axis.number()], axis.number());
         let least = REACHES * (largest * (2.0 + scene.solver.skin) + range_of_cohesion(scene, largest));
@@ -43,12 +42,10 @@ pub(super) fn check(scene: &Scene) -> Checked {
 
 /// Returns the largest gap (m) with cohesion between the materials of grains and walls.
 fn range_of_cohesion(scene: &Scene, largest_radius: f64) -> f64 {
-    let of_grains = scene.grain.iter().map(|grain| &grain.material);
-    let of_groups = scene.population.iter().map(|population| &population.material);
-    let names: BTreeSet<&String> =
-        of_grains.chain(of_groups).chain(scene.wall.iter().map(|wall| &wall.material)).collect();
+    let of_grains = scene.grain_kinds().map(|(material, _)| material);
+    let names: BTreeSet<&str> = of_grains.chain(scene.wall.iter().map(|wall| wall.material.as_str())).collect();
     let used = || names.iter().filter_map(|name| scene.material.get(*name));
-    let rules = scene.pair.iter().filter(|rule| rule.between.iter().all(|name| names.contains(name)));
+    let rules = scene.pair.iter().filter(|rule| rule.between.iter().all(|name| names.contains(name.as_str())));
     let softest = used().map(|material| material.youngs_modulus).fold(f64::INFINITY, f64::min);
     let ranges = used()
         .filter_map(|material| material.cohesion)

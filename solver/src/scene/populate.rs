@@ -126,15 +126,15 @@ impl Misfit {
 }
 
 /// Returns a uniform random number in [0, 1) from the upper 53 bits.
-fn uniform(random: &mut ChaCha8Rng) -> f64 {
+pub(super) fn uniform(random: &mut ChaCha8Rng) -> f64 {
     (random.next_u64() >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
 }
 
-fn symmetric(random: &mut ChaCha8Rng) -> f64 {
+pub(super) fn symmetric(random: &mut ChaCha8Rng) -> f64 {
     2.0 * uniform(random) - 1.0
 }
 
-fn draw_radius(distribution: &RadiusDistribution, random: &mut ChaCha8Rng) -> f64 {
+pub(crate) fn draw_radius(distribution: &RadiusDistribution, random: &mut ChaCha8Rng) -> f64 {
     match distribution {
         RadiusDistribution::Fixed { value } => *value,
         RadiusDistribution::Uniform { mean, spread } => mean * (1.0 + spread * symmetric(random)),
@@ -344,34 +344,69 @@ fn wall_overlap(shape: &Shape, period: &Period, grain: &Grain) -> f64 {
 }
 
 fn no_overlap(scene: &Scene, grains: &[Grain]) -> Result<(), Unplaced> {
-    let size = 2.0 * grains.iter().map(|grain| grain.radius).fold(1e-12, f64::max);
-    let cell = |position: &[f64; 3]| position.map(|x| (x / size).floor() as i64);
-    // Last grain of each cell; for each grain, the previous grain in the same cell.
-    let mut last: HashMap<[i64; 3], usize> = HashMap::new();
-    let mut before: Vec<Option<usize>> = Vec::new();
-    reserve(&mut before, grains.len())?;
-    let period = scene.domain.period();
+    let largest = grains.iter().map(|grain| grain.radius).fold(0.0, f64::max);
+    let mut neighbours = Neighbours::new(&scene.domain, largest);
+    reserve(&mut neighbours.grains, grains.len())?;
     for (index, grain) in grains.iter().enumerate() {
-        for neighbour in images(&grain.position, &period, &scene.domain, size).flat_map(|image| around(cell(&image))) {
-            let newest = last.get(&neighbour).copied();
-            for other in std::iter::successors(newest, |&other| before[other]) {
-                let there = &grains[other];
-                let distance = period.arm(&grain.position.into(), &there.position.into()).norm();
-                let overlap = grain.radius + there.radius - distance;
-                if overlap > scene.largest_start_overlap * grain.radius.min(there.radius) {
-                    let problem = format!("grains {other} and {index} overlap by {overlap:.3e} m at the start");
-                    let remedy = format!(
-                        "move them apart: at most {} of the smaller radius is accepted (largest_start_overlap)",
-                        scene.largest_start_overlap
-                    );
-                    return Err(Fault::new(origin(scene, index), problem, remedy).into());
-                }
-            }
+        let overlapping = neighbours.find(&grain.position, grain.radius, |overlap, radius| {
+            overlap > scene.largest_start_overlap * grain.radius.min(radius)
+        });
+        if let Some((other, overlap)) = overlapping {
+            let problem = format!("grains {other} and {index} overlap by {overlap:.3e} m at the start");
+            let remedy = format!(
+                "move them apart: at most {} of the smaller radius is accepted (largest_start_overlap)",
+                scene.largest_start_overlap
+            );
+            return Err(Fault::new(origin(scene, index), problem, remedy).into());
         }
+        let last = &mut neighbours.last;
         last.try_reserve(1).map_err(|_| Unplaced::Memory(2 * last.len() * size_of::<([i64; 3], usize)>()))?;
-        before.push(last.insert(cell(&grain.position), index));
+        neighbours.add(&grain.position, grain.radius);
     }
     Ok(())
+}
+
+/// Grains by cells of a diameter, for the search of overlaps.
+pub(crate) struct Neighbours<'a> {
+    domain: &'a Domain,
+    period: Period,
+    /// Width of a cell, m.
+    size: f64,
+    /// Last grain of each cell.
+    last: HashMap<[i64; 3], usize>,
+    /// Centre and radius of each grain, m, and the previous grain in the same cell.
+    grains: Vec<([f64; 3], f64, Option<usize>)>,
+}
+
+impl<'a> Neighbours<'a> {
+    /// Begins without grains, for radii up to `largest` (m).
+    pub fn new(domain: &'a Domain, largest: f64) -> Neighbours<'a> {
+        let size = (2.0 * largest).max(1e-12);
+        Neighbours { domain, period: domain.period(), size, last: HashMap::new(), grains: Vec::new() }
+    }
+
+    fn cell(&self, position: &[f64; 3]) -> [i64; 3] {
+        position.map(|x| (x / self.size).floor() as i64)
+    }
+
+    /// Adds a grain, with its centre inside the domain along periodic axes.
+    pub fn add(&mut self, position: &[f64; 3], radius: f64) {
+        let before = self.last.insert(self.cell(position), self.grains.len());
+        self.grains.push((*position, radius, before));
+    }
+
+    /// Returns the number and the overlap (m) of the first grain whose overlap (m) and radius (m) satisfy the predicate.
+    pub fn find(&self, position: &[f64; 3], radius: f64, is_one: impl Fn(f64, f64) -> bool) -> Option<(usize, f64)> {
+        let images = images(position, &self.period, self.domain, self.size);
+        images.flat_map(|image| around(self.cell(&image))).find_map(|cell| {
+            let newest = self.last.get(&cell).copied();
+            std::iter::successors(newest, |&other| self.grains[other].2).find_map(|other| {
+                let (there, its_radius, _) = &self.grains[other];
+                let overlap = radius + its_radius - self.period.arm(&(*position).into(), &(*there).into()).norm();
+                is_one(overlap, *its_radius).then_some((other, overlap))
+            })
+        })
+    }
 }
 
 /// Returns a cell and its neighbours.

@@ -80,13 +80,11 @@ const WISHES: [(&[&str], &str); 24] = [
     ),
     (
         &["insert", "insertion", "inflow", "inlet", "feed", "factory", "source", "emitter", "pour"],
-        "a scene has all its grains from the start: place them as a [[population]] above the bed, or insert grains from Python \
-         (Simulation.insert)",
+        "grains that come during a run are an [[insert]] with region, material, radius, and rate, mass_rate or total",
     ),
     (
         &["delete", "remove", "outflow", "outlet", "sink"],
-        "a scene keeps its grains: let them fall out of the domain (watch.on_escape = \"ignore\"), or remove grains from Python \
-         (Simulation.remove)",
+        "grains leave in the region of a [[remove]]; grains outside the domain: watch.on_escape = \"ignore\"",
     ),
     (
         &["clump", "clumps", "multisphere", "superquadric", "ellipsoid", "polyhedra", "rod", "template"],

@@ -344,6 +344,57 @@ pub enum Region {
     },
 }
 
+/// Source: grains that come to random free places of a region during the run.
+///
+/// A grain that finds no free place waits. Grains come when the candidate list is rebuilt, at most the time late in which a
+/// grain falls by its radius.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Insertion {
+    /// Name of their material.
+    pub material: String,
+    /// Distribution of their radii.
+    pub radius: RadiusDistribution,
+    /// Region of placement, inside the domain.
+    pub region: Region,
+    /// Rate, grains/s.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rate: Option<f64>,
+    /// Rate, kg/s, instead of `rate`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mass_rate: Option<f64>,
+    /// Largest number of grains; default: no limit. Without a rate, all are due at once.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub total: Option<u64>,
+    /// Time at which it begins, s.
+    #[serde(default)]
+    pub from: f64,
+    /// Time at which it ends, s; default: never.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub until: Option<f64>,
+    /// Velocity of new grains, m/s.
+    #[serde(default)]
+    pub velocity: [f64; 3],
+}
+
+/// Sink: grains with centres in a region leave the simulation.
+///
+/// Grains leave when the candidate list is rebuilt, before they can cross the region.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Removal {
+    /// Region.
+    pub region: Region,
+    /// Time at which it begins, s.
+    #[serde(default)]
+    pub from: f64,
+    /// Time at which it ends, s; default: never.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub until: Option<f64>,
+}
+
 /// Single grain with a given position.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]

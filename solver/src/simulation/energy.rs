@@ -73,6 +73,16 @@ impl Simulation {
 impl ContactEnergy {
     /// Sums the energy of the candidates of a list.
     pub fn of(world: &World, candidates: &Candidates, law: NormalLaw) -> ContactEnergy {
+        ContactEnergy::of_some(world, candidates, law, |_| true)
+    }
+
+    /// Sums the energy of the candidates whose places satisfy a predicate; a wall counts as the place of its grain.
+    pub fn of_some(
+        world: &World,
+        candidates: &Candidates,
+        law: NormalLaw,
+        are_these: impl Fn([u32; 2]) -> bool,
+    ) -> ContactEnergy {
         let mut sum = ContactEnergy::default();
         let mut take = |(contact, pull): (NormalContact<f64>, Pull), radius: f64, grain: usize| {
             if contact.overlap <= -pull.range {
@@ -87,7 +97,7 @@ impl ContactEnergy {
         };
         // Most candidates are apart: this test needs neither a square root nor their materials.
         let range = world.range_of_cohesion();
-        for pair in &candidates.pairs {
+        for pair in candidates.pairs.iter().filter(|pair| are_these([pair.first, pair.second])) {
             let (first, second) = (pair.first as usize, pair.second as usize);
             let (a, b) = (world.spheres[first].radius, world.spheres[second].radius);
             if world.arm(first, second).norm_squared() <= (a + b + range).powi(2) * (1.0 + 1e-9) {
@@ -96,7 +106,7 @@ impl ContactEnergy {
         }
         let poses: Vec<_> = world.walls.poses(world.time).collect();
         let walls = world.walls.placed(&poses);
-        for wall in &candidates.walls {
+        for wall in candidates.walls.iter().filter(|wall| are_these([wall.body; 2])) {
             let sphere = &world.spheres[wall.body as usize];
             let distance = walls.distance(wall.surface, &sphere.centre);
             if distance <= (sphere.radius + range) * (1.0 + 1e-9) {

@@ -5,6 +5,7 @@
 //! swept/          contacts of grains that would cross a wall or another grain within a step
 //! interrupted.rs  abandoned steps
 //! intervention/   actions of the caller between steps: forces, written states, inserted and removed grains, kinematic walls
+//! flow.rs         grains that come and go by the scene
 //! settings.rs     threads, instruction set, precision, method, stop
 //! energy.rs       mechanical energy of a state
 //! ledger/         sources and sinks of energy and momentum
@@ -13,6 +14,7 @@
 
 pub mod checkpoint;
 pub(crate) mod energy;
+pub(crate) mod flow;
 pub(crate) mod intervention;
 pub(crate) mod ledger;
 mod settings;
@@ -32,6 +34,7 @@ use crate::solve::SolveReport;
 use crate::sweep::Relaxation;
 use crate::world::{Body, Sphere, World};
 use checkpoint::checksum;
+use flow::Flow;
 use intervention::Interventions;
 use ledger::Ledger;
 use serde::{Deserialize, Serialize};
@@ -56,6 +59,7 @@ pub struct Simulation {
     pub(crate) swept: Swept,
     pub(crate) interrupt: Interrupt,
     pub(crate) interventions: Interventions,
+    pub(crate) flow: Option<Flow>,
     /// Work of walls on grains in the last step that the solve does not report, J.
     pub(crate) work_outside_of_the_solve: f64,
     phases: PhaseSeconds,
@@ -92,21 +96,24 @@ impl Simulation {
     pub fn new(scene: &Scene, seed: u64) -> Result<Simulation, SceneError> {
         scene.check()?;
         let grains = populate(scene, seed)?;
-        Ok(Simulation::of_world(&scene.solver, World::new(scene, &grains)))
+        let mut simulation = Simulation::of_world(&scene.solver, World::new(scene, &grains), grains.len());
+        simulation.flow = Flow::of(scene, seed, &simulation.world);
+        Ok(simulation)
     }
 
-    pub(crate) fn of_world(settings: &SolverSettings, mut world: World) -> Simulation {
+    /// Prepares the first step of a world, with boxes for the given number of grains.
+    pub(crate) fn of_world(settings: &SolverSettings, mut world: World, boxes_for: usize) -> Simulation {
         let (largest, mean) = world.largest_and_mean_radius();
         let wanted = settings.reach(mean, world.field.largest());
         let skin = wanted.min(world.longest_reach()).max(settings.skin * mean);
         let reach = skin + world.range_of_cohesion();
-        let boxes = BoxGrid::new(&world.domain, &world.period, world.grains(), largest, reach);
+        let boxes = BoxGrid::new(&world.domain, &world.period, boxes_for, largest, reach);
         world.add_dummies(boxes.boxes());
         let effects = world.table.effects();
         Simulation {
             relaxation: Relaxation { instruction_set: Available::detect(), effects, prefetch: PREFETCH },
             prefetch: None,
-            candidates: Candidates::new(&boxes, &world, skin, settings.step, effects.torques()),
+            candidates: Candidates::new(&boxes, &world, boxes_for, skin, settings.step, effects.torques()),
             constrainer: Constrainer::new(&world, settings),
             swept: Swept::new(&world),
             world,
@@ -119,6 +126,7 @@ impl Simulation {
             ledger: None,
             interrupt: Interrupt::new(),
             interventions: Interventions::default(),
+            flow: None,
             work_outside_of_the_solve: 0.0,
             phases: PhaseSeconds::default(),
         }
@@ -132,6 +140,7 @@ impl Simulation {
         self.team = other.team.clone();
         (self.steps, self.contact_sweeps) = (other.steps, other.contact_sweeps);
         self.ledger = other.ledger.clone();
+        self.flow = other.flow.clone();
         self.swept.remember_failures(&other.swept);
         self.interrupt = other.interrupt.clone();
         self.phases = other.phases;
@@ -204,19 +213,20 @@ impl Simulation {
         places
     }
 
-    /// Id of the first grain whose state is not finite.
-    pub fn not_finite(&self) -> Option<u32> {
-        self.first_grain(|sphere, body| {
+    /// Permanent number of the first grain whose state is not finite.
+    pub fn not_finite(&self) -> Option<u64> {
+        let first = self.first_grain(|sphere, body| {
             let values = sphere.centre.iter().chain(&body.velocity).chain(&body.scaled_spin);
             values.fold(0.0, |sum, value| sum + 0.0 * value) != 0.0
-        })
+        });
+        first.map(|(id, _)| self.world.roll.number(id))
     }
 
-    /// Smallest id of the grains that satisfy a predicate.
-    pub(crate) fn first_grain(&self, holds: impl Fn(&Sphere, &Body) -> bool) -> Option<u32> {
+    /// Smallest id of the grains that satisfy a predicate, and the place of this grain.
+    pub(crate) fn first_grain(&self, holds: impl Fn(&Sphere, &Body) -> bool) -> Option<(u32, usize)> {
         let World { spheres, bodies, ids, .. } = &self.world;
-        let grains = spheres.iter().zip(bodies).zip(ids);
-        grains.filter(|((sphere, body), _)| holds(sphere, body)).map(|(_, &id)| id).min()
+        let grains = spheres.iter().zip(bodies).zip(ids).enumerate();
+        grains.filter(|(_, ((sphere, body), _))| holds(sphere, body)).map(|(place, (_, &id))| (id, place)).min()
     }
 
     /// Memory of the simulation for bodies, candidates and contacts, bytes.

@@ -67,7 +67,8 @@ impl Simulation {
         let set = self.relaxation.instruction_set;
         let clock = Clock::start();
         let unknown = self.may_be_swift() && self.candidates.miss_a_wall(&self.world, team);
-        let rebuilt = unknown || self.candidates.are_stale(&self.world, team);
+        let stale = unknown || self.candidates.are_stale(&self.world, team);
+        let rebuilt = self.let_flow(stale, team);
         if rebuilt {
             self.candidates.rebuild(&mut self.world, &mut self.layout, set, team);
         }

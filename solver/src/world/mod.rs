@@ -1,6 +1,8 @@
 //! State of a simulation: bodies, walls and their drives, material pairs, time.
 
+mod limits;
 mod materials;
+mod roll;
 
 pub use materials::{ContactMaterial, MaterialTable};
 
@@ -13,7 +15,9 @@ use crate::scene::{Grain, REACHES, Scene, sphere_volume};
 use crate::schedule::{Phase, Runs, Team};
 use crate::wall::{Pose, Walls, drive_of};
 use bytemuck::{Pod, Zeroable};
+pub(crate) use limits::Limits;
 use nalgebra::Vector3;
+pub(crate) use roll::{GONE, Moves, NewGrain, Roll};
 use std::collections::TryReserveError;
 use std::ops::Range;
 
@@ -110,6 +114,10 @@ pub struct World {
     pub period: Period,
     /// Simulated time, s.
     pub time: f64,
+    /// Limits of the grains, if grains come and go by the scene.
+    pub(crate) limits: Option<Limits>,
+    /// Permanent numbers of the grains.
+    pub(crate) roll: Roll,
     /// True while bodies and spheres must not move in memory.
     pub(crate) kept: KeptInPlace,
 }
@@ -187,6 +195,8 @@ impl World {
             spins_before: Vec::new(),
             walls: Walls::new(&scene.wall, &scene.domain, |name| table.number(name)),
             drives: (0..).zip(&scene.wall).filter_map(|(index, wall)| drive_of(wall, index)).collect(),
+            limits: Limits::of(scene, |name| table.number(name)),
+            roll: Roll::default(),
             table,
             gravity: Vector3::from(scene.gravity),
             field: scene.gravity_field(),
@@ -208,6 +218,8 @@ impl World {
             spins_before: Vec::new(),
             walls: self.walls.clone(),
             drives: self.drives.clone(),
+            limits: self.limits.clone(),
+            roll: self.roll.clone(),
             table: self.table.clone(),
             gravity: self.gravity,
             field: self.field.clone(),
@@ -360,8 +372,12 @@ impl World {
             + self.walls.memory_bytes()
     }
 
-    /// Returns the largest and mean radius, m; (0, 0) in an empty world.
+    /// Returns the largest and mean radius, m, of the present grains or of those of a scene in which grains come and go; (0, 0) in
+    /// an empty world.
     pub fn largest_and_mean_radius(&self) -> (f64, f64) {
+        if let Some(limits) = &self.limits {
+            return (limits.radii.1, limits.mean);
+        }
         let radii = || self.spheres[..self.grains()].iter().map(|sphere| sphere.radius);
         (radii().fold(0.0, f64::max), radii().sum::<f64>() / self.grains().max(1) as f64)
     }
@@ -375,9 +391,7 @@ impl World {
 
     /// Returns the largest value of a property over the possible contacts of the grains, for materials of existing grains and walls.
     fn largest(&self, property: impl Fn(&ContactMaterial) -> f64) -> f64 {
-        let mut known = [false; 256];
-        self.materials[..self.grains()].iter().for_each(|&material| known[usize::from(material)] = true);
-        let grains: Vec<u8> = (0..=u8::MAX).filter(|&material| known[usize::from(material)]).collect();
+        let grains = self.materials_of_grains();
         let mut walls: Vec<u8> = (0..self.walls.faces() as u32).map(|face| self.walls.material_of(face)).collect();
         walls.sort_unstable();
         walls.dedup();
@@ -394,10 +408,7 @@ impl World {
     /// Returns an upper bound of the stiffness, relative to inertia, of all possible contacts: two of the smallest
     /// grains, at zero overlap, of the stiffest and least damped pair of materials.
     pub fn stiffest_contact(&self) -> NormalContact<f64> {
-        let grains = self.spheres[..self.grains()].iter().zip(&self.bodies);
-        let (radius, inverse_mass) = grains.fold((f64::INFINITY, 0.0_f64), |(radius, inverse_mass), (sphere, body)| {
-            (radius.min(sphere.radius), inverse_mass.max(body.inverse_mass))
-        });
+        let (radius, inverse_mass) = (self.smallest_radius(), self.largest_inverse_mass());
         // Without grains there are no contacts, and the bound is zero.
         let bound = |largest: f64| if largest.is_finite() { largest } else { 0.0 };
         NormalContact {

@@ -121,6 +121,7 @@ impl Image {
             contacts: snapshot.contacts.iter().map(contact).collect(),
             driven_walls: snapshot.driven_walls.clone(),
             origins: snapshot.origins.clone(),
+            passed: snapshot.passed,
         }
     }
 }

@@ -92,7 +92,9 @@ impl JsonSchema for MeasuredScene {
         }
         // Keys with their default value are omitted.
         let is_left_out = |key: &serde_json::Value| {
-            ["gravity_changes", "largest_start_overlap", "unusual_values", "watch"].iter().any(|known| key == known)
+            ["gravity_changes", "largest_start_overlap", "unusual_values", "watch", "insert", "remove"]
+                .iter()
+                .any(|known| key == known)
         };
         if let Some(required) = scene.get_mut("required").and_then(|required| required.as_array_mut()) {
             required.retain(|key| !is_left_out(key));
@@ -179,6 +181,10 @@ impl MeasuredScene {
 
     fn check_tables(&self) -> Checked {
         let root = DocumentPath::default();
+        if self.prepare.is_some() && self.flows() {
+            let problem = "given where grains come or go, whose times would begin twice".into();
+            return Err(root.key("prepare").fault(problem, "leave [prepare] out, or [[insert]] and [[remove]]"));
+        }
         if let Some(prepare) = &self.prepare {
             root.key("prepare").key("duration").range(prepare.duration, 0.0, 1e5, "s")?;
             let at = root.key("prepare").key("step");
@@ -289,7 +295,7 @@ pub enum Observable {
     /// Displacement of the first dynamic wall.
     #[serde(alias = "driven_wall")]
     DrivenWall,
-    /// Mass that passes through the hole of a disc, such as the floor of a silo.
+    /// Mass that goes into the sinks or, without sinks, passes through the hole of a disc, such as the floor of a silo.
     Discharge,
     /// Height and speed of the first listed grain, such as a projectile.
     Intruder,
@@ -391,7 +397,7 @@ impl Default for Output {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum GrainField {
-    /// Index of the grain's population; -1 for a grain listed by itself.
+    /// Index of the grain's population, or that of its source after all populations; -1 for a grain listed by itself.
     Population,
     /// Mass, kg.
     Mass,

@@ -191,9 +191,7 @@ impl Scene {
             return None;
         }
         let mut largest: BTreeMap<&str, f64> = BTreeMap::new();
-        let populations = self.population.iter().filter(|group| group.count > 0);
-        let groups = populations.map(|group| (group.material.as_str(), group.radius.bounds().1));
-        for (name, radius) in groups.chain(self.grain.iter().map(|grain| (grain.material.as_str(), grain.radius))) {
+        for (name, (_, radius)) in self.grain_kinds() {
             let known = largest.entry(name).or_default();
             *known = known.max(radius);
         }
@@ -209,10 +207,7 @@ impl Scene {
     ///
     /// [`SolverSettings::slowest_impact`]: crate::scene::SolverSettings::slowest_impact
     pub fn slowest_impact(&self) -> f64 {
-        let placed = self.population.iter().map(|group| (group.count as f64, group.radius.mean()));
-        let all = placed.chain(self.grain.iter().map(|grain| (1.0, grain.radius)));
-        let (count, sum) = all.fold((0.0, 0.0), |(count, sum), (own, radius)| (count + own, sum + own * radius));
-        self.solver.slowest_impact(sum / f64::max(count, 1.0), self.largest_gravity())
+        self.solver.slowest_impact(self.mean_radius(), self.largest_gravity())
     }
 
     /// Returns the fault of impacts between a grain of a radius (m) and another grain or a wall.

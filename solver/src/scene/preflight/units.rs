@@ -58,7 +58,12 @@ fn sizes(scene: &Scene) -> Option<Fault> {
         .iter()
         .enumerate()
         .map(|(index, grain)| (root.key("grain").index(index).key("radius"), [grain.radius; 2]));
-    populations.chain(grains).find_map(|(at, [least, most])| {
+    let sources = scene
+        .insert
+        .iter()
+        .enumerate()
+        .map(|(index, source)| (root.key("insert").index(index).key("radius"), range(&source.radius)));
+    populations.chain(grains).chain(sources).find_map(|(at, [least, most])| {
         let (least, most) = (2.0 * least, 2.0 * most);
         if most > BOULDER {
             let problem = format!("grains of {} m in diameter are boulders (above {BOULDER} m)", short(most));

@@ -5,12 +5,13 @@ use crate::Simulation;
 use crate::detect::{AngularImpulse, Impulse, Memory, PairCandidate, WallCandidate};
 use crate::groups::ImpactMemory;
 use crate::partition::{Layout, Plan};
-use crate::scene::{GrainEntry, Scene, sphere_volume};
+use crate::scene::{GrainEntry, MOST_GRAINS, Scene, sphere_volume};
 use crate::schedule::Team;
+use crate::simulation::flow::{Counts, Flow};
 use crate::simulation::intervention::Booked;
 use crate::simulation::ledger::Ledger;
 use crate::wall::Steered;
-use crate::world::{Body, Sphere, World};
+use crate::world::{Body, Roll, Sphere, World};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -49,8 +50,6 @@ pub(in crate::simulation) struct State {
 /// springs.
 #[derive(Clone, Default, PartialEq, Serialize, Deserialize)]
 struct Altered {
-    /// True if the grains may differ from the grains of the scene.
-    other_grains: bool,
     /// Kinematic walls by their numbers in the scene.
     moved_walls: Vec<(u32, Steered)>,
     /// Ledger entries of external actions.
@@ -59,24 +58,12 @@ struct Altered {
     disturbed: bool,
     /// Net energy stored by tangential springs since the ledger was opened, J.
     springs: f64,
-    /// Numbers of the grains, by id, and the next free number, if the grains differ from the grains of the scene.
-    numbers: (Vec<u64>, u64),
+    /// Permanent numbers of the grains, if the grains differ from those of the scene.
+    roll: Roll,
+    /// Counts of the sources and sinks, and the number of grains that the boxes were chosen for.
+    flow: Option<(Counts, u64)>,
     /// Ids and surfaces of extra candidates, which were not near each other when the list was built.
     beyond: Vec<(u32, u32)>,
-}
-
-impl Altered {
-    /// Returns true if grain numbers are unique and below the next free number; unless grains were inserted or removed, the list must be empty.
-    fn has_sound_numbers(&self, grains: usize) -> bool {
-        let (numbers, next) = &self.numbers;
-        match self.other_grains {
-            true => {
-                let rises = numbers.windows(2).all(|pair| pair[0] < pair[1]);
-                numbers.len() == grains && rises && numbers.last().is_none_or(|last| last < next)
-            }
-            false => numbers.is_empty() && *next == 0,
-        }
-    }
 }
 
 /// State of a dynamic wall.
@@ -218,13 +205,13 @@ impl State {
                 .collect(),
             ledger: simulation.ledger.clone(),
             altered: Altered {
-                other_grains: simulation.interventions.other_grains,
                 moved_walls: world.walls.steered().map(|(wall, steered)| (wall, *steered)).collect(),
                 booked: simulation.interventions.booked,
                 disturbed: simulation.interventions.disturbed,
                 beyond: candidates.beyond().to_vec(),
                 springs: simulation.ledger.as_ref().map_or(0.0, Ledger::springs),
-                numbers: simulation.interventions.numbering(),
+                roll: world.roll.clone(),
+                flow: simulation.flow.as_ref().map(|flow| (flow.counts.clone(), candidates.boxes_for() as u64)),
             },
         }
     }
@@ -262,7 +249,12 @@ impl State {
             && torques.clone().all(|component| component.abs() < LARGEST)
             && drives.into_iter().all(|number| number.abs() < LARGEST)
             && state.altered.springs.abs() < LARGEST
-            && state.altered.has_sound_numbers(state.grains.len())
+            && state.altered.roll.is_sound(state.grains.len())
+            && state
+                .altered
+                .flow
+                .as_ref()
+                .is_none_or(|(counts, grains)| counts.are_sound() && *grains as f64 <= MOST_GRAINS)
             && state.altered.moved_walls.iter().all(|(_, steered)| steered.is_sound())
             && [(&state.pairs, &state.pair_torques), (&state.walls, &state.wall_torques)]
                 .iter()
@@ -288,6 +280,9 @@ impl State {
         }
         self.put_driven_walls(&mut simulation.world, |wall| wall.displacement);
         self.put_moved_walls(&mut simulation.world, |steered| *steered)?;
+        if let Some((flow, (counts, _))) = simulation.flow.as_mut().zip(self.altered.flow.as_ref()) {
+            flow.continue_from(counts)?;
+        }
         simulation.interventions.booked = self.altered.booked;
         simulation.interventions.disturbed = self.altered.disturbed;
         simulation.steps = self.steps;
@@ -299,15 +294,16 @@ impl State {
 
     /// Builds a simulation of the scene at time zero with these grains, in id order, and the impulses of their contacts.
     pub fn start(&self, scene: &Scene) -> Result<Simulation, String> {
-        let mut simulation = Simulation::of_world(&scene.solver, self.world(scene)?);
+        let seed = self.altered.flow.as_ref().map_or(scene.seed, |(counts, _)| counts.seed);
+        let boxes_for = self.altered.flow.as_ref().map_or(self.grains.len(), |(_, grains)| *grains as usize);
+        let mut simulation = Simulation::of_world(&scene.solver, self.world(scene)?, boxes_for);
+        simulation.flow = Flow::of(scene, seed, &simulation.world);
         // If the scene has other dynamic walls than the source of the grains, its walls start at their initial positions.
         if self.driven_walls.len() == simulation.world.drives.len() {
             self.put_driven_walls(&mut simulation.world, |wall| wall.displacement);
         }
         self.give_impulses(&mut simulation, scene.solver.step / self.step)?;
-        if self.altered.other_grains {
-            simulation.interventions.renumber(self.altered.numbers.clone());
-        }
+        simulation.world.roll = self.altered.roll.clone();
         Ok(simulation)
     }
 
@@ -342,7 +338,7 @@ impl State {
     /// Returns the world of a scene with the grains in id order.
     fn world(&self, scene: &Scene) -> Result<World, String> {
         let expected = scene.grain_count();
-        if self.grains.len() != expected && !self.altered.other_grains {
+        if self.grains.len() != expected && !self.altered.roll.changed {
             return Err(format!("holds {} grains where the scene has {expected}", self.grains.len()));
         }
         scene.check().map_err(|error| format!("cannot go on with the scene: {error}"))?;

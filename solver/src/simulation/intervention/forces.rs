@@ -158,7 +158,7 @@ const ADDED: usize = 1;
 pub(super) const LOADS: usize = 2;
 
 impl Loads {
-    fn are_none(&self) -> bool {
+    pub fn are_none(&self) -> bool {
         self.forces.is_empty() && self.torques.is_empty()
     }
 

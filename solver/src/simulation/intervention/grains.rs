@@ -45,7 +45,7 @@ impl Simulation {
 
     /// Returns true if grains were inserted or removed, so that the grains may differ from the grains of the scene.
     pub fn has_other_grains(&self) -> bool {
-        self.interventions.other_grains
+        self.world.roll.changed
     }
 
     /// Inserts grains with materials of this simulation's scene, and returns their ids, which follow the present ids.
@@ -119,10 +119,11 @@ impl Simulation {
     fn begin_anew(&mut self, state: &State, new_ids: &[Option<u32>], grains: usize) {
         let before = Booked::of(self);
         let world = state.populate(self.world.without_grains()).expect("all numbers were checked");
-        let mut next = Simulation::of_world(&self.settings, world);
+        let mut next = Simulation::of_world(&self.settings, world, grains);
         state.give_impulses(&mut next, 1.0).expect("contacts are those of grains that are there");
         next.go_on_as(self);
         next.interventions = self.interventions.after(new_ids, grains);
+        next.world.roll.change(new_ids, std::iter::repeat_n(0, grains - new_ids.iter().flatten().count()));
         *self = next;
         if self.ledger.is_some() {
             self.book_disturbance(&before);
@@ -147,6 +148,13 @@ impl Simulation {
         }
         if !RADII.contains(&grain.radius) {
             return Err((format!("has a radius of {} m", grain.radius), "give one from 1e-9 to 100 m"));
+        }
+        let outside = self.world.limits.as_ref().zip(self.world.table.find(&grain.material));
+        if let Some(problem) = outside.and_then(|(limits, material)| limits.refuse(grain.radius, material)) {
+            return Err((
+                problem,
+                "give it a radius and a material of the grains or sources of the scene, in which grains come and go",
+            ));
         }
         let numbers = grain.position.iter().chain(&grain.velocity).chain(&grain.spin);
         if let Some(wrong) = numbers.into_iter().find(|number| number.is_nan() || number.abs() >= LARGEST) {

@@ -107,12 +107,6 @@ pub(crate) struct Interventions {
     pub work: f64,
     /// Number of interventions that a watchdog cannot account for.
     pub count: u64,
-    /// True if the grains may differ from the grains of the scene.
-    pub other_grains: bool,
-    /// Number of each grain, by id, unique over the run; empty unless `other_grains`.
-    numbers: Vec<u64>,
-    /// Number of the next inserted grain; 0 unless `other_grains`.
-    next_number: u64,
     /// Entry `outside` of the ledger.
     pub booked: Booked,
     /// True if grains were inserted, removed or written since the last step and a ledger is open.
@@ -124,37 +118,22 @@ pub(crate) struct Interventions {
 }
 
 impl Interventions {
-    /// Returns the permanent numbers of the grains by id; empty if no grain was inserted or removed.
-    pub fn numbers(&self) -> &[u64] {
-        &self.numbers
-    }
-
-    /// Returns the numbers and the next number, for a checkpoint.
-    pub fn numbering(&self) -> (Vec<u64>, u64) {
-        (self.numbers.clone(), self.next_number)
-    }
-
-    /// Restores the numbers of a checkpoint with inserted or removed grains.
-    pub fn renumber(&mut self, (numbers, next_number): (Vec<u64>, u64)) {
-        (self.other_grains, self.numbers, self.next_number) = (true, numbers, next_number);
-    }
-
-    /// Returns the numbers of the grains after insertion or removal, and the next number: remaining grains keep their numbers.
-    fn numbers_after(&self, new_ids: &[Option<u32>], grains: usize) -> (Vec<u64>, u64) {
-        let (numbered, mut next) = (self.other_grains, self.next_number);
-        if !numbered {
-            next = new_ids.len() as u64;
-        }
-        let old = |id: usize| if numbered { self.numbers[id] } else { id as u64 };
-        let mut numbers: Vec<u64> =
-            new_ids.iter().enumerate().filter(|(_, new_id)| new_id.is_some()).map(|(id, _)| old(id)).collect();
-        let inserted = (grains - numbers.len()) as u64;
-        numbers.extend(next..next + inserted);
-        (numbers, next + inserted)
-    }
-
     /// Returns the interventions after grains have been inserted or removed; `new_ids` maps old ids to new ids.
     fn after(&self, new_ids: &[Option<u32>], grains: usize) -> Interventions {
+        let mut next = Interventions {
+            loads: self.loads.clone(),
+            count: self.count + 1,
+            handed_out: self.handed_out,
+            booked: self.booked,
+            disturbed: self.disturbed,
+            ..Interventions::default()
+        };
+        next.renumber_loads(new_ids, grains);
+        next
+    }
+
+    /// Moves the loads of the next step to the new ids of their grains, after grains have come and gone.
+    pub(crate) fn renumber_loads(&mut self, new_ids: &[Option<u32>], grains: usize) {
         let renumbered = |list: &[[f64; 3]]| {
             let mut new = vec![[0.0; 3]; if list.is_empty() { 0 } else { grains }];
             for (vector, new_id) in list.iter().zip(new_ids) {
@@ -164,20 +143,8 @@ impl Interventions {
             }
             new
         };
-        let (numbers, next_number) = self.numbers_after(new_ids, grains);
-        Interventions {
-            numbers,
-            next_number,
-            loads: self
-                .loads
-                .each_ref()
-                .map(|loads| Loads { forces: renumbered(&loads.forces), torques: renumbered(&loads.torques) }),
-            count: self.count + 1,
-            other_grains: true,
-            handed_out: self.handed_out,
-            booked: self.booked,
-            disturbed: self.disturbed,
-            ..Interventions::default()
+        for loads in self.loads.iter_mut().filter(|loads| !loads.are_none()) {
+            *loads = Loads { forces: renumbered(&loads.forces), torques: renumbered(&loads.torques) };
         }
     }
 }
@@ -197,6 +164,15 @@ impl Booked {
             energy: simulation.energy_half_a_step_earlier().total(),
             impulse: simulation.momentum(),
             angular_impulse: simulation.angular_momentum(),
+        }
+    }
+
+    /// Returns the sum of two entries.
+    pub fn with(&self, other: &Booked) -> Booked {
+        Booked {
+            energy: self.energy + other.energy,
+            impulse: plus(self.impulse, other.impulse),
+            angular_impulse: plus(self.angular_impulse, other.angular_impulse),
         }
     }
 

@@ -51,6 +51,12 @@ pub struct Balance {
     /// Gained from actions of the caller: work of forces and torques, written states, inserted and removed grains.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub outside: f64,
+    /// Energy of grains that came from sources.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub inflow: f64,
+    /// Energy of grains that went into sinks, with the stored energy of their contacts.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub outflow: f64,
     /// Energy at the end without an entry.
     pub closure: f64,
     /// Momentum at the start.
@@ -64,6 +70,12 @@ pub struct Balance {
     /// Momentum added by actions of the caller.
     #[serde(default, skip_serializing_if = "are_zero")]
     pub outside_impulse: [f64; 3],
+    /// Momentum of grains that came from sources.
+    #[serde(default, skip_serializing_if = "are_zero")]
+    pub inflow_impulse: [f64; 3],
+    /// Momentum of grains that went into sinks.
+    #[serde(default, skip_serializing_if = "are_zero")]
+    pub outflow_impulse: [f64; 3],
     /// Momentum at the end without an entry.
     pub momentum_closure: [f64; 3],
     /// Angular momentum at the start.
@@ -89,6 +101,12 @@ pub struct Balance {
     /// Angular momentum added by actions of the caller.
     #[serde(default, skip_serializing_if = "are_zero")]
     pub outside_angular_impulse: [f64; 3],
+    /// Angular momentum of grains that came from sources.
+    #[serde(default, skip_serializing_if = "are_zero")]
+    pub inflow_angular_impulse: [f64; 3],
+    /// Angular momentum of grains that went into sinks.
+    #[serde(default, skip_serializing_if = "are_zero")]
+    pub outflow_angular_impulse: [f64; 3],
     /// Angular momentum at the end without an entry.
     #[serde(default)]
     pub angular_momentum_closure: [f64; 3],
@@ -107,19 +125,32 @@ fn are_zero(vector: &[f64; 3]) -> bool {
 impl Balance {
     /// Total loss, J, including the energy stored in springs.
     pub fn lost(&self) -> f64 {
-        self.friction + self.springs + self.resistance + self.restitution + self.stabilisation + self.let_go
+        self.friction
+            + self.springs
+            + self.resistance
+            + self.restitution
+            + self.stabilisation
+            + self.let_go
+            + self.outflow
     }
 
     /// Total gain, J.
     pub fn gained(&self) -> f64 {
-        self.walls + self.first_touch + self.turning + self.wall_paths + self.changing_gravity + self.outside
+        self.walls
+            + self.first_touch
+            + self.turning
+            + self.wall_paths
+            + self.changing_gravity
+            + self.outside
+            + self.inflow
     }
 
     /// Exchanged energy, J: the sum of the magnitudes of all entries, and the scale of `closure`.
     pub fn exchanged(&self) -> f64 {
         let lost = [self.friction, self.springs, self.resistance, self.restitution, self.stabilisation, self.let_go];
         let gained = [self.walls, self.first_touch, self.turning, self.wall_paths, self.changing_gravity, self.outside];
-        lost.iter().chain(&gained).map(|entry| entry.abs()).sum()
+        let flow = [self.inflow, self.outflow];
+        lost.iter().chain(&gained).chain(&flow).map(|entry| entry.abs()).sum()
     }
 }
 

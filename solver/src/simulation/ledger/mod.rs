@@ -86,6 +86,8 @@ struct Entries {
     wall_paths: f64,
     walls: f64,
     changing_gravity: f64,
+    inflow: Booked,
+    outflow: Booked,
     gravity_impulse: [f64; 3],
     wall_impulse: [f64; 3],
     gravity_angular_impulse: [f64; 3],
@@ -153,6 +155,16 @@ impl Ledger {
         }
         self.entries.first_touch += found;
         0.0
+    }
+
+    /// Books grains that `[come, go]` with their energy and momenta; `stored` is the elastic and cohesive energy (J) of the
+    /// contacts of those that go. New grains have no overlap.
+    pub fn exchange(&mut self, [come, go]: [&Booked; 2], stored: [f64; 2]) {
+        let go = Booked { energy: go.energy + stored[0] + stored[1], ..*go };
+        self.entries.inflow = self.entries.inflow.with(come);
+        self.entries.outflow = self.entries.outflow.with(&go);
+        self.stored.elastic -= stored[0];
+        self.stored.cohesive -= stored[1];
     }
 
     /// Restarts from the present stored energy of contacts, after an external change of the state.
@@ -385,6 +397,8 @@ impl Simulation {
             wall_paths: entries.wall_paths,
             walls: entries.walls,
             changing_gravity: entries.changing_gravity,
+            inflow: entries.inflow.energy,
+            outflow: entries.outflow.energy,
             closure: 0.0,
             momentum_start: *momentum_start,
             momentum_end,
@@ -392,12 +406,16 @@ impl Simulation {
             wall_impulse: entries.wall_impulse,
             outside: outside.energy,
             outside_impulse: outside.impulse,
+            inflow_impulse: entries.inflow.impulse,
+            outflow_impulse: entries.outflow.impulse,
             momentum_closure: std::array::from_fn(|axis| {
                 momentum_end[axis]
                     - momentum_start[axis]
                     - entries.gravity_impulse[axis]
                     - entries.wall_impulse[axis]
                     - outside.impulse[axis]
+                    - entries.inflow.impulse[axis]
+                    + entries.outflow.impulse[axis]
             }),
             angular_momentum_start: *angular_momentum_start,
             angular_momentum_end,
@@ -406,6 +424,8 @@ impl Simulation {
             overlap_angular_impulse: entries.overlap_angular_impulse,
             period_angular_impulse: entries.period_angular_impulse,
             outside_angular_impulse: outside.angular_impulse,
+            inflow_angular_impulse: entries.inflow.angular_impulse,
+            outflow_angular_impulse: entries.outflow.angular_impulse,
             angular_momentum_closure: std::array::from_fn(|axis| {
                 angular_momentum_end[axis]
                     - angular_momentum_start[axis]
@@ -414,6 +434,8 @@ impl Simulation {
                     - entries.overlap_angular_impulse[axis]
                     - entries.period_angular_impulse[axis]
                     - outside.angular_impulse[axis]
+                    - entries.inflow.angular_impulse[axis]
+                    + entries.outflow.angular_impulse[axis]
             }),
         };
         Some(Balance { closure: end.total() - start.total() - balance.gained() + balance.lost(), ..balance })

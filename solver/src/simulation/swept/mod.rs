@@ -30,8 +30,8 @@ const ROUNDS: usize = 32;
 /// Grain that crossed a wall in spite of all impacts: walls that close on each other leave no free space.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Crossing {
-    /// Id of the grain.
-    pub grain: u32,
+    /// Permanent number of the grain.
+    pub grain: u64,
     /// Number of the wall in the scene.
     pub wall: u32,
 }
@@ -39,8 +39,8 @@ pub struct Crossing {
 /// Pair of grains that may have passed through each other: too many impacts within a step to resolve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Passage {
-    /// Ids of the two grains.
-    pub grains: [u32; 2],
+    /// Permanent numbers of the two grains.
+    pub grains: [u64; 2],
 }
 
 /// Face or grain struck by a grain.
@@ -143,8 +143,7 @@ impl Pace {
 impl Swept {
     /// Starts without knowledge of the paths of a world's grains.
     pub fn new(world: &World) -> Swept {
-        let radii = world.spheres[..world.grains()].iter().map(|sphere| sphere.radius);
-        Swept { least_radius: radii.fold(f64::INFINITY, f64::min), ..Swept::default() }
+        Swept { least_radius: world.smallest_radius(), ..Swept::default() }
     }
 
     /// Clears the assumption that grains are slow.

@@ -179,7 +179,7 @@ impl Simulation {
         meetings.sort_unstable_by(|a, b| a.share.total_cmp(&b.share).then_with(|| ids(a).cmp(&ids(b))));
         let Some(first) = meetings.first() else { return false };
         if last {
-            let grains = ids(first);
+            let grains = ids(first).map(|id| self.world.roll.number(id));
             self.swept.passage.get_or_insert(Passage { grains });
             return true;
         }

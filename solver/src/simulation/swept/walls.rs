@@ -242,7 +242,7 @@ impl Simulation {
         let (held, crossed) = tried.iter().find(|(_, crossed)| crossed.is_none()).copied().unwrap_or(tried[1]);
         if let Some(surface) = crossed {
             let wall = world.walls.wall_of(surface);
-            self.swept.crossing.get_or_insert(Crossing { grain: world.ids[place], wall });
+            self.swept.crossing.get_or_insert(Crossing { grain: world.roll.number(world.ids[place]), wall });
         }
         self.world.bodies[place].velocity = held.into();
         let (normal, impulse) = (met.at.normal, (velocity - held) / body.inverse_mass);

@@ -6,6 +6,8 @@ use makadam::snapshot::Snapshot;
 /// Grains of a scene in the order of their numbers: listed grains, then population after population.
 #[derive(Clone, Debug)]
 pub struct Roster {
+    /// Number of populations.
+    populations: u32,
     /// Groups of identical grains, in the order of their numbers.
     pub groups: Vec<Alike>,
 }
@@ -28,7 +30,8 @@ pub struct Alike {
 pub struct Kind {
     /// Number of the material, in the order of the scene's names.
     pub material: u8,
-    /// Index of the population in the scene; absent for listed grains and for inserted grains.
+    /// Index of the population in the scene, or that of the source after all populations; absent for listed grains and for
+    /// grains that a program inserted.
     pub population: Option<u32>,
 }
 
@@ -51,7 +54,7 @@ impl Roster {
             }
             first += count;
         }
-        Roster { groups }
+        Roster { populations: scene.population.len() as u32, groups }
     }
 
     /// Returns the material and population of a grain of a frame, by its id there.
@@ -60,7 +63,8 @@ impl Roster {
         match frame.origins.get(id as usize) {
             None => of_scene(u64::from(id)).unwrap_or_default(),
             Some(origin) => {
-                let population = of_scene(origin.number).and_then(|kind| kind.population);
+                let of_source = origin.source.map(|source| self.populations + u32::from(source));
+                let population = of_source.or_else(|| of_scene(origin.number).and_then(|kind| kind.population));
                 Kind { material: origin.material, population }
             }
         }

@@ -199,6 +199,11 @@ impl RunFrame {
         frame
     }
 
+    /// Returns true if another frame has the same grains.
+    pub fn has_same_grains(&self, other: &RunFrame) -> bool {
+        self.snapshot.origins == other.snapshot.origins && self.grains.radii == other.grains.radii
+    }
+
     /// Returns the names of the scalar and vector fields, in order.
     pub fn quantities(&self) -> Vec<String> {
         let is_quantity = |field: &&Field| matches!(field.3.1, 1 | 3);

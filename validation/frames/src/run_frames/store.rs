@@ -9,7 +9,7 @@
 use crate::output::{WriteError, open_to_grow};
 use crate::plan::MeasuredScene;
 use makadam::checkpoint::{open, seal};
-use makadam::snapshot::{Contact, DrivenWall, Origin, Particle, Snapshot};
+use makadam::snapshot::{Contact, DrivenWall, Origin, Particle, Passed, Snapshot};
 use serde::{Deserialize, Serialize};
 use std::fs::{File, OpenOptions};
 use std::io::{BufReader, Error, ErrorKind, Read, Seek, SeekFrom, Write};
@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 /// Magic bytes of the scene record; the last byte is the format version.
 const SCENE: [u8; 8] = *b"mkd-scn\x02";
 /// Magic bytes of a frame record; the last byte is the format version.
-const FRAME: [u8; 8] = *b"mkd-frm\x05";
+const FRAME: [u8; 8] = *b"mkd-frm\x06";
 
 /// Bytes before the body of a record.
 const HEAD: u64 = 24;
@@ -106,8 +106,8 @@ impl StoreWriter {
     /// # Errors
     /// [`WriteError`] if the system refuses; the frames before it stay readable.
     pub fn append(&mut self, frame: &Snapshot) -> Result<(), WriteError> {
-        let Snapshot { time, particles, contacts, driven_walls, origins } = frame;
-        let parts: (Grains<_, _, _>, _) = ((*time, particles, driven_walls, origins), contacts);
+        let Snapshot { time, particles, contacts, driven_walls, origins, passed } = frame;
+        let parts: (Grains<_, _, _>, _) = ((*time, particles, driven_walls, origins, *passed), contacts);
         let body = postcard::to_stdvec(&parts).expect("a frame holds only numbers and lists");
         let record = seal(FRAME, &body);
         let start = self.store.bytes();
@@ -250,14 +250,14 @@ impl Store {
     }
 }
 
-/// First part of a frame record: time, grains, dynamic walls, identities. The contacts follow.
-type Grains<P, W, O> = (f64, P, W, O);
+/// First part of a frame record: time, grains, dynamic walls, identities, grains that came and went. The contacts follow.
+type Grains<P, W, O> = (f64, P, W, O, [Passed; 2]);
 
 fn frame_of(
-    (time, particles, driven_walls, origins): Grains<Vec<Particle>, Vec<DrivenWall>, Vec<Origin>>,
+    (time, particles, driven_walls, origins, passed): Grains<Vec<Particle>, Vec<DrivenWall>, Vec<Origin>>,
     contacts: Vec<Contact>,
 ) -> Snapshot {
-    Snapshot { time, particles, contacts, driven_walls, origins }
+    Snapshot { time, particles, contacts, driven_walls, origins, passed }
 }
 
 fn unfit(error: postcard::Error) -> String {

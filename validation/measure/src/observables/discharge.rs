@@ -10,6 +10,8 @@
 //!
 //! Grains below the disc in the first frame count as passed, since their path is unknown.
 //!
+//! In a scene with sinks (`[[remove]]`), the mass is that of the grains that have gone into them, which frames state.
+//!
 //! Grains are identified by their lasting numbers: a grain that passed and was deleted later has passed. If a grain disappears without having
 //! been below in the previous frame, the passed mass is unknown, and nothing is measured. The rate is the mass passed between the first
 //! and the last frame over the time between them; its standard error is over blocks of time.
@@ -39,8 +41,8 @@ pub(super) const GROUP: Group = Group {
         .of_span(),
         define(
             ["discharged_mass", "m", "kg"],
-            "mass that has passed the hole of the first disc with one by the last measured frame, with grains \
-             deleted since. It consists of the grains below the disc at the first measured frame and those that came \
+            "mass that has gone into the sinks by the last measured frame. Without sinks, mass that has passed the hole \
+             of the first disc with one, with grains deleted since. It consists of the grains below the disc at the first measured frame and those that came \
              through the hole, not over the outer edge. Not measured where a grain was deleted above the disc, or \
              where frames are too far apart to distinguish hole and edge",
         )
@@ -154,11 +156,16 @@ impl Outlet {
     }
 }
 
-/// Measures mass and rate; empty without a disc with a hole, and no rate for a single frame. The inner error is the reason for no result.
+/// Measures mass and rate; empty without sinks and without a disc with a hole, and no rate for a single frame. The inner error is the reason for no result.
 pub fn measure<F: Frames + ?Sized>(
     properties: &Properties<'_>,
     frames: &F,
 ) -> Result<Result<Vec<Measurement>, String>, F::Error> {
+    if !properties.scene.remove.is_empty() {
+        let mut passed = Vec::new();
+        frames.visit_grains(0..frames.count(), &mut |frame| passed.push([frame.time, frame.passed[1].mass]))?;
+        return Ok(Ok(measurements(&passed)));
+    }
     let Some(outlet) = Outlet::find(properties.scene) else { return Ok(Ok(Vec::new())) };
     let mut grains: HashMap<u64, Known> = HashMap::new();
     let mut passed: Vec<[f64; 2]> = Vec::new();
@@ -204,14 +211,19 @@ pub fn measure<F: Frames + ?Sized>(
     if let Some(why) = refused {
         return Ok(Err(why));
     }
+    Ok(Ok(measurements(&passed)))
+}
+
+/// Returns the observables from the times (s) of the frames and the masses (kg) that have passed by then.
+fn measurements(passed: &[[f64; 2]]) -> Vec<Measurement> {
     let mut measurements = Vec::new();
-    if let Some(rate) = rate(&passed) {
-        measurements.push(Measurement::of("mass_flow_rate", rate, error_of_rate(&passed), passed.len()));
+    if let Some(rate) = rate(passed) {
+        measurements.push(Measurement::of("mass_flow_rate", rate, error_of_rate(passed), passed.len()));
     }
     if let Some([_, mass]) = passed.last() {
         measurements.push(Measurement::of("discharged_mass", *mass, None, passed.len()));
     }
-    Ok(Ok(measurements))
+    measurements
 }
 
 /// Returns the mass over the time between the first and the last point, kg/s; points between may have any times.

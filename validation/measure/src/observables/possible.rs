@@ -40,7 +40,8 @@ fn lack(scene: &MeasuredScene, group: Observable) -> Option<(&'static str, &'sta
     let (is_there, lacks) = match group {
         Observable::DynamicAngleOfRepose | Observable::DrumFlow => (has_drum(scene), drum),
         Observable::Discharge => {
-            (any(|shape| matches!(shape, Shape::Disc { hole, .. } if *hole > 0.0)), "no wall is a disc with a hole")
+            let outlet = any(|shape| matches!(shape, Shape::Disc { hole, .. } if *hole > 0.0));
+            (outlet || !scene.remove.is_empty(), "there is no sink, and no wall is a disc with a hole")
         }
         Observable::DrivenWall => {
             (scene.wall.iter().any(|wall| wall.motion.is_driven()), "no wall is driven by a force or a torque")

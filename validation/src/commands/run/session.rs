@@ -32,6 +32,9 @@ const COLUMNS: [&str; 8] = [
     "residual_normal_rms",
 ];
 
+/// Columns after them in a scene in which grains come or go: grains present, grains (and kg) that have come and gone.
+const FLOW_COLUMNS: [&str; 5] = ["grains", "grains_in", "mass_in", "grains_out", "mass_out"];
+
 /// Steps between states stored for a stop by the watchdog.
 const HELD_EVERY: u64 = 512;
 
@@ -86,7 +89,9 @@ impl<'a> Session<'a> {
         RunFiles::inside(&plan.output).remove()?;
         create_folder(&plan.output)?;
         let frames = StoreWriter::create(&plan.output.join(RunFiles::FRAMES), plan.scene)?;
-        let table = TimeTable::create(&plan.output.join(RunFiles::TABLE), &COLUMNS)?;
+        let flow = if plan.scene.flows() { &FLOW_COLUMNS[..] } else { &[] };
+        let columns = [&COLUMNS[..], flow].concat();
+        let table = TimeTable::create(&plan.output.join(RunFiles::TABLE), &columns)?;
         let measured = MeasuredFrames::begin(&plan.output, plan.scene)?;
         let outputs = Outputs { folder: plan.output.clone(), frames, table, measured };
         Ok(Session::new(plan, simulation, progress, checkpoint, outputs))
@@ -269,7 +274,11 @@ impl<'a> Session<'a> {
             sweeps,
             residual,
         ];
-        COLUMNS.iter().map(ToString::to_string).zip(values).collect()
+        let [came, went] = frame.passed;
+        let grains = frame.particles.len() as f64;
+        let flow = [grains, came.grains as f64, came.mass, went.grains as f64, went.mass];
+        let flow = FLOW_COLUMNS.iter().zip(flow).filter(|_| self.plan.scene.flows());
+        COLUMNS.iter().zip(values).chain(flow).map(|(name, value)| (name.to_string(), value)).collect()
     }
 
     /// Ends the run: writes waiting frames and the summary to the disk, and removes the checkpoint of a complete run.

@@ -5,7 +5,7 @@ use super::progress::{AlarmSummary, Plan, Progress};
 use makadam::scene::Finding;
 use makadam::solve::StopReason;
 use makadam::sweep::Residuals;
-use makadam::{Balance, Simulation};
+use makadam::{Balance, FlowReport, Passed, Simulation};
 use makadam_frames::output::JSON_VERSION;
 use makadam_frames::plan::setup_hash;
 use makadam_frames::provenance::{Provenance, peak_bytes};
@@ -41,6 +41,8 @@ pub(super) struct RunSummary {
     bytes_per_particle: f64,
     residuals: Option<SolveSummary>,
     balance: Option<Balance>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    flow: Option<FlowReport>,
     #[serde(flatten)]
     measurements: Measurements,
     output: String,
@@ -124,6 +126,7 @@ impl RunSummary {
                 worst_normal_rms: progress.worst_normal_rms,
             }),
             balance: simulation.balance(),
+            flow: simulation.flow(),
             measurements,
             output: plan.output.display().to_string(),
             frames: progress.frames.frames,
@@ -145,6 +148,9 @@ impl RunSummary {
         let observables = self.observables();
         if !observables.is_empty() {
             text += &format!("{observables}\n");
+        }
+        if let Some(flow) = &self.flow {
+            text += &format!("{}\n", passed(flow));
         }
         if let Some(balance) = &self.balance {
             text += &format!("{}\n", ledger(balance));
@@ -226,6 +232,23 @@ impl RunSummary {
     }
 }
 
+/// Formats what came and went, and the sources that are late.
+fn passed(flow: &FlowReport) -> String {
+    let amount = |one: &Passed| format!("{} ({:.4e} kg)", plural(one.grains as usize, "grain"), one.mass);
+    let mut text = String::new();
+    for (index, (came, lag)) in flow.inserted.iter().zip(&flow.lags).enumerate() {
+        text += &format!("insert[{index}]        {}", amount(came));
+        if *lag > flow.usual_lag {
+            text += &format!("; late by {lag:.4} s: grains find no free place");
+        }
+        text.push('\n');
+    }
+    for (index, went) in flow.removed.iter().enumerate() {
+        text += &format!("remove[{index}]        {}\n", amount(went));
+    }
+    text
+}
+
 /// Formats the energy and momentum budget.
 fn ledger(balance: &Balance) -> String {
     let Balance { start, end, .. } = balance;
@@ -243,12 +266,13 @@ fn ledger(balance: &Balance) -> String {
     let resistance = term("resistance to turning", balance.resistance, " J");
     let changes = term("changing gravity", balance.changing_gravity, "");
     let paths = term("paths of walls", balance.wall_paths, "");
-    let released = term("contacts let go", balance.let_go, " J");
+    let released = term("contacts let go", balance.let_go, " J") + &term("grains that went", balance.outflow, " J");
+    let inflow = term("grains that came", balance.inflow, "");
     let size = |vector: [f64; 3]| vector.iter().map(|component| component * component).sum::<f64>().sqrt();
     format!(
         "energy           {} J\n\
          lost to          friction {:.4e}, restitution {:.4e}, stabilisation {:.4e} J{resistance}{released}\n\
-         gained from      walls {:.4e}, overlap at first touch {:.4e}{changes}, normals that turned {:.4e}{paths} J; \
+         gained from      walls {:.4e}, overlap at first touch {:.4e}{changes}, normals that turned {:.4e}{paths}{inflow} J; \
          closure error {:.2e} J\n\
          momentum         gravity gave {:.4e}, walls {:.4e} kg m/s; closure error {:.2e} kg m/s\n\
          angular momentum gravity gave {:.4e}, walls {:.4e}, overlaps {:.4e} kg m2/s; closure error {:.2e} kg m2/s\n",

@@ -181,6 +181,7 @@ class Viewer {
       gl.bufferData(gl.ARRAY_BUFFER, data, gl.DYNAMIC_DRAW);
     };
     load(this.states, this.array(Uint16Array, frame.state));
+    if (frame.radii) load(this.radii, this.array(Float32Array, frame.radii));
     this.colourBy();
     if (frame.contacts) load(this.contacts, this.array(Uint16Array, frame.contacts));
     const walls = head.walls[frame.walls];
@@ -195,9 +196,10 @@ class Viewer {
   // The field that grains are coloured by: the first one travels with the places, others beside them or once for all frames.
   colourBy() {
     const { gl, head } = this, field = head.fields[this.field];
-    const data = field.once || (field.number > 0 ? head.frames[this.frame].others[field.number - 1] : null);
+    const frame = head.frames[this.frame], once = frame.once ? frame.once[field.constant] : field.once;
+    const data = field.once ? once : (field.number > 0 ? frame.others[field.number - 1] : null);
     gl.bindBuffer(gl.ARRAY_BUFFER, this.others);
-    gl.bufferData(gl.ARRAY_BUFFER, data ? this.array(Uint16Array, data) : 2 * head.radii[1], gl.DYNAMIC_DRAW);
+    gl.bufferData(gl.ARRAY_BUFFER, data ? this.array(Uint16Array, data) : frame.state[1] / 2, gl.DYNAMIC_DRAW);
   }
 
   legend() {

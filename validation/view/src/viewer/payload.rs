@@ -4,8 +4,8 @@
 //! bytes of the head (u32), head (JSON), padding to 8 bytes, arrays (little endian), each from a multiple of 8 on
 //! state     frames x grains x 4 u16   x, y, z over the box of all frames, and the first field over its range
 //! others    frames x grains x u16     further fields that change
-//! once      grains x u16              fields that do not
-//! radii     grains x f32              m
+//! once      grains x u16              fields that do not; for each frame if grains come and go
+//! radii     grains x f32              m; for each frame if grains come and go
 //! contacts  frames x n x 7 u16        both ends over the box, force over the largest of the frame
 //! walls     n x 3 f32                 corners of triangles, and ends of edges, m; once if walls rest
 //! ```
@@ -16,7 +16,7 @@ use crate::pictures::{
 };
 use makadam_frames::run_frames::{ContactLine, Quantity, RunFolderError, RunFrame, RunFrames, Walls};
 use serde_json::{Value, json};
-use std::collections::HashSet;
+use std::collections::{BTreeSet, HashSet};
 
 /// Largest number of 16 bits.
 const FULL: f64 = 65_535.0;
@@ -106,6 +106,31 @@ struct Survey {
     /// Values of some frames, for the ends of the colour scale.
     samples: Vec<Vec<f64>>,
     grains: usize,
+    /// True if grains come and go, so that fields of single grains differ from frame to frame.
+    changes: bool,
+    /// Distinct values of the constant fields in all frames, at most [`MOST_DISTINCT`], with the smallest and the largest; as bits.
+    distinct: Vec<BTreeSet<u64>>,
+}
+
+/// Largest number of values from which the colours of a constant field are chosen.
+const MOST_DISTINCT: usize = 4096;
+
+/// Field constant over time, with its colours.
+struct Constant {
+    name: String,
+    values: Vec<f64>,
+    range: [f64; 2],
+    scale: Scale,
+}
+
+impl Constant {
+    /// Returns the positions of values in the scale.
+    fn shares(&self, values: &[f64]) -> impl Iterator<Item = u16> {
+        values.iter().map(|value| match &self.scale {
+            Scale::Kinds(kinds) => kinds.iter().position(|kind| *kind == *value as i64).unwrap_or(0) as u16,
+            Scale::Range(_) => share(*value, self.range),
+        })
+    }
 }
 
 /// Reads the frames of a run and assembles their shown content. `progress` receives the fraction done.
@@ -119,7 +144,8 @@ pub fn payload(run: &RunFrames, wishes: &Wishes, progress: &dyn Fn(f64)) -> Resu
     // Constant fields are always included.
     let fields: Vec<String> = asked.iter().filter(|name| !CONSTANT.contains(&name.as_str())).cloned().collect();
     let (numbers, contacts, note) = choose(run, &last, wishes, fields.len());
-    let survey = survey(run, &numbers, &fields, contacts, &|share| progress(0.5 * share))?;
+    let survey = survey((run, &last), &numbers, &fields, contacts, &|share| progress(0.5 * share))?;
+    let constants = survey.constants(&last);
     let mut arrays = Arrays::default();
     let mut frames = Vec::new();
     let mut walls: Vec<Value> = Vec::new();
@@ -155,7 +181,17 @@ pub fn payload(run: &RunFrames, wishes: &Wishes, progress: &dyn Fn(f64)) -> Resu
                 [a, b, c, d, e, f, share(line.normal_force, [0.0, most_force])]
             }))
         });
-        frames.push(json!({ "time": frame.time, "state": state, "others": others, "walls": shown, "contacts": lines }));
+        let mut listed =
+            json!({ "time": frame.time, "state": state, "others": others, "walls": shown, "contacts": lines });
+        if survey.changes {
+            listed["radii"] = arrays.floats(frame.grains.radii.iter().copied());
+            let once = constants.iter().map(|constant| match frame.quantity(&constant.name) {
+                Some(quantity) => arrays.shorts(constant.shares(&quantity.values)),
+                None => Value::Null,
+            });
+            listed["once"] = once.collect();
+        }
+        frames.push(listed);
         progress(0.5 + 0.5 * (place + 1) as f64 / numbers.len() as f64);
     }
     let radii = arrays.floats(last.grains.radii.iter().copied());
@@ -164,19 +200,10 @@ pub fn payload(run: &RunFrames, wishes: &Wishes, progress: &dyn Fn(f64)) -> Resu
         let quantity = run.field(&last, name)?;
         listed.push(field(&quantity, &survey.samples[number], survey.ranges[number], json!({ "number": number })));
     }
-    for name in CONSTANT {
-        let Some(quantity) = last.quantity(name) else { continue };
-        let range = range_of(&quantity.values);
-        let scale = Scale::of(&quantity.title, &quantity.values);
-        let numbers: Vec<u16> = match &scale {
-            Scale::Kinds(kinds) => {
-                let kind = |value: &f64| kinds.iter().position(|kind| *kind == *value as i64).unwrap_or(0) as u16;
-                quantity.values.iter().map(kind).collect()
-            }
-            Scale::Range(_) => quantity.values.iter().map(|value| share(*value, range)).collect(),
-        };
-        let once = arrays.shorts(numbers.into_iter());
-        listed.push(field(&quantity, &quantity.values, range, json!({ "once": once })));
+    for (number, constant) in constants.iter().enumerate() {
+        let Some(quantity) = last.quantity(&constant.name) else { continue };
+        let once = arrays.shorts(constant.shares(&quantity.values));
+        listed.push(field(&quantity, &constant.values, constant.range, json!({ "once": once, "constant": number })));
     }
     let chosen = asked.first().map(|name| name.replace('_', " "));
     let chosen = listed.iter().position(|field| field["title"].as_str() == chosen.as_deref()).unwrap_or(0);
@@ -254,7 +281,7 @@ fn choose(run: &RunFrames, last: &RunFrame, wishes: &Wishes, fields: usize) -> (
 }
 
 fn survey(
-    run: &RunFrames,
+    (run, last): (&RunFrames, &RunFrame),
     numbers: &[usize],
     fields: &[String],
     contacts: bool,
@@ -267,6 +294,8 @@ fn survey(
         ranges: vec![[f64::INFINITY, f64::NEG_INFINITY]; fields.len()],
         samples: vec![Vec::new(); fields.len()],
         grains: 0,
+        changes: false,
+        distinct: vec![BTreeSet::new(); CONSTANT.len()],
     };
     let step = numbers.len().div_ceil(9).max(1);
     for (place, &number) in numbers.iter().enumerate() {
@@ -278,6 +307,14 @@ fn survey(
                 low[axis] = low[axis].min(position[axis]);
                 high[axis] = high[axis].max(position[axis]);
             }
+        }
+        survey.changes |= !frame.has_same_grains(last);
+        for (name, distinct) in CONSTANT.iter().zip(&mut survey.distinct) {
+            let values = frame.quantity(name).map(|quantity| quantity.values).unwrap_or_default();
+            let [least, most] = range_of(&values);
+            let ends = [least, most].into_iter().filter(|_| !values.is_empty());
+            let room = MOST_DISTINCT.saturating_sub(distinct.len());
+            distinct.extend(values.iter().take(room).copied().chain(ends).map(f64::to_bits));
         }
         for (number, name) in fields.iter().enumerate() {
             let values = run.field(&frame, name)?.values;
@@ -303,6 +340,20 @@ fn survey(
 }
 
 impl Survey {
+    /// Returns the constant fields of the last frame, with colours for the values of all frames.
+    fn constants(&self, last: &RunFrame) -> Vec<Constant> {
+        let one = |(name, distinct): (&&str, &BTreeSet<u64>)| {
+            let Quantity { title, values, .. } = last.quantity(name)?;
+            let values = match self.changes {
+                true => distinct.iter().map(|bits| f64::from_bits(*bits)).collect(),
+                false => values,
+            };
+            let (range, scale) = (range_of(&values), Scale::of(&title, &values));
+            Some(Constant { name: name.to_string(), values, range, scale })
+        };
+        CONSTANT.iter().zip(&self.distinct).filter_map(one).collect()
+    }
+
     /// Returns a position over the box of all frames.
     fn place(&self, position: &[f64; 3]) -> [u16; 3] {
         std::array::from_fn(|axis| share(position[axis], [self.low[axis], self.low[axis] + self.span[axis]]))

@@ -1,0 +1,233 @@
+//! Grains that come and go during a run: sources, sinks, their regions and their checks.
+
+use super::builder::ends;
+use super::check::{MOST_GRAINS, extent, known_material, radii};
+use super::document::{Checked, DocumentPath};
+use super::error::short;
+use super::populate::{symmetric, uniform};
+use super::{Insertion, Region, Removal, Scene, sphere_volume};
+use nalgebra::Vector3;
+use rand_chacha::ChaCha8Rng;
+
+/// Fraction of a region above which its grains overlap: no random placement fills half of a region.
+const FULL: f64 = 0.5;
+
+impl Region {
+    /// Returns true if a point (m) is inside.
+    pub(crate) fn holds(&self, point: &Vector3<f64>) -> bool {
+        match self {
+            Region::Box { min, max } => (0..3).all(|axis| point[axis] >= min[axis] && point[axis] <= max[axis]),
+            Region::Cylinder { base, axis, radius, length } => {
+                let (axis, arm) = (Vector3::from(*axis).normalize(), point - Vector3::from(*base));
+                let along = axis.dot(&arm);
+                (0.0..=*length).contains(&along) && (arm - axis * along).norm() <= *radius
+            }
+        }
+    }
+
+    /// Draws the centre (m) of a grain of the given radius (m) inside, uniform over the places where the grain is inside.
+    pub(crate) fn draw(&self, radius: f64, random: &mut ChaCha8Rng) -> Vector3<f64> {
+        match self {
+            Region::Box { min, max } => Vector3::from_fn(|axis, _| {
+                min[axis] + radius + uniform(random) * (max[axis] - min[axis] - 2.0 * radius).max(0.0)
+            }),
+            Region::Cylinder { base, axis, radius: own, length } => {
+                let axis = Vector3::from(*axis).normalize();
+                let first = axis.cross(&Vector3::ith(axis.iamin(), 1.0)).normalize();
+                let (u, v) = loop {
+                    let (u, v) = (symmetric(random), symmetric(random));
+                    if u * u + v * v <= 1.0 {
+                        break (u, v);
+                    }
+                };
+                let across = (first * u + axis.cross(&first) * v) * (own - radius).max(0.0);
+                let along = radius + uniform(random) * (length - 2.0 * radius).max(0.0);
+                Vector3::from(*base) + axis * along + across
+            }
+        }
+    }
+
+    /// Returns the corners of the smallest box around the region, m.
+    pub(crate) fn bounds(&self) -> ([f64; 3], [f64; 3]) {
+        match self {
+            Region::Box { min, max } => (*min, *max),
+            Region::Cylinder { base, axis, radius, length } => {
+                let [(a, b), (c, d)] = ends(base, axis, *radius, *length);
+                (std::array::from_fn(|i| a[i].min(c[i])), std::array::from_fn(|i| b[i].max(d[i])))
+            }
+        }
+    }
+
+    /// Returns the volume, m3, and the smallest extent, m.
+    fn size(&self) -> (f64, f64) {
+        match self {
+            Region::Box { min, max } => {
+                let widths: [f64; 3] = std::array::from_fn(|axis| max[axis] - min[axis]);
+                (widths.iter().product(), widths.iter().copied().fold(f64::INFINITY, f64::min))
+            }
+            Region::Cylinder { radius, length, .. } => {
+                (std::f64::consts::PI * radius * radius * length, length.min(2.0 * radius))
+            }
+        }
+    }
+
+    /// Checks the values of a region.
+    pub(super) fn check(&self, at: &DocumentPath) -> Checked {
+        match self {
+            Region::Box { min, max } => extent(at, min, max),
+            Region::Cylinder { base, axis, radius, length } => {
+                at.key("base").finite(base)?;
+                at.key("axis").direction(axis)?;
+                at.key("radius").range(*radius, 1e-9, 1e4, "m")?;
+                at.key("length").range(*length, 1e-9, 1e4, "m")
+            }
+        }
+    }
+}
+
+impl Insertion {
+    /// Returns the time since the start, s, up to the end.
+    pub(crate) fn elapsed(&self, time: f64) -> f64 {
+        (self.until.map_or(time, |until| time.min(until)) - self.from).max(0.0)
+    }
+
+    /// Returns the number of grains due by a time (s), before the limit of `total`; infinite without a rate.
+    fn grains_by(&self, time: f64, density: f64) -> f64 {
+        let mean = sphere_volume(self.radius.mean()) * density;
+        let rate = self.rate.or(self.mass_rate.map(|rate| rate / mean));
+        rate.map_or(f64::INFINITY, |rate| rate * self.elapsed(time))
+    }
+}
+
+impl Scene {
+    /// Returns true if grains come or go during a run.
+    pub fn flows(&self) -> bool {
+        !self.insert.is_empty() || !self.remove.is_empty()
+    }
+
+    /// Returns material and smallest and largest radius (m) of the listed grains, the populations with grains, and the sources.
+    pub fn grain_kinds(&self) -> impl Iterator<Item = (&str, (f64, f64))> {
+        let listed = self.grain.iter().map(|grain| (grain.material.as_str(), (grain.radius, grain.radius)));
+        let populations = self.population.iter().filter(|group| group.count > 0);
+        let placed = populations.map(|group| (group.material.as_str(), group.radius.bounds()));
+        listed.chain(placed).chain(self.insert.iter().map(|source| (source.material.as_str(), source.radius.bounds())))
+    }
+
+    /// Returns the mean radius (m) over the grains at the start and those that come. A source counts as its total, or as
+    /// a thousand grains: the mean depends on no time.
+    pub(crate) fn mean_radius(&self) -> f64 {
+        let placed = self.population.iter().map(|group| (group.count as f64, group.radius.mean()));
+        let listed = self.grain.iter().map(|grain| (1.0, grain.radius));
+        let to_come = |total: Option<u64>| total.map_or(1000.0, |total| total as f64);
+        let come = self.insert.iter().map(|source| (to_come(source.total), source.radius.mean()));
+        let all = placed.chain(listed).chain(come);
+        let (count, sum) = all.fold((0.0, 0.0), |(count, sum), (own, radius)| (count + own, sum + own * radius));
+        sum / f64::max(count, 1.0)
+    }
+
+    /// Returns an estimate of the grains of a source by the end of the run.
+    pub(crate) fn expected(&self, source: &Insertion) -> f64 {
+        let due = source.grains_by(self.duration, self.material[&source.material].density);
+        due.min(source.total.map_or(f64::INFINITY, |total| total as f64))
+    }
+}
+
+/// Checks the sources and the sinks.
+pub(super) fn check(scene: &Scene) -> Checked {
+    let root = DocumentPath::default();
+    let mut count = scene.grain_count() as f64;
+    for (index, source) in scene.insert.iter().enumerate() {
+        let at = root.key("insert").index(index);
+        check_source(scene, &at, source)?;
+        count += scene.expected(source);
+        if count > MOST_GRAINS {
+            let problem = format!("{} grains by the end of the run, with those before them", short(count.round()));
+            return Err(
+                at.fault(problem, &format!("lower the rate, or give a total, for at most {MOST_GRAINS:e} grains"))
+            );
+        }
+    }
+    for (index, Removal { region, from, until }) in scene.remove.iter().enumerate() {
+        let at = root.key("remove").index(index);
+        region.check(&at.key("region"))?;
+        times(&at, *from, *until)?;
+        let (low, high) = region.bounds();
+        let is_apart = |axis: usize| low[axis] > scene.domain.max[axis] || high[axis] < scene.domain.min[axis];
+        if (0..3).any(is_apart) {
+            let problem = format!("from {low:?} to {high:?} m, outside the domain: no grain can enter it");
+            return Err(at.key("region").fault(problem, "move it into [domain], or enlarge [domain]"));
+        }
+    }
+    Ok(())
+}
+
+fn check_source(scene: &Scene, at: &DocumentPath, source: &Insertion) -> Checked {
+    known_material(scene, &at.key("material"), &source.material)?;
+    radii(&at.key("radius"), &source.radius)?;
+    source.region.check(&at.key("region"))?;
+    at.key("velocity").finite(&source.velocity)?;
+    times(at, source.from, source.until)?;
+    match (source.rate, source.mass_rate, source.total) {
+        (None, None, None) => {
+            let remedy = "give rate (grains/s), mass_rate (kg/s) or total (grains)";
+            return Err(at.fault("has neither a rate nor a total".into(), remedy));
+        }
+        (Some(_), Some(_), _) => {
+            let remedy = "leave one out: rate is in grains/s, mass_rate in kg/s";
+            return Err(at.key("mass_rate").fault("given beside rate".into(), remedy));
+        }
+        (rate, mass_rate, total) => {
+            at.key("rate").range(rate.unwrap_or(1.0), 1e-9, 1e9, "grains/s")?;
+            at.key("mass_rate").range(mass_rate.unwrap_or(1.0), 1e-15, 1e9, "kg/s")?;
+            at.key("total").range(total.unwrap_or(1) as f64, 1.0, MOST_GRAINS, "grains")?;
+        }
+    }
+    let ((low, high), (volume, width)) = (source.region.bounds(), source.region.size());
+    let is_outside = |axis: usize| low[axis] < scene.domain.min[axis] || high[axis] > scene.domain.max[axis];
+    if (0..3).any(is_outside) {
+        let problem = format!("from {low:?} to {high:?} m, not inside the domain");
+        return Err(at.key("region").fault(problem, "move it into [domain], or enlarge [domain]"));
+    }
+    let largest = 2.0 * source.radius.bounds().1;
+    if width < largest {
+        let (width, largest) = (short(width), short(largest));
+        let problem = format!("{width} m wide, and the largest grains have a diameter of {largest} m");
+        return Err(at.key("region").fault(problem, "enlarge it, or lower the radius: grains lie entirely inside"));
+    }
+    rate_can_be_met(scene, at, source, volume, width)
+}
+
+/// Refuses a rate that fills the region. New grains move on average for at least the time `t` with `|v| t + g t^2/2 = w/8`
+/// before they leave a region of the smallest extent w, the mean distance of a place in a cube from its surface. Until then,
+/// `rate t` grains occupy the region (J. D. C. Little, Operations Research 9 (1961), 383-387).
+fn rate_can_be_met(scene: &Scene, at: &DocumentPath, source: &Insertion, volume: f64, width: f64) -> Checked {
+    let density = scene.material[&source.material].density;
+    let least = sphere_volume(source.radius.bounds().0);
+    let (key, given, solid) = match (source.rate, source.mass_rate) {
+        (Some(rate), _) => ("rate", rate, rate * least),
+        (_, Some(rate)) => ("mass_rate", rate, rate / density),
+        _ => return Ok(()),
+    };
+    let (speed, gravity) = (Vector3::from(source.velocity).norm(), scene.largest_gravity());
+    let stay = 0.25 * width / (speed + (speed * speed + 0.25 * gravity * width).sqrt());
+    let active =
+        source.elapsed(scene.duration).min(source.total.map_or(f64::INFINITY, |total| total as f64 * least / solid));
+    let most = FULL * volume / stay.min(active);
+    if solid > most {
+        let problem = format!(
+            "{} cannot be met: new grains would fill more than {FULL} of the region before they leave it",
+            short(given)
+        );
+        let remedy = format!(
+            "lower it to at most {}, enlarge the region, or raise velocity",
+            short((given * most / solid * 1e3).floor() * 1e-3)
+        );
+        return Err(at.key(key).fault(problem, &remedy));
+    }
+    Ok(())
+}
+
+fn times(at: &DocumentPath, from: f64, until: Option<f64>) -> Checked {
+    at.key("from").range(from, 0.0, 1e6, "s")?;
+    at.key("until").range(until.unwrap_or(from), from, 1e6, "s")
+}
