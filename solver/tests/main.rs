@@ -31,6 +31,7 @@ mod ledger_closure;
 mod methods;
 mod period;
 mod periodic;
+mod placement;
 mod problem;
 mod random_scenes;
 mod resistance;

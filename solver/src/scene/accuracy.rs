@@ -15,7 +15,7 @@
 
 use super::populate::placed;
 use super::preflight::{fall_speed, longest_step, longest_step_of_walls};
-use super::{Grain, NormalLaw, RadiusDistribution, Reaction, Scene, Stop, sphere_volume};
+use super::{Grain, NormalLaw, Reaction, Scene, Stop, sphere_volume};
 use serde::{Deserialize, Serialize};
 
 /// Tolerated deviations from the converged solution.
@@ -185,19 +185,5 @@ impl Bed {
             }
         };
         1.0 / (stiffness * inverse_mass).sqrt()
-    }
-}
-
-impl RadiusDistribution {
-    /// Returns the mean radius (m), before truncation for a normal distribution.
-    pub(super) fn mean(&self) -> f64 {
-        match self {
-            RadiusDistribution::Fixed { value } => *value,
-            RadiusDistribution::Uniform { mean, .. } | RadiusDistribution::Normal { mean, .. } => *mean,
-            RadiusDistribution::Discrete { radii, shares } => {
-                let weighted: f64 = radii.iter().zip(shares).map(|(radius, share)| radius * share).sum();
-                weighted / shares.iter().sum::<f64>()
-            }
-        }
     }
 }

@@ -1,8 +1,9 @@
 //! Scenes made in code.
 
+use super::types::SPACING;
 use super::{
-    Accuracy, Axis, GrainEntry, Insertion, Material, Motion, PairRule, Population, RadiusDistribution, Region, Removal,
-    Scene, SceneError, Shape, SolverSettings, Wall, Watch,
+    Accuracy, Axis, GrainEntry, Insertion, Material, Motion, PairRule, Placement, Population, RadiusDistribution,
+    Region, Removal, Scene, SceneError, Shape, SolverSettings, Wall, Watch,
 };
 
 /// Builder of a scene: [`Scene::builder`].
@@ -197,7 +198,15 @@ impl Shape {
 impl Population {
     /// Creates a group of `count` grains of a material, at rest, on a lattice with a clearance of a tenth of their diameter.
     pub fn new(count: usize, material: impl Into<String>, radius: RadiusDistribution, region: Region) -> Population {
-        Population { count, material: material.into(), radius, region, spacing: 1.1, agitation: 0.0 }
+        Population {
+            count,
+            material: material.into(),
+            radius,
+            region,
+            placement: Placement::Lattice,
+            spacing: SPACING,
+            agitation: 0.0,
+        }
     }
 }
 

@@ -4,9 +4,10 @@ use super::coefficients::coefficients;
 use super::document::{Checked, Document, DocumentPath};
 use super::error::{Fault, is_printable, short};
 use super::settings::{Obstacle, SettingError};
+use super::types::SPACING;
 use super::{
-    ContactCoefficients, MOST_MEMORY, Motion, NormalLaw, RadiusDistribution, Scene, Shape, SolverMethod,
-    SolverSettings, Stop, TangentialLaw, flow, periodic,
+    ContactCoefficients, MOST_MEMORY, Motion, NormalLaw, Placement, Scene, Shape, SolverMethod, SolverSettings, Stop,
+    TangentialLaw, flow, periodic,
 };
 use std::collections::HashMap;
 
@@ -18,8 +19,6 @@ const MOST_MATERIALS: usize = 256;
 const MOST_SWEEPS: f64 = 1e6;
 /// Largest number of inner sweeps per sweep over all boxes: more than one inner sweep does not pay (`docs/memory.md`).
 const MOST_INNER_SWEEPS: f64 = 1e3;
-/// Largest ratio of the standard deviation of a normal distribution to its width: above the limit, redrawing takes long.
-const MOST_DEVIATIONS: f64 = 100.0;
 
 /// Checks every value of a scene against its physical range.
 pub(super) fn check(scene: &Scene) -> Checked {
@@ -190,7 +189,11 @@ fn grains(scene: &Scene) -> Checked {
         at.key("count").range(count, 0.0, MOST_GRAINS, "grains, with those before it")?;
         at.key("spacing").range(population.spacing, 1.0, 100.0, "largest diameters")?;
         at.key("agitation").range(population.agitation, 0.0, 1e3, "m/s")?;
-        radii(&at.key("radius"), &population.radius)?;
+        population.radius.check(&at.key("radius"))?;
+        if population.placement == Placement::Random && population.spacing != SPACING {
+            let remedy = "leave it out, or let placement = 'lattice'";
+            return Err(at.key("spacing").fault("given with random places, which have no lattice".into(), remedy));
+        }
         population.region.check(&at.key("region"))?;
     }
     for (index, grain) in scene.grain.iter().enumerate() {
@@ -238,49 +241,6 @@ fn accuracy(scene: &Scene) -> Checked {
         }
     }
     Ok(())
-}
-
-pub(super) fn radii(at: &DocumentPath, distribution: &RadiusDistribution) -> Checked {
-    match distribution {
-        RadiusDistribution::Fixed { value } => at.key("value").range(*value, 1e-9, 100.0, "m"),
-        RadiusDistribution::Uniform { mean, spread } => {
-            at.key("mean").range(*mean, 1e-9, 100.0, "m")?;
-            at.key("spread").range(*spread, 0.0, 0.99, "(no unit)")
-        }
-        RadiusDistribution::Normal { mean, deviation, min, max } => {
-            at.key("mean").range(*mean, *min, *max, "m")?;
-            at.key("deviation").range(*deviation, 0.0, *max, "m")?;
-            at.key("min").range(*min, 1e-9, *max, "m")?;
-            at.key("max").range(*max, *min, 100.0, "m")?;
-            match *deviation <= MOST_DEVIATIONS * (max - min) {
-                true => Ok(()),
-                false => Err(at.key("deviation").fault(
-                    format!(
-                        "{} m is far wider than the radii from {} to {} m that are kept",
-                        short(*deviation),
-                        short(*min),
-                        short(*max)
-                    ),
-                    "lower it, or use kind = 'uniform'",
-                )),
-            }
-        }
-        RadiusDistribution::Discrete { radii, shares } => {
-            if radii.is_empty() || radii.len() != shares.len() {
-                return Err(at.fault(
-                    format!("{} radii and {} shares", radii.len(), shares.len()),
-                    "list as many shares as radii, at least one",
-                ));
-            }
-            for &radius in radii {
-                at.key("radii").range(radius, 1e-9, 100.0, "m")?;
-            }
-            for &share in shares {
-                at.key("shares").range(share, 1e-12, 1e12, "(no unit)")?;
-            }
-            Ok(())
-        }
-    }
 }
 
 pub(super) fn solver(scene: &Scene) -> Checked {

@@ -1,7 +1,7 @@
 //! Grains that come and go during a run: sources, sinks, their regions and their checks.
 
 use super::builder::ends;
-use super::check::{MOST_GRAINS, extent, known_material, radii};
+use super::check::{MOST_GRAINS, extent, known_material};
 use super::document::{Checked, DocumentPath};
 use super::error::short;
 use super::populate::{symmetric, uniform};
@@ -163,7 +163,7 @@ pub(super) fn check(scene: &Scene) -> Checked {
 
 fn check_source(scene: &Scene, at: &DocumentPath, source: &Insertion) -> Checked {
     known_material(scene, &at.key("material"), &source.material)?;
-    radii(&at.key("radius"), &source.radius)?;
+    source.radius.check(&at.key("radius"))?;
     source.region.check(&at.key("region"))?;
     at.key("velocity").finite(&source.velocity)?;
     times(at, source.from, source.until)?;

@@ -52,6 +52,7 @@ mod flow;
 mod periodic;
 mod populate;
 mod preflight;
+mod radii;
 mod settings;
 mod suggestions;
 mod types;
@@ -67,9 +68,10 @@ pub use document::{Checked, Document, DocumentPath};
 pub use error::{Fault, SceneError, SceneFileError, line_of};
 use nalgebra::Vector3;
 pub(crate) use periodic::REACHES;
+pub(crate) use populate::Neighbours;
 pub use populate::{Grain, populate};
-pub(crate) use populate::{Neighbours, draw_radius};
 pub use preflight::{Beforehand, Finding, Severity};
+pub use radii::RadiusDistribution;
 use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 pub use settings::{
@@ -80,8 +82,7 @@ use std::collections::BTreeMap;
 pub use suggestions::{nearest, suggestion, wish};
 pub(crate) use types::sphere_volume;
 pub use types::{
-    Axis, Domain, GrainEntry, GravityChange, Insertion, Motion, Population, RadiusDistribution, Region, Removal, Shape,
-    Wall,
+    Axis, Domain, GrainEntry, GravityChange, Insertion, Motion, Placement, Population, Region, Removal, Shape, Wall,
 };
 
 /// Tables of a scene file that describe measurements; the solver ignores these tables.

@@ -1,7 +1,7 @@
 //! Initial grains: generated once from the scene and a seed, the same for every code.
 
 use super::error::{Fault, Step};
-use super::{Domain, Population, RadiusDistribution, Region, Scene, SceneError, Shape};
+use super::{Domain, Placement, Population, Region, Scene, SceneError, Shape};
 use crate::laws::period::Period;
 use nalgebra::Vector3;
 use rand_chacha::ChaCha8Rng;
@@ -10,6 +10,9 @@ use std::collections::HashMap;
 
 /// Largest number of lattice sites of a region, occupied or not; a scene cannot have as many grains.
 const MOST_SITES: f64 = 2e8;
+
+/// Number of tries to find a random free place for a grain.
+const TRIES: usize = 10_000;
 
 /// Initial state of a grain.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,8 +62,11 @@ pub(super) fn placed(scene: &Scene, seed: u64) -> Result<Vec<Grain>, Unplaced> {
         spin: entry.spin,
     }));
     for (index, population) in scene.population.iter().enumerate() {
-        jittered_lattice(scene, population, &mut random, &mut grains)
-            .map_err(|misfit| misfit.unplaced(index, population))?;
+        match population.placement {
+            Placement::Lattice => jittered_lattice(scene, population, &mut random, &mut grains),
+            Placement::Random => random_places(scene, population, &mut random, &mut grains),
+        }
+        .map_err(|misfit| misfit.unplaced(index, population))?;
     }
     Ok(grains)
 }
@@ -98,6 +104,8 @@ fn reserve<T>(list: &mut Vec<T>, more: usize) -> Result<(), Unplaced> {
 
 /// Error of the placement of a population.
 enum Misfit {
+    /// After this number of grains, no free place was found at random.
+    Full(usize),
     /// The region has only this number of lattice sites.
     TooSmall(usize),
     /// The region has this number of lattice sites, too many for a list.
@@ -109,6 +117,15 @@ enum Misfit {
 impl Misfit {
     fn unplaced(self, index: usize, population: &Population) -> Unplaced {
         let (key, problem, remedy) = match self {
+            Misfit::Full(placed) => (
+                "count",
+                format!(
+                    "no free place was found in {TRIES} tries for grain {} of {}, the largest first",
+                    placed + 1,
+                    population.count
+                ),
+                "enlarge the region or lower the count: random places fill some 0.3 of a region with grains of one size",
+            ),
             Misfit::TooSmall(sites) => (
                 "count",
                 format!("{} grains do not fit their region: it has {sites} lattice sites", population.count),
@@ -134,34 +151,6 @@ pub(super) fn symmetric(random: &mut ChaCha8Rng) -> f64 {
     2.0 * uniform(random) - 1.0
 }
 
-pub(crate) fn draw_radius(distribution: &RadiusDistribution, random: &mut ChaCha8Rng) -> f64 {
-    match distribution {
-        RadiusDistribution::Fixed { value } => *value,
-        RadiusDistribution::Uniform { mean, spread } => mean * (1.0 + spread * symmetric(random)),
-        RadiusDistribution::Normal { mean, deviation, min, max } => loop {
-            // Marsaglia's polar method: no trigonometric function, and a logarithm with the same bits on every platform.
-            let (u, v) = (symmetric(random), symmetric(random));
-            let s = u * u + v * v;
-            if s > 0.0 && s < 1.0 {
-                let radius = mean + deviation * u * (-2.0 * libm::log(s) / s).sqrt();
-                if (*min..=*max).contains(&radius) {
-                    return radius;
-                }
-            }
-        },
-        RadiusDistribution::Discrete { radii, shares } => {
-            let mut left = uniform(random) * shares.iter().sum::<f64>();
-            for (radius, share) in radii.iter().zip(shares) {
-                left -= share;
-                if left < 0.0 {
-                    return *radius;
-                }
-            }
-            radii[radii.len() - 1]
-        }
-    }
-}
-
 /// Fills the lowest lattice sites of the region.
 fn jittered_lattice(
     scene: &Scene,
@@ -183,12 +172,50 @@ fn jittered_lattice(
         let velocity = Vector3::from_fn(|_, _| population.agitation * symmetric(random));
         Grain {
             material: population.material.clone(),
-            radius: draw_radius(&population.radius, random),
+            radius: population.radius.draw(random),
             position: (site + offset).into(),
             velocity: velocity.into(),
             spin: [0.0; 3],
         }
     }));
+    Ok(())
+}
+
+/// Places the grains at random where they overlap no other grain and no wall, the largest first. Their numbers follow the order in which radii
+/// are drawn, so that large and small grains are mixed.
+fn random_places(
+    scene: &Scene,
+    population: &Population,
+    random: &mut ChaCha8Rng,
+    grains: &mut Vec<Grain>,
+) -> Result<(), Misfit> {
+    let radii: Vec<f64> = (0..population.count).map(|_| population.radius.draw(random)).collect();
+    let mut order: Vec<usize> = (0..radii.len()).collect();
+    order.sort_by(|&one, &other| radii[other].total_cmp(&radii[one]));
+    let largest = grains.iter().map(|grain| grain.radius).fold(population.radius.bounds().1, f64::max);
+    let mut neighbours = Neighbours::new(&scene.domain, largest);
+    grains.iter().for_each(|grain| neighbours.add(&grain.position, grain.radius));
+    let (first, period) = (grains.len(), scene.domain.period());
+    grains.extend(radii.iter().map(|&radius| Grain {
+        material: population.material.clone(),
+        radius,
+        position: [0.0; 3],
+        velocity: [0.0; 3],
+        spin: [0.0; 3],
+    }));
+    for (placed, &number) in order.iter().enumerate() {
+        let grain = &mut grains[first + number];
+        let is_free = (0..TRIES).any(|_| {
+            grain.position = population.region.draw(grain.radius, random).into();
+            neighbours.find(&grain.position, grain.radius, |overlap, _| overlap > 0.0).is_none()
+                && scene.wall.iter().all(|wall| wall_overlap(&wall.shape, &period, grain) <= 0.0)
+        });
+        if !is_free {
+            return Err(Misfit::Full(placed));
+        }
+        neighbours.add(&grain.position, grain.radius);
+        grain.velocity = Vector3::from_fn(|_, _| population.agitation * symmetric(random)).into();
+    }
     Ok(())
 }
 
@@ -359,59 +386,87 @@ fn no_overlap(scene: &Scene, grains: &[Grain]) -> Result<(), Unplaced> {
             );
             return Err(Fault::new(origin(scene, index), problem, remedy).into());
         }
-        let last = &mut neighbours.last;
-        last.try_reserve(1).map_err(|_| Unplaced::Memory(2 * last.len() * size_of::<([i64; 3], usize)>()))?;
         neighbours.add(&grain.position, grain.radius);
     }
     Ok(())
 }
 
-/// Grains by cells of a diameter, for the search of overlaps.
+/// Grains by cells, for the search of overlaps: a grid for each level of radii, which halve from level to level.
 pub(crate) struct Neighbours<'a> {
     domain: &'a Domain,
     period: Period,
-    /// Width of a cell, m.
-    size: f64,
-    /// Last grain of each cell.
-    last: HashMap<[i64; 3], usize>,
+    /// Largest radius, m.
+    largest: f64,
+    levels: Vec<Level>,
     /// Centre and radius of each grain, m, and the previous grain in the same cell.
     grains: Vec<([f64; 3], f64, Option<usize>)>,
+}
+
+/// Grains with radii above half of the largest radius of a level, in cells as wide as its largest diameter.
+#[derive(Default)]
+struct Level {
+    /// Largest radius, m.
+    radius: f64,
+    /// Last grain of each cell.
+    last: HashMap<[i64; 3], usize>,
+}
+
+impl Level {
+    fn cell(&self, place: &[f64; 3]) -> [i64; 3] {
+        place.map(|x| (x / (2.0 * self.radius)).floor() as i64)
+    }
+
+    /// Returns the last grains of all cells that a cube around a point reaches, with a half width in m, and possibly of others.
+    fn near(&self, point: &[f64; 3], reach: f64) -> Vec<usize> {
+        let (low, high) = (self.cell(&point.map(|x| x - reach)), self.cell(&point.map(|x| x + reach)));
+        let cells: f64 = (0..3).map(|axis| (high[axis] - low[axis] + 1) as f64).product();
+        // A large grain reaches more cells of a fine level than are occupied.
+        if cells > self.last.len() as f64 {
+            return self.last.values().copied().collect();
+        }
+        let rows = (low[2]..=high[2]).flat_map(|z| (low[1]..=high[1]).map(move |y| [y, z]));
+        let cells = rows.flat_map(|[y, z]| (low[0]..=high[0]).map(move |x| [x, y, z]));
+        cells.filter_map(|cell| self.last.get(&cell).copied()).collect()
+    }
 }
 
 impl<'a> Neighbours<'a> {
     /// Begins without grains, for radii up to `largest` (m).
     pub fn new(domain: &'a Domain, largest: f64) -> Neighbours<'a> {
-        let size = (2.0 * largest).max(1e-12);
-        Neighbours { domain, period: domain.period(), size, last: HashMap::new(), grains: Vec::new() }
-    }
-
-    fn cell(&self, position: &[f64; 3]) -> [i64; 3] {
-        position.map(|x| (x / self.size).floor() as i64)
+        let largest = largest.max(1e-12);
+        Neighbours { domain, period: domain.period(), largest, levels: Vec::new(), grains: Vec::new() }
     }
 
     /// Adds a grain, with its centre inside the domain along periodic axes.
     pub fn add(&mut self, position: &[f64; 3], radius: f64) {
-        let before = self.last.insert(self.cell(position), self.grains.len());
+        let level = libm::log2(self.largest / radius).clamp(0.0, 60.0) as usize;
+        for number in self.levels.len()..=level {
+            self.levels.push(Level { radius: self.largest * 0.5_f64.powi(number as i32), ..Level::default() });
+        }
+        let level = &mut self.levels[level];
+        let before = level.last.insert(level.cell(position), self.grains.len());
         self.grains.push((*position, radius, before));
     }
 
     /// Returns the number and the overlap (m) of the first grain whose overlap (m) and radius (m) satisfy the predicate.
     pub fn find(&self, position: &[f64; 3], radius: f64, is_one: impl Fn(f64, f64) -> bool) -> Option<(usize, f64)> {
-        let images = images(position, &self.period, self.domain, self.size);
-        images.flat_map(|image| around(self.cell(&image))).find_map(|cell| {
-            let newest = self.last.get(&cell).copied();
-            std::iter::successors(newest, |&other| self.grains[other].2).find_map(|other| {
-                let (there, its_radius, _) = &self.grains[other];
-                let overlap = radius + its_radius - self.period.arm(&(*position).into(), &(*there).into()).norm();
-                is_one(overlap, *its_radius).then_some((other, overlap))
-            })
-        })
+        let mut first: Option<(usize, f64)> = None;
+        for image in images(position, &self.period, self.domain, 2.0 * self.largest) {
+            for level in self.levels.iter().filter(|level| !level.last.is_empty()) {
+                for newest in level.near(&image, radius + level.radius) {
+                    for other in std::iter::successors(Some(newest), |&other| self.grains[other].2) {
+                        let (there, its_radius, _) = self.grains[other];
+                        let distance = self.period.arm(&(*position).into(), &there.into()).norm();
+                        let overlap = radius + its_radius - distance;
+                        if is_one(overlap, its_radius) && first.is_none_or(|(number, _)| other < number) {
+                            first = Some((other, overlap));
+                        }
+                    }
+                }
+            }
+        }
+        first
     }
-}
-
-/// Returns a cell and its neighbours.
-fn around([x, y, z]: [i64; 3]) -> impl Iterator<Item = [i64; 3]> {
-    (0..27).map(move |n| [x + n % 3 - 1, y + n / 3 % 3 - 1, z + n / 9 - 1])
 }
 
 /// Returns a point and its periodic images within `reach` (m) of the domain.

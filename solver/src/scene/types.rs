@@ -1,5 +1,6 @@
 //! Tables of a scene file. All units are SI: metres, seconds, kilograms, pascals, radians per second.
 
+use super::RadiusDistribution;
 use crate::laws::period::Period;
 use serde::{Deserialize, Serialize};
 
@@ -243,7 +244,7 @@ impl Motion {
     }
 }
 
-/// Group of grains placed on the sites of a jittered lattice, the lowest sites first.
+/// Group of grains placed by rule: on the lowest sites of a jittered lattice, or at random.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -256,7 +257,10 @@ pub struct Population {
     pub radius: RadiusDistribution,
     /// Region of placement.
     pub region: Region,
-    /// Lattice spacing over the largest diameter, at least 1; jitter fills the rest.
+    /// Rule of placement.
+    #[serde(default, skip_serializing_if = "Placement::is_lattice")]
+    pub placement: Placement,
+    /// Lattice spacing over the largest diameter, at least 1; jitter fills the rest. Without meaning for a random placement.
     #[serde(default = "default_spacing")]
     pub spacing: f64,
     /// Limit of each component of the initial velocity, m/s: uniform between minus and plus this value.
@@ -264,58 +268,28 @@ pub struct Population {
     pub agitation: f64,
 }
 
+/// Lattice spacing of a population without one.
+pub(super) const SPACING: f64 = 1.1;
+
 fn default_spacing() -> f64 {
-    1.1
+    SPACING
 }
 
-/// Distribution of grain radii, metres.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// Rule by which the grains of a population get their places.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
-pub enum RadiusDistribution {
-    /// All equal.
-    Fixed {
-        /// Radius, metres.
-        value: f64,
-    },
-    /// Uniform between `mean (1 - spread)` and `mean (1 + spread)`.
-    Uniform {
-        /// Mean radius, metres.
-        mean: f64,
-        /// Half width over the mean.
-        spread: f64,
-    },
-    /// Normal, redrawn outside `min` to `max`.
-    Normal {
-        /// Mean radius, metres.
-        mean: f64,
-        /// Standard deviation, metres.
-        deviation: f64,
-        /// Smallest radius, metres.
-        min: f64,
-        /// Largest radius, metres.
-        max: f64,
-    },
-    /// Listed radii with fractions by number.
-    Discrete {
-        /// Radii, metres.
-        radii: Vec<f64>,
-        /// Fractions, one per radius; need not sum to 1.
-        shares: Vec<f64>,
-    },
+#[serde(rename_all = "kebab-case")]
+pub enum Placement {
+    /// Sites of a jittered lattice as wide as the largest grain, the lowest sites first.
+    #[default]
+    Lattice,
+    /// Random free places of the region, the largest grains first: for grains of very different sizes, up to a solid fraction of some 0.3.
+    Random,
 }
 
-impl RadiusDistribution {
-    /// Returns the smallest and largest radius of the distribution, metres.
-    pub fn bounds(&self) -> (f64, f64) {
-        match self {
-            Self::Fixed { value } => (*value, *value),
-            Self::Uniform { mean, spread } => (mean * (1.0 - spread), mean * (1.0 + spread)),
-            Self::Normal { min, max, .. } => (*min, *max),
-            Self::Discrete { radii, .. } => {
-                radii.iter().fold((f64::INFINITY, 0.0), |(low, high), &r| (low.min(r), high.max(r)))
-            }
-        }
+impl Placement {
+    fn is_lattice(&self) -> bool {
+        *self == Placement::Lattice
     }
 }
 

@@ -8,7 +8,7 @@
 
 use crate::Simulation;
 use crate::lanes::{cross, plus, times};
-use crate::scene::{Insertion, Neighbours, Region, Removal, Scene, draw_radius, sphere_volume};
+use crate::scene::{Insertion, Neighbours, Region, Removal, Scene, sphere_volume};
 use crate::schedule::{Phase, Team};
 use crate::simulation::energy::ContactEnergy;
 use crate::simulation::intervention::Booked;
@@ -161,7 +161,7 @@ impl Flow {
     /// Returns the radius (m) and the mass (kg) of the next grain of a source.
     fn next(&self, source: usize) -> (f64, f64) {
         let mut random = self.random(source, false, self.counts.inserted[source].grains);
-        let radius = draw_radius(&self.scene.insert[source].radius, &mut random);
+        let radius = self.scene.insert[source].radius.draw(&mut random);
         (radius, self.materials[source].1 * sphere_volume(radius))
     }
 

@@ -1,6 +1,8 @@
 //! Builder of the scenes of stress tests and laws.
 
-use makadam::scene::{Domain, GrainEntry, Material, Motion, Population, RadiusDistribution, Region, Shape, Stop, Wall};
+use makadam::scene::{
+    Domain, GrainEntry, Material, Motion, Placement, Population, RadiusDistribution, Region, Shape, Stop, Wall,
+};
 use makadam_frames::plan::{Measure, MeasuredScene};
 
 /// Default radius of a grain, m.
@@ -164,7 +166,17 @@ impl Sketch {
 
     fn grains(self, count: usize, radius: RadiusDistribution, region: Region, spacing: f64, agitation: f64) -> Sketch {
         let material = "grain".into();
-        self.with(|scene| scene.population.push(Population { count, material, radius, region, spacing, agitation }))
+        self.with(|scene| {
+            scene.population.push(Population {
+                count,
+                material,
+                radius,
+                region,
+                placement: Placement::Lattice,
+                spacing,
+                agitation,
+            })
+        })
     }
 
     /// Adds a wall with a name, of a material.

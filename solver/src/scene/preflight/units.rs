@@ -3,9 +3,9 @@
 //! Each bound is that of an existing material or machine, so that a value beyond the bound is either in other units or
 //! of a thought experiment. The scene runs nevertheless.
 
+use crate::scene::Scene;
 use crate::scene::document::DocumentPath;
 use crate::scene::error::{Fault, short};
-use crate::scene::{RadiusDistribution, Scene};
 
 /// Largest diameter below a boulder's on Wentworth's scale, m.
 const BOULDER: f64 = 0.256;
@@ -52,18 +52,18 @@ fn sizes(scene: &Scene) -> Option<Fault> {
         .population
         .iter()
         .enumerate()
-        .map(|(index, population)| (root.key("population").index(index).key("radius"), range(&population.radius)));
+        .map(|(index, population)| (root.key("population").index(index).key("radius"), population.radius.bounds()));
     let grains = scene
         .grain
         .iter()
         .enumerate()
-        .map(|(index, grain)| (root.key("grain").index(index).key("radius"), [grain.radius; 2]));
+        .map(|(index, grain)| (root.key("grain").index(index).key("radius"), (grain.radius, grain.radius)));
     let sources = scene
         .insert
         .iter()
         .enumerate()
-        .map(|(index, source)| (root.key("insert").index(index).key("radius"), range(&source.radius)));
-    populations.chain(grains).chain(sources).find_map(|(at, [least, most])| {
+        .map(|(index, source)| (root.key("insert").index(index).key("radius"), source.radius.bounds()));
+    populations.chain(grains).chain(sources).find_map(|(at, (least, most))| {
         let (least, most) = (2.0 * least, 2.0 * most);
         if most > BOULDER {
             let problem = format!("grains of {} m in diameter are boulders (above {BOULDER} m)", short(most));
@@ -78,18 +78,6 @@ fn sizes(scene: &Scene) -> Option<Fault> {
         };
         (least < COLLOID).then(|| at.fault(problem(), "are lengths in metres? 1 µm is 1e-6 m"))
     })
-}
-
-/// Returns the smallest and largest radius of a distribution, m.
-fn range(distribution: &RadiusDistribution) -> [f64; 2] {
-    match distribution {
-        RadiusDistribution::Fixed { value } => [*value; 2],
-        RadiusDistribution::Uniform { mean, spread } => [mean * (1.0 - spread), mean * (1.0 + spread)],
-        RadiusDistribution::Normal { min, max, .. } => [*min, *max],
-        RadiusDistribution::Discrete { radii, .. } => {
-            [radii.iter().copied().fold(f64::INFINITY, f64::min), radii.iter().copied().fold(0.0, f64::max)]
-        }
-    }
 }
 
 fn density(at: &DocumentPath, value: f64) -> Option<Fault> {
