@@ -11,6 +11,7 @@ mod defect_scenes;
 mod effects_command;
 mod fault_tables;
 mod faults;
+mod flow_command;
 mod foreign_commands;
 mod judged_frames;
 mod language;

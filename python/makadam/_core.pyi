@@ -206,6 +206,8 @@ class Simulation:
         """Keeps a ledger of energy and momentum from here on."""
     def balance(self) -> Optional[dict[str, Any]]:
         """The ledger since it was opened (J, kg m/s); None if it was not."""
+    def flow(self) -> Optional[dict[str, Any]]:
+        """What came from the sources and went into the sinks of the scene, and lags (s); None without any."""
     def interrupt(self) -> None:
         """Asks the thread that steps to stop: it raises ``makadam.Interrupted``."""
     def checkpoint(self) -> bytes:

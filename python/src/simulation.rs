@@ -195,9 +195,17 @@ impl Simulation {
                 dict.call_method1("setdefault", ("outside", balance.outside))?;
                 dict.call_method1("setdefault", ("outside_impulse", balance.outside_impulse.to_vec()))?;
                 dict.call_method1("setdefault", ("outside_angular_impulse", balance.outside_angular_impulse.to_vec()))?;
+                dict.call_method1("setdefault", ("inflow", balance.inflow))?;
+                dict.call_method1("setdefault", ("outflow", balance.outflow))?;
                 Ok(dict)
             })
             .transpose()
+    }
+
+    /// The grains that have come from the sources and gone into the sinks of the scene, a dict of `inserted` and `removed` (a dict of
+    /// `grains` and `mass`, kg, for each), `lags` of the sources, s, and `usual_lag`, s; None for a scene without any.
+    fn flow<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        plain(py, &self.0.with(py, |simulation| simulation.flow())?)
     }
 
     /// Requests a stop of the stepping thread, which raises `makadam.Interrupted`. Without such a thread, the next call of `step` raises.

@@ -378,6 +378,68 @@ fn watchdogs_know_what_comes_and_goes() {
 }
 
 #[test]
+fn ledgers_close_and_bits_hold_with_cohesion_torques_springs_and_periods() {
+    let lines = "rolling_friction = 0.1\ntwisting_friction = 0.05\n\
+                 cohesion = { kind = 'surface-energy', work = 0.05, range = 0.0001 }\n";
+    let sink = "[[remove]]\nregion = { kind = 'cylinder', base = [0.03, 0.03, 0.2], axis = [0, 0, 1], radius = 0.02, length = 0.02 }\n\
+                from = 0.2\n";
+    let spring = format!("{SOLVER}\ntangential_law = {{ kind = 'spring' }}");
+    for (lines, solver, axes) in [(lines, SOLVER, vec![]), ("", &spring, vec![makadam::Axis::X, makadam::Axis::Y])] {
+        let walls = if axes.is_empty() { format!("{SHAFT}{FLOOR}") } else { FLOOR.into() };
+        let body = format!("{walls}{}{sink}", source("rate = 1500"));
+        let mut scene = Setup { solver: solver.into(), body, ..Setup::default() }.scene_with(lines);
+        (scene.domain.min, scene.domain.max) = ([0.0, 0.0, -0.9], [0.06, 0.06, 0.5]);
+        scene.domain.periodic = axes;
+        let mut simulation = start(&scene);
+        simulation.open_ledger();
+        for step in 0..1000 {
+            simulation.step();
+            let balance = simulation.balance().unwrap();
+            assert!(balance.closure.abs() <= 1e-9 * balance.exchanged(), "step {step}: {balance:#?}");
+        }
+        let [came, went, inside] = counts(&simulation);
+        assert!(went > 50 && came == went + inside, "{came} came, {went} went");
+        same_bits_everywhere(&scene, 700);
+    }
+}
+
+#[test]
+fn a_stopped_step_lets_nobody_come_or_go_twice() {
+    let mut scene = stream();
+    scene.solver.stop = makadam::Stop::Sweeps { sweeps: 100 };
+    let (mut straight, mut stopped) = (start(&scene), start(&scene));
+    for step in 0..700 {
+        straight.step();
+        if step % 3 == 0 {
+            stopped.set_interrupt(makadam::Interrupt::new());
+            stopped.interrupt_handle().request();
+            stopped.step();
+            stopped.interrupt_handle().clear();
+        }
+        while stopped.steps_taken() < straight.steps_taken() {
+            stopped.step();
+        }
+        assert_eq!((stopped.state_hash(), stopped.passed()), (straight.state_hash(), straight.passed()), "step {step}");
+    }
+    assert!(straight.passed()[1].grains > 10);
+}
+
+#[test]
+fn every_method_and_precision_loses_nobody() {
+    for method in SolverMethod::ALL {
+        let mut simulation = start(&scene(format!("{SHAFT}{FLOOR}{}", source("rate = 1000"))));
+        simulation.use_method(method).unwrap();
+        steps(&mut simulation, 600);
+        let [came, _, inside] = counts(&simulation);
+        assert!(came > 250 && came == inside, "{}: {came} came, {inside} inside", method.name());
+        assert!(simulation.not_finite().is_none());
+    }
+    let mut single = stream();
+    single.solver.precision = makadam::Precision::Single;
+    same_bits_everywhere(&single, 600);
+}
+
+#[test]
 fn bad_sources_and_sinks_are_refused_with_key_and_remedy() {
     let text = |source: &str, sink: &str| {
         format!(
@@ -398,7 +460,7 @@ fn bad_sources_and_sinks_are_refused_with_key_and_remedy() {
             region,
             ["insert[0]: has neither a rate nor a total", "give rate (grains/s), mass_rate (kg/s) or total"],
         ),
-        (good("rate = 1\nmass_rate = 1"), region, ["insert[0].mass_rate: given beside rate", "leave one out"]),
+        (good("rate = 1\nmass_rate = 1"), region, ["insert[0].mass_rate: given in addition to rate", "leave one out"]),
         (good("rate = -1"), region, ["insert[0].rate: -1 is out of range", "grains/s"]),
         (good("total = 0"), region, ["insert[0].total: 0 is out of range", "grains"]),
         (good("rate = 1\nfrom = 1\nuntil = 0.5"), region, ["insert[0].until: 0.5 is out of range", "from 1"]),

@@ -141,3 +141,44 @@ fn what_is_too_large_is_left_out_and_said() {
     let message = write(&file, &run, &unknown, &|_| {}).unwrap_err().to_string();
     assert!(message.contains("sped") && message.contains("angular_velocity"), "{message}");
 }
+
+#[test]
+fn a_page_shows_grains_that_come_and_go_with_their_own_radii_and_materials() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = include_str!("../templates/stream.toml")
+        .replace("radius = 0.07", "radius = 0.02")
+        .replace("[solver]", "[material.other]\ndensity = 1000.0\nyoungs_modulus = 1e7\npoisson_ratio = 0.3\nfriction = 0.5\nrestitution = 0.3\n\
+                 [[grain]]\nmaterial = \"other\"\nradius = 0.006\nposition = [0.1, 0.0, 0.0]\n[solver]");
+    let scene = MeasuredScene::parse(&text).unwrap();
+    let mut simulation = Simulation::new(&scene, 1).unwrap();
+    let mut frames = StoreWriter::create(&folder.path().join(RunFiles::FRAMES), &scene).unwrap();
+    for _ in 0..5 {
+        frames.append(&simulation.snapshot()).unwrap();
+        (0..200).for_each(|_| {
+            simulation.step();
+        });
+    }
+    assert!(simulation.passed()[1].grains > 10);
+    let run = RunFrames::open(folder.path()).unwrap();
+    let file = folder.path().join("view.html");
+    write(&file, &run, &wishes(), &|_| {}).unwrap();
+    let (head, arrays) = read(&std::fs::read_to_string(&file).unwrap());
+    let fields = head["fields"].as_array().unwrap();
+    let field = |title: &str| fields.iter().find(|field| field["title"] == title).unwrap();
+    // The grain of the other material falls out before the last frame, and keeps its colour in the first.
+    assert_eq!(field("material")["kinds"], serde_json::json!(["grain", "other"]));
+    let of_material = field("material")["constant"].as_u64().unwrap() as usize;
+    for number in 0..run.count() {
+        let (frame, shown) = (run.read(number).unwrap(), &head["frames"][number]);
+        let [start, count] = [0, 1].map(|part| shown["radii"][part].as_u64().unwrap() as usize);
+        let radii =
+            arrays[start..start + 4 * count].chunks(4).map(|bytes| f32::from_le_bytes(bytes.try_into().unwrap()));
+        assert!(radii.eq(frame.grains.radii.iter().map(|radius| *radius as f32)), "frame {number}");
+        assert_eq!(shorts(&arrays, &shown["state"]).len(), 4 * count);
+        let materials: Vec<f64> =
+            shorts(&arrays, &shown["once"][of_material]).iter().map(|share| share * 65_535.0).collect();
+        assert_eq!(materials, frame.quantity("material").unwrap().values, "frame {number}");
+    }
+    assert_eq!(run.read(0).unwrap().quantity("material").unwrap().values, [1.0]);
+    assert!(run.read(4).unwrap().quantity("material").unwrap().values.iter().all(|material| *material == 0.0));
+}

@@ -143,7 +143,7 @@ impl Candidates {
     }
 
     /// Moves the list to the new places of the grains, after grains of a world have come and gone, and forgets the impulses of
-    /// those that are gone; a rebuild must follow. Chooses boxes anew if the number of grains has doubled or halved since.
+    /// those that are gone; a rebuild must follow. Chooses new boxes if the number of grains has doubled or halved since.
     pub(crate) fn change(&mut self, moves: &Moves, world: &World) {
         let moved = |place: &mut u32| {
             let to = moves.places[*place as usize];

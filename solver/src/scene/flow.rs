@@ -125,6 +125,12 @@ impl Scene {
         sum / f64::max(count, 1.0)
     }
 
+    /// Returns the number of grains at the start and of those that come by the end of the run, unless they find no places.
+    pub fn most_grains(&self) -> usize {
+        let come: f64 = self.insert.iter().map(|source| self.expected(source)).sum();
+        self.grain_count().saturating_add(come as usize)
+    }
+
     /// Returns an estimate of the grains of a source by the end of the run.
     pub(crate) fn expected(&self, source: &Insertion) -> f64 {
         let due = source.grains_by(self.duration, self.material[&source.material].density);
@@ -174,7 +180,7 @@ fn check_source(scene: &Scene, at: &DocumentPath, source: &Insertion) -> Checked
         }
         (Some(_), Some(_), _) => {
             let remedy = "leave one out: rate is in grains/s, mass_rate in kg/s";
-            return Err(at.key("mass_rate").fault("given beside rate".into(), remedy));
+            return Err(at.key("mass_rate").fault("given in addition to rate".into(), remedy));
         }
         (rate, mass_rate, total) => {
             at.key("rate").range(rate.unwrap_or(1.0), 1e-9, 1e9, "grains/s")?;

@@ -321,7 +321,7 @@ pub enum Region {
 /// Source: grains that come to random free places of a region during the run.
 ///
 /// A grain that finds no free place waits. Grains come when the candidate list is rebuilt, at most the time late in which a
-/// grain falls by its radius.
+/// grain falls by its mean diameter.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]

@@ -1,7 +1,7 @@
 //! Grains that come and go by the scene: sources and sinks.
 //!
 //! Grains come and go at the start of a step that rebuilds the candidate list. If grains are due and the list is still valid, it
-//! is rebuilt once it is as old as a grain falls by its mean radius ([`Flow::every`]), or at once if a grain could cross a sink
+//! is rebuilt once a grain could have fallen by its mean diameter since ([`Flow::every`]), or at once if a grain could cross a sink
 //! within the step. A source places each grain at a random free place of its region, without overlap; after some tries the grain
 //! waits for the next rebuild. The radius of a grain is a function of seed, source and its number among the grains of the
 //! source. The place is one of seed, source and try. So bits do not depend on threads, and a checkpoint holds the counts alone.
@@ -101,8 +101,8 @@ pub(crate) struct Flow {
 /// Grains due at the start of a step.
 #[derive(Clone, Copy, PartialEq, PartialOrd)]
 enum Due {
-    Nobody,
-    Somebody,
+    None,
+    Later,
     /// A grain may leave a sink within the step.
     AtOnce,
 }
@@ -117,8 +117,8 @@ impl Flow {
             let number = world.table.find(&source.material).unwrap_or_default();
             (number, scene.material[&source.material].density)
         };
-        let (gravity, mean) = (scene.largest_gravity(), scene.mean_radius());
-        // Time in which a grain falls by a mean radius, or moves by it with the velocity of a source.
+        let (gravity, mean) = (scene.largest_gravity(), 2.0 * scene.mean_radius());
+        // Time in which a grain falls by a mean diameter, from rest or with the velocity of a source.
         let time = |speed: f64| 2.0 * mean / (speed + (speed * speed + 2.0 * gravity * mean).sqrt());
         let speeds = scene.insert.iter().map(|source| Vector3::from(source.velocity).norm());
         let time = speeds.map(time).fold(time(0.0), f64::min);
@@ -224,7 +224,7 @@ impl Simulation {
         let (time, due) = (self.world.time, self.who_is_due(&flow, team));
         let age =
             self.candidates.built_from().map_or(f64::INFINITY, |(_, built_at)| (time - built_at) / self.settings.step);
-        let now = due != Due::Nobody && (stale || due == Due::AtOnce || age.round() >= flow.every);
+        let now = due != Due::None && (stale || due == Due::AtOnce || age.round() >= flow.every);
         let flow = if now { self.exchange(flow) } else { flow };
         self.flow = Some(flow);
         stale || now
@@ -233,7 +233,7 @@ impl Simulation {
     /// Finds out whether grains are due. Allocates nothing.
     fn who_is_due(&self, flow: &Flow, team: &Team) -> Due {
         let (world, h) = (&self.world, self.settings.step);
-        let (somebody, at_once) = (AtomicBool::new(false), AtomicBool::new(false));
+        let (some, at_once) = (AtomicBool::new(false), AtomicBool::new(false));
         if flow.sinks(world.time).next().is_some() {
             let grains = world.grains();
             team.each(Phase::Detect, chunks(grains), |number| {
@@ -241,8 +241,9 @@ impl Simulation {
                 for (sphere, body) in world.spheres[places.clone()].iter().zip(&world.bodies[places]) {
                     let centre = world.wrapped(&sphere.centre);
                     if let Some((_, region)) = flow.sinks(world.time).find(|(_, region)| region.holds(&centre)) {
-                        somebody.store(true, Ordering::Relaxed);
-                        let next = world.wrapped(&(centre + Vector3::from(body.velocity) * h));
+                        some.store(true, Ordering::Relaxed);
+                        let velocity = Vector3::from(body.velocity) + world.gravity * h;
+                        let next = world.wrapped(&(centre + velocity * h));
                         at_once.fetch_or(!region.holds(&next), Ordering::Relaxed);
                     }
                 }
@@ -250,10 +251,10 @@ impl Simulation {
         }
         let sources = 0..flow.counts.inserted.len();
         let comes = || sources.clone().any(|source| flow.due_at(source) <= world.time * (1.0 + 1e-12));
-        match (at_once.into_inner(), somebody.into_inner() || comes()) {
+        match (at_once.into_inner(), some.into_inner() || comes()) {
             (true, _) => Due::AtOnce,
-            (false, true) => Due::Somebody,
-            (false, false) => Due::Nobody,
+            (false, true) => Due::Later,
+            (false, false) => Due::None,
         }
     }
 

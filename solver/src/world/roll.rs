@@ -9,6 +9,9 @@ use serde::{Deserialize, Serialize};
 /// Mark of a grain that is gone, in a map of indices.
 pub(crate) const GONE: u32 = u32::MAX;
 
+/// Upper bound of permanent numbers: all are exact as floating-point numbers.
+const LARGEST_NUMBER: u64 = 1 << 53;
+
 /// Permanent numbers and sources of the grains, by id; empty lists if the grains are those of the scene.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Roll {
@@ -31,7 +34,7 @@ impl Roll {
     /// Returns true if the lists belong to this number of grains, and numbers are unique and below the next free number.
     pub fn is_sound(&self, grains: usize) -> bool {
         let rises = self.numbers.windows(2).all(|pair| pair[0] < pair[1]);
-        let below = self.numbers.last().is_none_or(|last| *last < self.next);
+        let below = self.numbers.last().is_none_or(|last| *last < self.next) && self.next < LARGEST_NUMBER;
         let listed = self.numbers.len() == grains && self.sources.len() == grains;
         if self.changed { listed && rises && below } else { *self == Roll::default() }
     }

@@ -55,7 +55,7 @@ fn gigabytes(bytes: u64) -> String {
 }
 
 fn beyond(scene: &MeasuredScene, file: &Path, available: u64) -> String {
-    let grains = scene.grain_count();
+    let grains = scene.most_grains();
     let few = (grains as f64 * available as f64 / scene.memory() as f64 / 1e3).floor() * 1e3;
     format!(
         "{}: {grains} grains take some {} of memory, and {} are available; lower population.count to some {few} grains, end other \

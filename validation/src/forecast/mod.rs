@@ -27,6 +27,8 @@ pub struct Forecast {
     pub scene: String,
     pub description: String,
     pub grains: usize,
+    /// Number of grains that come from sources by the end, unless they find no places.
+    pub grains_to_come: usize,
     /// Smallest, mean and largest radius, m; absent without grains.
     pub radii: Option<[f64; 3]>,
     /// Mass of all grains, kg.
@@ -85,6 +87,7 @@ impl Forecast {
             scene: scene.name.clone(),
             description: scene.description.clone(),
             grains: grains.len(),
+            grains_to_come: scene.most_grains() - grains.len(),
             radii: (!grains.is_empty()).then_some(range),
             mass: bed.mass,
             moving_walls: moving.collect(),
@@ -97,7 +100,7 @@ impl Forecast {
             scales: bed.scales(scene, &grains),
             bytes: scene.memory(),
             wall_seconds: Pace::here().seconds(&Work::of(scene, scene.seed)),
-            threads: threads_for(grains.len()),
+            threads: threads_for(scene.most_grains()),
             notes: notes(scene),
             findings: scene.findings(Some(text)).into_iter().chain(impossible(scene, Some(text))).collect(),
         })
@@ -152,7 +155,11 @@ impl Forecast {
                 compact(self.mass)
             )
         });
-        let _ = writeln!(text, "grains    {}{size}", count(self.grains));
+        let to_come = match self.grains_to_come {
+            0 => String::new(),
+            some => format!("; {} come during the run", count(some)),
+        };
+        let _ = writeln!(text, "grains    {}{size}{to_come}", count(self.grains));
         let moving = if self.moving_walls.is_empty() { "all at rest".into() } else { self.moving_walls.join("; ") };
         let _ = writeln!(text, "walls     {}: {moving}", self.walls);
         let _ = writeln!(text, "effects   {}", self.effects.join(", "));

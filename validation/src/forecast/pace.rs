@@ -86,7 +86,7 @@ impl Pace {
 impl Work {
     /// Returns the work of a run of a scene, including the preparation of a flow if none is stored.
     pub(super) fn of(scene: &MeasuredScene, seed: u64) -> Work {
-        let grains = scene.grain_count();
+        let grains = scene.most_grains();
         let prepare = scene.prepare.as_ref().filter(|_| !is_ready(scene, seed));
         let steps = steps_in(scene.duration, scene.solver.step)
             + prepare.map_or(0, |prepare| steps_in(prepare.duration, prepare.step));

@@ -119,7 +119,6 @@ impl Scene {
     pub fn memory(&self) -> u64 {
         let sites = self.population.iter().map(|population| population.sites()).fold(0.0, f64::max);
         let per_grain = BYTES_PER_GRAIN + BYTES_PER_GRAIN_AT_PEAK;
-        let to_come: f64 = self.insert.iter().map(|source| self.expected(source)).sum();
-        ((self.grain_count() as f64 + to_come) * per_grain + sites * BYTES_PER_SITE) as u64
+        (self.most_grains() as f64 * per_grain + sites * BYTES_PER_SITE) as u64
     }
 }

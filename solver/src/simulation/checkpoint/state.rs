@@ -5,7 +5,7 @@ use crate::Simulation;
 use crate::detect::{AngularImpulse, Impulse, Memory, PairCandidate, WallCandidate};
 use crate::groups::ImpactMemory;
 use crate::partition::{Layout, Plan};
-use crate::scene::{GrainEntry, MOST_GRAINS, Scene, sphere_volume};
+use crate::scene::{GrainEntry, Scene, sphere_volume};
 use crate::schedule::Team;
 use crate::simulation::flow::{Counts, Flow};
 use crate::simulation::intervention::Booked;
@@ -250,11 +250,11 @@ impl State {
             && drives.into_iter().all(|number| number.abs() < LARGEST)
             && state.altered.springs.abs() < LARGEST
             && state.altered.roll.is_sound(state.grains.len())
-            && state
-                .altered
-                .flow
-                .as_ref()
-                .is_none_or(|(counts, grains)| counts.are_sound() && *grains as f64 <= MOST_GRAINS)
+            && state.altered.flow.as_ref().is_none_or(|(counts, boxes_for)| {
+                // New boxes are chosen when the number of grains has doubled or halved.
+                let grains = state.grains.len() as u64;
+                counts.are_sound() && grains <= boxes_for.saturating_mul(2) && *boxes_for <= 2 * grains
+            })
             && state.altered.moved_walls.iter().all(|(_, steered)| steered.is_sound())
             && [(&state.pairs, &state.pair_torques), (&state.walls, &state.wall_torques)]
                 .iter()

@@ -258,7 +258,7 @@ fn refuse_unsupported(
     if scene.prepare.is_some() && scene.wall.iter().any(|wall| wall.motion.is_driven()) {
         return refuse("it starts from a prepared state, in which a wall has been driven");
     }
-    if grains.is_empty() {
+    if grains.is_empty() && scene.insert.is_empty() {
         return refuse("it has no grains");
     }
     if scene.wall.iter().any(|wall| matches!(wall.shape, Shape::Spheres { .. })) {

@@ -2,7 +2,7 @@
 
 use super::columns::{Column, DOUBLES, Number, Part, REAL, Shape, VECTOR, WHOLE, pose_columns};
 use super::walls::{Triangles, Walls};
-use crate::plan::{GrainField, MeasuredScene, Roster};
+use crate::plan::{GrainField, MeasuredScene, Roster, lasting_number};
 use makadam::snapshot::{Particle, Partner, Snapshot};
 use nalgebra::Vector3;
 use std::cell::OnceCell;
@@ -18,7 +18,7 @@ struct Field(&'static str, &'static str, Option<GrainField>, Shape, fn(&Grain<'_
 /// Columns of grains, in the order of the files.
 const FIELDS: [Field; 12] = [
     Field("diameter", "m", None, REAL, |grain| one(2.0 * grain.particle.radius)),
-    Field("id", "", None, WHOLE, |grain| one(f64::from(grain.particle.id))),
+    Field("id", "", None, WHOLE, |grain| one(lasting_number(grain.frame.snapshot, grain.particle.id) as f64)),
     Field("material", "", None, (Number::UInt8, 1), |grain| one(f64::from(grain.kind().material))),
     Field("population", "", Some(GrainField::Population), WHOLE, |grain| {
         one(grain.kind().population.map_or(-1.0, f64::from))
@@ -330,7 +330,8 @@ impl FrameTables {
     /// Returns the contacts of a frame: lines with forces.
     pub fn contacts(&self, frame: &Snapshot) -> Part {
         let contacts = &frame.contacts;
-        let grain = |partner| if let Partner::Grain(id) = partner { f64::from(id) } else { -1.0 };
+        let number = |id: u32| lasting_number(frame, id) as f64;
+        let grain = |partner| if let Partner::Grain(id) = partner { number(id) } else { -1.0 };
         let wall = |partner| if let Partner::Wall(index) = partner { f64::from(index) } else { -1.0 };
         Part {
             corners_per_cell: 2,
@@ -343,7 +344,7 @@ impl FrameTables {
                 Column::new("tangential_force", VECTOR, contacts.iter().flat_map(|c| c.tangential_force)),
                 Column::new("normal", VECTOR, contacts.iter().flat_map(|c| c.normal)),
                 coordinates("point", contacts.iter().flat_map(|c| c.point), frame),
-                Column::new("first", WHOLE, contacts.iter().map(|c| f64::from(c.first))),
+                Column::new("first", WHOLE, contacts.iter().map(|c| number(c.first))),
                 Column::new("second_grain", WHOLE, contacts.iter().map(|c| grain(c.second))),
                 Column::new("second_wall", WHOLE, contacts.iter().map(|c| wall(c.second))),
             ],

@@ -100,7 +100,7 @@ pub(super) fn run(arguments: &RunArguments, console: &Console) -> Result<ExitCod
     let output = arguments.output.folder(&file_stem(&scene.name));
     let execution = Execution {
         scheduler: arguments.scheduler,
-        threads: arguments.threads.map_or_else(|| threads_for(scene.grain_count()), usize::from),
+        threads: arguments.threads.map_or_else(|| threads_for(scene.most_grains()), usize::from),
         instruction_set: arguments.isa.unwrap_or_else(InstructionSet::detect),
         prefetch: arguments.prefetch.map(usize::from),
         ..Execution::serial()
