@@ -1,10 +1,9 @@
-//! Walls: shape x motion x index.
+//! Walls: shape x motion x index. Shapes are in [`surface`](crate::surface).
 //!
 //! ```text
-//! shape.rs    Face       position of the surface in the scene: nearest point, time of impact
 //! motion.rs   Pose       position of the wall at a time, and its velocity field: one per wall and step
 //! steered.rs  WallMotion motion of a wall by the caller, instead of the scene
-//! index.rs    FaceIndex  search for faces near a point: built once, in the frame of the wall
+//! contacts.rs            contacts of grains with meshes
 //! mod.rs      Walls      all walls of a scene; face indices are contiguous, wall after wall
 //! ```
 //!
@@ -16,22 +15,20 @@
 //! Other modules contain friction and the remaining contact laws (materials and solve) and the forces on dynamic walls
 //! ([`drive`](crate::effects::drive)).
 
-mod index;
+mod contacts;
 mod motion;
-mod shape;
 mod steered;
 
+pub(crate) use crate::surface::Impact;
 pub(crate) use motion::drive_of;
 pub use motion::{DrivenWall, Pose};
-pub(crate) use shape::Impact;
 pub(crate) use steered::Steered;
 pub use steered::WallMotion;
 
 use crate::scene::{self, Domain};
-use index::FaceIndex;
+use crate::surface::{Face, FaceIndex};
 use motion::{Movement, keeps_in_place};
 use nalgebra::Vector3;
-use shape::Face;
 use std::ops::Range;
 
 type Vector = Vector3<f64>;
@@ -44,6 +41,8 @@ pub(crate) const SHORT_WAY: f64 = 0.5;
 pub struct Walls {
     walls: Vec<Wall>,
     faces: Vec<WallFace>,
+    /// True if at least one wall is a mesh.
+    any_mesh: bool,
 }
 
 #[derive(Clone, Debug)]
@@ -52,6 +51,8 @@ struct Wall {
     faces: Range<u32>,
     movement: Movement,
     index: Option<FaceIndex>,
+    /// Width of closed seams of a mesh, m; absent for other shapes.
+    seam: Option<f64>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -88,7 +89,7 @@ impl Walls {
     pub fn new(walls: &[scene::Wall], domain: &Domain, material: impl Fn(&str) -> u8) -> Walls {
         let mut faces: Vec<WallFace> = Vec::new();
         let place = |(number, wall): (u32, &scene::Wall)| {
-            let (shapes, first) = (Face::of_shape(&wall.shape, domain), faces.len() as u32);
+            let (shapes, first) = (wall.shape.faces(domain.period()), faces.len() as u32);
             let (material, in_place) = (material(&wall.material), |face: &Face| keeps_in_place(face, &wall.motion));
             let face = |shape: &Face| WallFace { shape: *shape, wall: number, material, in_place: in_place(shape) };
             faces.extend(shapes.iter().map(face));
@@ -96,10 +97,12 @@ impl Walls {
                 faces: first..faces.len() as u32,
                 movement: Movement::new(&wall.motion, &shapes),
                 index: FaceIndex::new(&shapes, first, domain.period()),
+                seam: wall.shape.seam(),
             }
         };
-        let walls = (0..).zip(walls).map(place).collect();
-        Walls { walls, faces }
+        let walls: Vec<Wall> = (0..).zip(walls).map(place).collect();
+        let any_mesh = walls.iter().any(|wall| wall.seam.is_some());
+        Walls { walls, faces, any_mesh }
     }
 
     /// Returns the number of faces.
@@ -422,7 +425,7 @@ impl PlacedFace<'_> {
 /// Returns true if a wall would jump, or a vibration change its phase, on a reset of the time from the given time (s) to zero. This is the
 /// case if its prescribed motion begins earlier and does not lead back to the same surface. Displacements by a drive remain.
 pub fn jumps_back(wall: &scene::Wall, domain: &Domain, time: f64) -> bool {
-    let faces = Face::of_shape(&wall.shape, domain);
+    let faces = wall.shape.faces(domain.period());
     let extent = (Vector::from(domain.max) - Vector::from(domain.min)).norm();
     Movement::new(&wall.motion, &faces).jumps_back(time, &faces, extent)
 }

@@ -22,10 +22,10 @@
 //! Their mean `s t` is the velocity for the impulses of the step, and half their difference, `b omega a x t`, is the drift towards the axis
 //! ([`Pose::drift`]). A face that the rotation maps onto itself moves only in its tangent plane: the normal component of the drift is omitted.
 
-use super::shape::{Face, Rotation};
 use super::steered::Steered;
 use crate::effects::drive::Drive;
 use crate::scene::{Motion, Wall};
+use crate::surface::{Face, Rotation};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;

@@ -4,7 +4,7 @@
 //! its wall, and points are transformed into the frame of the wall. A node divides its faces into halves by their centres along the longest
 //! side of its box. With periodic axes, every image of the point within range of the whole tree is searched.
 
-use super::shape::Face;
+use super::face::Face;
 use crate::laws::period::Period;
 use nalgebra::Vector3;
 
@@ -27,7 +27,7 @@ const MOST_IMAGES: f64 = 16.0;
 
 /// Tree of boxes over the faces of a wall.
 #[derive(Clone, Debug)]
-pub(super) struct FaceIndex {
+pub(crate) struct FaceIndex {
     /// Nodes, the root first; the first child of a node directly follows the node.
     nodes: Vec<Node>,
     /// Indices of the faces, leaf after leaf.
@@ -46,9 +46,10 @@ struct Node {
 }
 
 impl FaceIndex {
-    /// Builds an index of faces, numbered from `first` on; absent for few faces, or if a face is infinite.
+    /// Builds an index of faces, numbered from `first` on; absent for few faces, unless they are
+    /// triangles, or if a face is infinite.
     pub fn new(faces: &[Face], first: u32, period: Period) -> Option<FaceIndex> {
-        if faces.len() < FEWEST {
+        if faces.len() < FEWEST && !matches!(faces.first(), Some(Face::Triangle(_))) {
             return None;
         }
         let bounds = faces.iter().map(Face::bounds).collect::<Option<Vec<[Vector; 2]>>>()?;
@@ -85,8 +86,25 @@ impl FaceIndex {
         }
     }
 
+    /// Returns true if a test holds for any of the faces that may be nearer than `radius` (m) to a point in the frame of the wall (m).
+    /// Periodic axes are ignored.
+    pub fn any_near(&self, point: &Vector, radius: f64, mut test: impl FnMut(u32) -> bool) -> bool {
+        let Node { low, high, .. } = self.nodes[0];
+        let radius = radius + SLACK * (radius + point.amax() + low.amax().max(high.amax()));
+        self.search(point, radius, &mut test)
+    }
+
     /// Searches for one image of the point.
     fn visit_near(&self, point: &Vector, radius: f64, visit: &mut impl FnMut(u32)) {
+        self.search(point, radius, &mut |face| {
+            visit(face);
+            false
+        });
+    }
+
+    /// Visits faces near a point until a visit returns true.
+    #[inline]
+    fn search(&self, point: &Vector, radius: f64, test: &mut impl FnMut(u32) -> bool) -> bool {
         let square = radius * radius;
         let (mut waiting, mut count) = ([0_u32; DEEPEST], 1);
         while count > 0 {
@@ -98,13 +116,18 @@ impl FaceIndex {
             if beside.norm_squared() <= square {
                 if node.faces > 0 {
                     let faces = node.next as usize..(node.next + node.faces) as usize;
-                    self.faces[faces].iter().copied().for_each(&mut *visit);
+                    for &face in &self.faces[faces] {
+                        if test(face) {
+                            return true;
+                        }
+                    }
                 } else {
                     (waiting[count], waiting[count + 1]) = (place as u32 + 1, node.next);
                     count += 2;
                 }
             }
         }
+        false
     }
 
     pub fn memory_bytes(&self) -> usize {

@@ -1,0 +1,182 @@
+//! Contacts of a sphere with a mesh: the local minima of the distance from its centre to the surface.
+//!
+//! A sphere near a mesh is near several triangles, and has one contact where the surface is one. For a centre x, triangle A has the nearest
+//! point f at the distance D in the direction n. The point is a contact by two rules:
+//!
+//! ```text
+//! minimum  f is inside A, or no triangle B through f has a smaller distance: B is convex, so that f is then no minimum
+//! hidden   f lies beyond the tangent plane at an accepted contact g that is nearer: D n . n_g >= D_g
+//! ```
+//!
+//! So coplanar triangles give one contact, convex edges and corners one, a concave corner one for each side, and a duplicate, a second layer
+//! or a T-junction none of its own. Neither rule depends on how the corners are connected: a triangle passes through f if it is within
+//! the seam of f.
+//!
+//! A grain has at most [`MOST_CONTACTS`] contacts with one mesh: the nearest, then each time the one whose direction has the smallest
+//! cosine with those taken. So they surround the grain.
+
+use super::{Face, FaceIndex, Vector};
+
+/// Largest number of contacts of a grain with a mesh: six sides of a cell of its own size.
+pub(crate) const MOST_CONTACTS: usize = 6;
+
+/// Largest number of minima that are compared.
+const MOST: usize = 32;
+
+/// Smallest relative difference of two distances.
+const NEARER: f64 = 1e-12;
+
+/// Contact of a sphere with a mesh, in the frame of the wall.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Minimum {
+    /// Number of the face.
+    pub face: u32,
+    /// Distance from the centre, m.
+    pub distance: f64,
+    /// Unit vector from the centre to the surface.
+    pub normal: Vector,
+    /// True if the nearest point is inside the triangle.
+    inside: bool,
+    /// True if the contact continues that of its slot.
+    pub continues: bool,
+}
+
+/// Contacts of a sphere with a mesh, in ascending order of distance.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Minima {
+    list: [Minimum; MOST],
+    length: usize,
+}
+
+impl Minima {
+    /// Finds the contacts nearer than `reach` (m) of a sphere with this centre (m); `face` returns a face by its number, `seam` is the
+    /// width of closed seams, m.
+    pub fn find<'f>(
+        index: &FaceIndex,
+        face: impl Fn(u32) -> &'f Face,
+        [reach, seam]: [f64; 2],
+        centre: &Vector,
+    ) -> Minima {
+        let mut found = Minima { list: [Minimum::default(); MOST], length: 0 };
+        let triangle = |number: u32| match face(number) {
+            Face::Triangle(triangle) => *triangle,
+            other => unreachable!("a mesh has a face {other:?}"),
+        };
+        index.for_each_near(centre, reach, |number| {
+            let near = triangle(number).nearest(centre);
+            // In this form, a comparison with NaN is false.
+            if near.distance < reach {
+                let foot = centre + near.normal * near.distance;
+                let nearer = |other: u32| {
+                    let through = |number: u32| triangle(number).nearest(&foot).distance <= seam;
+                    let limit = near.distance * (1.0 - NEARER);
+                    other != number && triangle(other).nearest(centre).distance < limit && through(other)
+                };
+                if near.inside || !index.any_near(&foot, seam, nearer) {
+                    let distance = near.distance;
+                    found.insert(Minimum {
+                        face: number,
+                        distance,
+                        normal: near.normal,
+                        inside: near.inside,
+                        continues: false,
+                    });
+                }
+            }
+        });
+        found.drop_hidden();
+        found.keep_surrounding();
+        found
+    }
+
+    /// Returns the contacts.
+    pub fn list(&self) -> &[Minimum] {
+        &self.list[..self.length]
+    }
+
+    /// Inserts a contact in order; of equal distances, points inside a triangle and then lower numbers come first.
+    fn insert(&mut self, one: Minimum) {
+        let before =
+            |other: &Minimum| (other.distance, !other.inside, other.face) <= (one.distance, !one.inside, one.face);
+        let place = self.list().iter().position(|other| !before(other)).unwrap_or(self.length);
+        if place == MOST {
+            return;
+        }
+        self.length = MOST.min(self.length + 1);
+        self.list[place..self.length].rotate_right(1);
+        self.list[place] = one;
+    }
+
+    /// Removes contacts behind nearer ones.
+    fn drop_hidden(&mut self) {
+        let mut kept = 0;
+        for place in 0..self.length {
+            let one = self.list[place];
+            let hides =
+                |other: &Minimum| one.distance * one.normal.dot(&other.normal) >= other.distance * (1.0 - NEARER);
+            if !self.list[..kept].iter().any(hides) {
+                self.list[kept] = one;
+                kept += 1;
+            }
+        }
+        self.length = kept;
+    }
+
+    /// Reduces the contacts to the largest number.
+    fn keep_surrounding(&mut self) {
+        for taken in 1..MOST_CONTACTS.min(self.length) {
+            if self.length <= MOST_CONTACTS {
+                return;
+            }
+            let closest = |one: &Minimum| {
+                self.list[..taken].iter().map(|other| other.normal.dot(&one.normal)).fold(-1.0, f64::max)
+            };
+            let rest = taken..self.length;
+            let next = rest.min_by(|&a, &b| closest(&self.list[a]).total_cmp(&closest(&self.list[b])));
+            if let Some(next) = next {
+                self.list[taken..=next].rotate_right(1);
+            }
+        }
+        self.length = self.length.min(MOST_CONTACTS);
+    }
+
+    /// Adds a face that a grain reaches within the step, unless it is a contact already.
+    pub fn add_swept(&mut self, face: u32, distance: f64, normal: Vector) {
+        if self.list().iter().all(|one| one.face != face) {
+            self.length = MOST_CONTACTS.min(self.length + 1);
+            self.list[self.length - 1] = Minimum { face, distance, normal, inside: true, continues: false };
+        }
+    }
+
+    /// Assigns the contacts to slots; `known` holds the direction of the last contact of each occupied slot, in the frame of the wall. A
+    /// contact takes the slot whose direction is nearest, within the cosine [`SAME`], the nearest pair first; the others take empty slots.
+    pub fn assign(&self, known: &[Option<Vector>]) -> [Option<Minimum>; MOST_CONTACTS] {
+        let mut slots = [None; MOST_CONTACTS];
+        let mut left = [true; MOST_CONTACTS];
+        loop {
+            let mut best: Option<(f64, usize, usize)> = None;
+            for (slot, last) in known.iter().enumerate().filter(|(slot, _)| slots[*slot].is_none()) {
+                let Some(last) = last else { continue };
+                for (place, one) in self.list().iter().enumerate().filter(|(place, _)| left[*place]) {
+                    let cosine = last.dot(&one.normal);
+                    if cosine > best.map_or(SAME, |best| best.0) {
+                        best = Some((cosine, slot, place));
+                    }
+                }
+            }
+            let Some((_, slot, place)) = best else { break };
+            (slots[slot], left[place]) = (Some(Minimum { continues: true, ..self.list[place] }), false);
+        }
+        for (one, _) in self.list().iter().zip(left).filter(|(_, left)| *left) {
+            let empty = (0..known.len()).filter(|&slot| slots[slot].is_none());
+            // An occupied slot without a successor is free, too, but only if no other is.
+            if let Some(slot) = empty.min_by_key(|&slot| (known[slot].is_some(), slot)) {
+                slots[slot] = Some(*one);
+            }
+        }
+        slots
+    }
+}
+
+/// Smallest cosine of the directions of a contact in two successive steps.
+const SAME: f64 = 0.7;

@@ -1,0 +1,118 @@
+//! Contacts of grains with meshes.
+//!
+//! The list of candidates has [`MOST_CONTACTS`] slots for each grain near a mesh, consecutive, in place of faces: memory and time do not
+//! depend on the number of triangles. An empty slot has the first face of its wall. Each step finds the contacts of a grain
+//! ([`Minima`]) in the frame of the wall and writes their faces into the slots. The slot of a contact keeps its impulse, so that friction
+//! continues from triangle to triangle.
+
+use super::{Vector, WallFace, Walls, WallsAt};
+use crate::surface::{Face, FaceIndex, MOST_CONTACTS, Minima, Minimum};
+
+impl Walls {
+    /// Returns true if the wall with this index in the scene is a mesh.
+    pub fn is_mesh(&self, wall: u32) -> bool {
+        self.walls[wall as usize].seam.is_some()
+    }
+
+    /// Returns the mesh of a face; `None` for a face of another shape.
+    #[inline]
+    pub(crate) fn mesh_of(&self, face: u32) -> Option<u32> {
+        if !self.any_mesh {
+            return None;
+        }
+        let wall = self.faces[face as usize].wall;
+        self.is_mesh(wall).then_some(wall)
+    }
+
+    /// Returns the face under which a face is listed: the first face of a mesh, and any other face itself.
+    pub(crate) fn listed(&self, face: u32) -> u32 {
+        self.mesh_of(face).map_or(face, |wall| self.walls[wall as usize].faces.start)
+    }
+
+    /// Returns the number of candidates of a grain near a listed face.
+    pub(crate) fn slots_of(&self, face: u32) -> usize {
+        if self.mesh_of(face).is_some() { MOST_CONTACTS } else { 1 }
+    }
+}
+
+impl<'a> WallsAt<'a> {
+    /// Returns the walls without poses.
+    pub fn walls(&self) -> &'a Walls {
+        self.walls
+    }
+
+    fn mesh(&self, wall: u32) -> (&'a FaceIndex, f64) {
+        let wall = &self.walls.walls[wall as usize];
+        (wall.index.as_ref().expect("a mesh has an index"), wall.seam.unwrap_or_default())
+    }
+
+    fn shape(&self, face: u32) -> &'a Face {
+        let WallFace { shape, .. } = &self.walls.faces[face as usize];
+        shape
+    }
+
+    /// Returns true if a face of a wall with an index is nearer to a point (m) than `radius` (m); for other shapes than meshes, also if
+    /// one may be nearer.
+    pub fn any_near_of(&self, wall: u32, point: &Vector, radius: f64) -> bool {
+        let Some(index) = &self.walls.walls[wall as usize].index else { return true };
+        if !self.walls.is_mesh(wall) {
+            return true;
+        }
+        let point = self.poses[wall as usize].in_wall(point);
+        index.any_near(&point, radius, |face| self.shape(face).distance(&point) < radius)
+    }
+
+    /// Finds the contacts nearer than `reach` (m) of a grain with this centre (m) with a mesh, in the frame of the wall.
+    pub fn minima(&self, wall: u32, centre: &Vector, reach: f64) -> Minima {
+        let (index, seam) = self.mesh(wall);
+        let centre = self.poses[wall as usize].in_wall(centre);
+        Minima::find(index, |face| self.shape(face), [reach, seam], &centre)
+    }
+
+    /// Finds the contacts of a grain with a mesh in a step (s), and the first face that it reaches on a path longer than its radius: see
+    /// [`WallsAt::touches`].
+    pub fn mesh_contacts(
+        &self,
+        wall: u32,
+        [centre, velocity]: [&Vector; 2],
+        [radius, margin]: [f64; 2],
+        step: f64,
+    ) -> Minima {
+        let mut found = self.minima(wall, centre, radius + margin);
+        let pose = &self.poses[wall as usize];
+        if let Some(path) = pose.long_path(centre, velocity, step, false, radius) {
+            let start = pose.in_wall(centre);
+            let path = pose.in_wall(&(centre + path)) - start;
+            let (index, _) = self.mesh(wall);
+            let mut first: Option<(f64, u32)> = None;
+            index.for_each_near(&start, path.norm() + radius, |face| {
+                if let Some(impact) = self.shape(face).time_of_impact(&start, &path, radius)
+                    && first.is_none_or(|first| (impact.share, face) < first)
+                {
+                    first = Some((impact.share, face));
+                }
+            });
+            if let Some((_, face)) = first {
+                let (distance, normal) = self.shape(face).nearest(&start, Vector::zeros);
+                found.add_swept(face, distance, normal);
+            }
+        }
+        found
+    }
+
+    /// Assigns contacts of a grain with this centre (m) to slots, given the last face of each occupied slot.
+    pub fn assign_slots(
+        &self,
+        wall: u32,
+        centre: &Vector,
+        minima: &Minima,
+        known: &[Option<u32>],
+    ) -> [Option<Minimum>; MOST_CONTACTS] {
+        let centre = self.poses[wall as usize].in_wall(centre);
+        let mut directions = [None; MOST_CONTACTS];
+        for (direction, face) in directions.iter_mut().zip(known) {
+            *direction = face.map(|face| self.shape(face).nearest(&centre, Vector::zeros).1);
+        }
+        minima.assign(&directions[..known.len()])
+    }
+}

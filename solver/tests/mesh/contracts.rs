@@ -1,0 +1,1 @@
+//! Same bits, checkpoints, ledger, driven and turning meshes, effects.
