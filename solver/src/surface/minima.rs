@@ -20,7 +20,7 @@ use super::{Face, FaceIndex, Vector};
 /// Largest number of contacts of a grain with a mesh: six sides of a cell of its own size.
 pub(crate) const MOST_CONTACTS: usize = 6;
 
-/// Largest number of minima that are compared.
+/// Largest number of minima that are compared; of more, the farther one of the two with the largest cosine is dropped.
 const MOST: usize = 32;
 
 /// Smallest relative difference of two distances.
@@ -96,15 +96,29 @@ impl Minima {
 
     /// Inserts a contact in order; of equal distances, points inside a triangle and then lower numbers come first.
     fn insert(&mut self, one: Minimum) {
-        let before =
-            |other: &Minimum| (other.distance, !other.inside, other.face) <= (one.distance, !one.inside, one.face);
-        let place = self.list().iter().position(|other| !before(other)).unwrap_or(self.length);
-        if place == MOST {
-            return;
+        if self.length == MOST {
+            self.thin_out();
         }
-        self.length = MOST.min(self.length + 1);
+        let key = |one: &Minimum| (one.distance, !one.inside, one.face);
+        let place = self.list().iter().position(|other| key(other) > key(&one)).unwrap_or(self.length);
+        self.length += 1;
         self.list[place..self.length].rotate_right(1);
         self.list[place] = one;
+    }
+
+    /// Removes the farther one of the two contacts with the largest cosine.
+    #[cold]
+    fn thin_out(&mut self) {
+        let mut best = (f64::NEG_INFINITY, self.length - 1);
+        for (farther, nearer) in (1..self.length).flat_map(|farther| (0..farther).map(move |nearer| (farther, nearer)))
+        {
+            let cosine = self.list[farther].normal.dot(&self.list[nearer].normal);
+            if cosine > best.0 {
+                best = (cosine, farther);
+            }
+        }
+        self.list[best.1..self.length].rotate_left(1);
+        self.length -= 1;
     }
 
     /// Removes contacts behind nearer ones.

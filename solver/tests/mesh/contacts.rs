@@ -2,8 +2,8 @@
 
 use super::{Corners, G, RADIUS, bent, mesh, rectangle, start};
 use crate::common::{CONVERGED_HERTZ, CONVERGED_RIGID, FLOOR, Setup, grain, run_until};
-use makadam::snapshot::Particle;
 use makadam::scene::Wall;
+use makadam::snapshot::Particle;
 
 /// Numbers from 0 to 1 by a linear congruence.
 fn numbers(seed: u64) -> impl FnMut() -> f64 {
@@ -40,9 +40,9 @@ fn floors() -> Vec<(&'static str, Vec<Corners>)> {
     seam.extend(rectangle([0.0, -0.1, 0.0], [0.1, 0.0, 0.0], [0.0, 0.2, 0.0], [20, 33]));
     // Corners that differ in the last bits of single precision.
     let mut number = numbers(3);
-    let loose = square(10).into_iter().map(|corners| {
-        corners.map(|[x, y, z]| [x * (1.0 + 1e-7 * number()), y * (1.0 - 1e-7 * number()), z])
-    });
+    let loose = square(10)
+        .into_iter()
+        .map(|corners| corners.map(|[x, y, z]| [x * (1.0 + 1e-7 * number()), y * (1.0 - 1e-7 * number()), z]));
     // Needles of 1:1000.
     let needles = rectangle([-0.1, -0.1, 0.0], [0.2, 0.0, 0.0], [0.0, 0.2, 0.0], [1, 1000]);
     vec![
@@ -78,7 +78,8 @@ fn same(name: &str, one: &Particle, other: &Particle, tolerance: f64) {
 #[test]
 fn a_grain_rolls_over_triangles_as_over_a_plane() {
     // Across everything; along a line of the grid; over its corners on the diagonal.
-    for (velocity, place) in [([0.7, 0.31], [-0.07, -0.033]), ([0.8, 0.0], [-0.08, 0.0]), ([0.5, 0.5], [-0.05, -0.05])] {
+    for (velocity, place) in [([0.7, 0.31], [-0.07, -0.033]), ([0.8, 0.0], [-0.08, 0.0]), ([0.5, 0.5], [-0.05, -0.05])]
+    {
         for solver in [CONVERGED_RIGID, CONVERGED_HERTZ] {
             let body = grain(RADIUS, [place[0], place[1], RADIUS], [velocity[0], velocity[1], 0.0]);
             let expected = end(solver, 0.0, None, &body, 0.15);

@@ -16,8 +16,13 @@ fn cube(side: f64, n: usize) -> Vec<Corners> {
 /// Contacts of a grain after 20 ms from rest at a place under gravity in a direction.
 fn rests(triangles: &[Corners], down: [f64; 3], place: [f64; 3]) -> Vec<([f64; 3], f64)> {
     let gravity = down.map(|x| x * G / down.iter().map(|x| x * x).sum::<f64>().sqrt());
-    let setup =
-        Setup { gravity, restitution: 0.0, body: grain(RADIUS, place, [0.0; 3]), solver: CONVERGED_RIGID.into(), ..Setup::default() };
+    let setup = Setup {
+        gravity,
+        restitution: 0.0,
+        body: grain(RADIUS, place, [0.0; 3]),
+        solver: CONVERGED_RIGID.into(),
+        ..Setup::default()
+    };
     let mut simulation = start(&setup, &[mesh("mesh", triangles)]);
     run_until(&mut simulation, 0.02);
     let frame = simulation.snapshot();
@@ -77,7 +82,8 @@ fn a_grain_rests_on_a_knife_edge_and_on_a_needle() {
     }
     // A blade of one degree, and a spike.
     let flank = 0.05 * (0.5_f64).to_radians().tan();
-    let blade = [-flank, flank].map(|y| rectangle([-0.05, 0.0, 0.0], [0.1, 0.0, 0.0], [0.0, y, -0.05], [3, 3])).concat();
+    let blade =
+        [-flank, flank].map(|y| rectangle([-0.05, 0.0, 0.0], [0.1, 0.0, 0.0], [0.0, y, -0.05], [3, 3])).concat();
     assert_eq!(rests(&blade, [0.0, 0.0, -1.0], [0.0031, 0.0, RADIUS]).len(), 1);
     let foot = |k: usize| {
         let angle = k as f64 / 5.0 * std::f64::consts::TAU;
@@ -95,8 +101,13 @@ fn a_grain_rests_in_a_hole_of_its_size() {
         let side = rectangle([-inner, inner, 0.0], [2.0 * inner, 0.0, 0.0], [0.0, outer, 0.0], [3, 2]);
         side.into_iter().map(move |corners| corners.map(turn)).collect::<Vec<Corners>>()
     };
-    let square =
-        [frame(|[x, y, z]| [x, y, z]), frame(|[x, y, z]| [-y, x, z]), frame(|[x, y, z]| [-x, -y, z]), frame(|[x, y, z]| [y, -x, z])].concat();
+    let square = [
+        frame(|[x, y, z]| [x, y, z]),
+        frame(|[x, y, z]| [-y, x, z]),
+        frame(|[x, y, z]| [-x, -y, z]),
+        frame(|[x, y, z]| [y, -x, z]),
+    ]
+    .concat();
     let height = (RADIUS * RADIUS - inner * inner).sqrt();
     assert_eq!(rests(&square, [0.0, 0.0, -1.0], [0.0, 0.0, height]).len(), 4);
     // A round hole has more sides than a grain has contacts: those taken surround it.

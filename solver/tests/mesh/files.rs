@@ -2,8 +2,8 @@
 
 use super::{Corners, RADIUS, cylinder, mesh, open_box};
 use crate::common::{Setup, grain};
-use makadam::scene::{Scene, Shape, TriangleMesh};
 use makadam::Simulation;
+use makadam::scene::{Scene, Shape, TriangleMesh};
 
 fn binary(triangles: &[Corners]) -> Vec<u8> {
     let mut bytes = b"solid, says the head of this binary file".to_vec();
@@ -21,7 +21,9 @@ fn text(triangles: &[Corners]) -> String {
     let mut text = String::from("solid test\n");
     for triangle in triangles {
         text += " facet normal 0 0 0\n  outer loop\n";
-        triangle.iter().for_each(|[x, y, z]| text += &format!("   vertex {:e} {:e} {:e}\n", *x as f32, *y as f32, *z as f32));
+        triangle
+            .iter()
+            .for_each(|[x, y, z]| text += &format!("   vertex {:e} {:e} {:e}\n", *x as f32, *y as f32, *z as f32));
         text += "  endloop\n endfacet\n";
     }
     text + "endsolid test\n"
@@ -29,7 +31,10 @@ fn text(triangles: &[Corners]) -> String {
 
 fn obj(triangles: &[Corners]) -> String {
     let mut text = String::from("# test\n\no box\n");
-    triangles.iter().flatten().for_each(|[x, y, z]| text += &format!("v {:e} {:e} {:e}\n", *x as f32, *y as f32, *z as f32));
+    triangles
+        .iter()
+        .flatten()
+        .for_each(|[x, y, z]| text += &format!("v {:e} {:e} {:e}\n", *x as f32, *y as f32, *z as f32));
     (0..triangles.len()).for_each(|k| text += &format!("f {}//1 {}/2/3 {}\n", 3 * k + 1, 3 * k + 2, 3 * k + 3));
     text
 }
@@ -83,7 +88,8 @@ fn what_is_no_mesh_is_refused_with_a_remedy() {
 fn scene_text(file: &str, more: &str) -> String {
     let setup = Setup { body: grain(RADIUS, [0.02, 0.02, 0.02], [0.0; 3]), ..Setup::default() };
     let text = toml::to_string(&setup.scene()).unwrap();
-    let wall = format!("[[wall]]\nname = 'box'\nmaterial = 'wall'\nshape = {{ kind = 'mesh', file = '{file}'{more} }}\n");
+    let wall =
+        format!("[[wall]]\nname = 'box'\nmaterial = 'wall'\nshape = {{ kind = 'mesh', file = '{file}'{more} }}\n");
     text.replace("wall = []\n", "") + &wall
 }
 

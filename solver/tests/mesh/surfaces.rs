@@ -15,7 +15,8 @@ fn the_error_of_a_cylinder_falls_as_one_minus_a_cosine() {
     let mass = DENSITY * 4.0 / 3.0 * PI * RADIUS.powi(3);
     for sides in [12, 48, 192] {
         // From the middle of the lowest side, a little up the flank, the grain slides back.
-        let body = grain(RADIUS, [0.0, 0.05, -radius + 1.6 * RADIUS + radius * (1.0 - (PI / sides as f64).cos())], [0.0; 3]);
+        let body =
+            grain(RADIUS, [0.0, 0.05, -radius + 1.6 * RADIUS + radius * (1.0 - (PI / sides as f64).cos())], [0.0; 3]);
         let setup = Setup { restitution: 0.0, body, ..Setup::default() };
         let mut simulation = start(&setup, &[mesh("shell", &cylinder(radius, 0.1, sides, 3))]);
         run_until(&mut simulation, 0.1);
@@ -53,7 +54,8 @@ fn grains_stay_in_a_closed_mesh_at_any_speed() {
         let grains: String = (0..8)
             .map(|k| {
                 let place = [0, 1, 2].map(|axis| if k >> axis & 1 == 0 { 0.0052 } else { -0.0052 });
-                let velocity = [speed * (k as f64 + 0.3).sin(), speed * (2.0 * k as f64).cos(), speed * (3.0 * k as f64).sin()];
+                let velocity =
+                    [speed * (k as f64 + 0.3).sin(), speed * (2.0 * k as f64).cos(), speed * (3.0 * k as f64).sin()];
                 grain(0.4 * RADIUS, place, velocity)
             })
             .collect();
@@ -100,10 +102,11 @@ fn brute_force(triangles: &[[Vector; 3]], centre: &Vector, reach: f64) -> Vec<Ve
         let distance = (foot - centre).norm();
         let descends = triangles.iter().any(|triangle| {
             let touches = (nearest(triangle, foot) - foot).norm() < 1e-9;
-            touches && triangle.iter().any(|corner| {
-                let ways = [corner - foot, (triangle[0] + triangle[1] + triangle[2]) / 3.0 - foot];
-                ways.iter().any(|way| (foot + way * 1e-4 - centre).norm() < distance * (1.0 - 1e-12))
-            })
+            touches
+                && triangle.iter().any(|corner| {
+                    let ways = [corner - foot, (triangle[0] + triangle[1] + triangle[2]) / 3.0 - foot];
+                    ways.iter().any(|way| (foot + way * 1e-4 - centre).norm() < distance * (1.0 - 1e-12))
+                })
         });
         let direction = (foot - centre) / distance;
         if !descends && found.iter().all(|(_, other)| (other - direction).norm() > 1e-6) {
