@@ -234,6 +234,15 @@ impl Face {
         }
     }
 
+    /// Returns true if a point is nearer to the face than `radius`, m.
+    #[inline]
+    pub fn is_nearer(&self, point: &Vector, radius: f64) -> bool {
+        match self {
+            Face::Triangle(triangle) => triangle.nearest_within(point, radius).is_some(),
+            _ => self.distance(point) < radius,
+        }
+    }
+
     /// Returns the distance from a point to the face, and the unit normal towards the face: see [`PlacedFace::nearest`](crate::wall::PlacedFace::nearest).
     #[inline]
     pub fn nearest(&self, centre: &Vector, travel: impl FnOnce() -> Vector) -> (f64, Vector) {

@@ -5,6 +5,7 @@
 //! side of its box. With periodic axes, every image of the point within range of the whole tree is searched.
 
 use super::face::Face;
+use super::triangle::Triangle;
 use crate::laws::period::Period;
 use nalgebra::Vector3;
 
@@ -30,9 +31,20 @@ const MOST_IMAGES: f64 = 16.0;
 pub(crate) struct FaceIndex {
     /// Nodes, the root first; the first child of a node directly follows the node.
     nodes: Vec<Node>,
+    /// Layer around the triangles of each node, across their mean normal; empty for other faces.
+    layers: Vec<Layer>,
     /// Indices of the faces, leaf after leaf.
     faces: Vec<u32>,
     period: Period,
+}
+
+/// Points between two planes. A box around a tilted patch of a surface is thick, a layer is not.
+#[derive(Clone, Copy, Debug)]
+struct Layer {
+    /// Unit normal, or zero for a layer that contains all points.
+    normal: Vector,
+    low: f64,
+    high: f64,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -56,8 +68,9 @@ impl FaceIndex {
         let mut order: Vec<u32> = (0..faces.len() as u32).collect();
         let mut nodes = Vec::with_capacity(2 * faces.len().div_ceil(LEAF));
         divide(&mut nodes, &mut order, 0, &bounds);
+        let layers = layers(&nodes, &order, faces);
         order.iter_mut().for_each(|face| *face += first);
-        Some(FaceIndex { nodes, faces: order, period })
+        Some(FaceIndex { nodes, layers, faces: order, period })
     }
 
     /// Visits every face that may be nearer than `radius` (m) to a point in the frame of the wall (m), and some others,
@@ -113,7 +126,9 @@ impl FaceIndex {
             let node = &self.nodes[place];
             let beside = (node.low - point).sup(&(point - node.high)).sup(&Vector::zeros());
             // In this form, a comparison with NaN, as from an invalid point, is false.
-            if beside.norm_squared() <= square {
+            if beside.norm_squared() <= square
+                && self.layers.get(place).is_none_or(|layer| layer.reaches(point, radius))
+            {
                 if node.faces > 0 {
                     let faces = node.next as usize..(node.next + node.faces) as usize;
                     for &face in &self.faces[faces] {
@@ -130,9 +145,72 @@ impl FaceIndex {
         false
     }
 
-    pub fn memory_bytes(&self) -> usize {
-        self.nodes.capacity() * size_of::<Node>() + self.faces.capacity() * size_of::<u32>()
+    /// Returns the smallest distance (m) of a point in the frame of the wall (m) from the faces; `distance` returns that of one face.
+    /// Periodic axes are ignored.
+    pub fn nearest(&self, point: &Vector, distance: impl Fn(u32) -> f64) -> f64 {
+        let (mut waiting, mut count, mut least) = ([0_u32; DEEPEST], 1, f64::INFINITY);
+        while count > 0 {
+            count -= 1;
+            let place = waiting[count] as usize;
+            let node = &self.nodes[place];
+            let beside = (node.low - point).sup(&(point - node.high)).sup(&Vector::zeros());
+            if beside.norm_squared() > least * least {
+                continue;
+            }
+            if node.faces > 0 {
+                let faces = node.next as usize..(node.next + node.faces) as usize;
+                least = self.faces[faces].iter().map(|&face| distance(face)).fold(least, f64::min);
+            } else {
+                (waiting[count], waiting[count + 1]) = (place as u32 + 1, node.next);
+                count += 2;
+            }
+        }
+        least
     }
+
+    pub fn memory_bytes(&self) -> usize {
+        self.nodes.capacity() * size_of::<Node>()
+            + self.layers.capacity() * size_of::<Layer>()
+            + self.faces.capacity() * size_of::<u32>()
+    }
+}
+
+impl Layer {
+    /// Returns true if a ball intersects the layer.
+    #[inline]
+    fn reaches(&self, point: &Vector, radius: f64) -> bool {
+        let height = self.normal.dot(point);
+        height - self.high <= radius && self.low - height <= radius
+    }
+}
+
+/// Returns the layers of all nodes of a tree over triangles; none for other faces.
+fn layers(nodes: &[Node], order: &[u32], faces: &[Face]) -> Vec<Layer> {
+    let triangle = |face: &u32| match &faces[*face as usize] {
+        Face::Triangle(triangle) => Some(triangle),
+        _ => None,
+    };
+    if !order.iter().all(|face| triangle(face).is_some()) {
+        return Vec::new();
+    }
+    let mut ends = vec![0; nodes.len()];
+    let mut layers = vec![Layer { normal: Vector::zeros(), low: 0.0, high: 0.0 }; nodes.len()];
+    // Children follow their parents, and the faces of a node are consecutive.
+    for place in (0..nodes.len()).rev() {
+        let node = &nodes[place];
+        let (mut first, mut inner) = (place, node);
+        while inner.faces == 0 {
+            first += 1;
+            inner = &nodes[first];
+        }
+        ends[place] = if node.faces > 0 { (node.next + node.faces) as usize } else { ends[node.next as usize] };
+        let own = || order[inner.next as usize..ends[place]].iter().filter_map(triangle);
+        let normal = own().map(Triangle::area_vector).sum::<Vector>().try_normalize(0.0).unwrap_or_else(Vector::zeros);
+        let heights = || own().flat_map(|triangle| triangle.corners).map(|corner| normal.dot(&corner));
+        let (low, high) = (heights().fold(f64::INFINITY, f64::min), heights().fold(f64::NEG_INFINITY, f64::max));
+        layers[place] = Layer { normal, low, high };
+    }
+    layers
 }
 
 /// Adds the node of these faces, which begin at `start` in the order of all faces, and its descendants.

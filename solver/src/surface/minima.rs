@@ -63,14 +63,12 @@ impl Minima {
             other => unreachable!("a mesh has a face {other:?}"),
         };
         index.for_each_near(centre, reach, |number| {
-            let near = triangle(number).nearest(centre);
-            // In this form, a comparison with NaN is false.
-            if near.distance < reach {
+            if let Some(near) = triangle(number).nearest_within(centre, reach) {
                 let foot = centre + near.normal * near.distance;
                 let nearer = |other: u32| {
-                    let through = |number: u32| triangle(number).nearest(&foot).distance <= seam;
+                    let through = |other: u32| triangle(other).nearest_within(&foot, seam).is_some();
                     let limit = near.distance * (1.0 - NEARER);
-                    other != number && triangle(other).nearest(centre).distance < limit && through(other)
+                    other != number && through(other) && triangle(other).nearest_within(centre, limit).is_some()
                 };
                 if near.inside || !index.any_near(&foot, seam, nearer) {
                     let distance = near.distance;

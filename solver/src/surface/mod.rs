@@ -120,6 +120,18 @@ pub enum Shape {
 }
 
 impl Shape {
+    /// Returns the name of the kind of shape in scenes.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Shape::Plane { .. } => "plane",
+            Shape::Box { .. } => "box",
+            Shape::Cylinder { .. } => "cylinder",
+            Shape::Spheres { .. } => "spheres",
+            Shape::Disc { .. } => "disc",
+            Shape::Mesh { .. } => "mesh",
+        }
+    }
+
     /// Creates a wall of the triangles of a mesh, in metres, under a name.
     pub fn mesh(name: impl Into<String>, mesh: TriangleMesh) -> Shape {
         Shape::Mesh { file: name.into(), scale: 1.0, rotate: None, translate: [0.0; 3], content: mesh }

@@ -67,17 +67,37 @@ impl Triangle {
         Triangle { corners: self.corners.map(place) }
     }
 
-    /// Returns the unit normal, by the right-hand rule.
+    /// Returns the normal by the right-hand rule, with the length of twice the area, m2.
     #[inline]
-    fn normal(&self) -> Vector {
+    pub fn area_vector(&self) -> Vector {
         let [a, b, c] = self.corners;
-        (b - a).cross(&(c - a)).normalize()
+        (b - a).cross(&(c - a))
+    }
+
+    /// Returns the nearest point if it is nearer than `reach`, m. Most triangles near a sphere are beside it: the distances from their
+    /// planes and sides exclude them without a division.
+    #[inline]
+    pub fn nearest_within(&self, point: &Vector, reach: f64) -> Option<NearestPoint> {
+        let normal = self.area_vector();
+        let (height, most) = (normal.dot(&(point - self.corners[0])), reach * reach * normal.norm_squared());
+        if height * height > most {
+            return None;
+        }
+        for edge in 0..3 {
+            let (start, along) = self.edge(edge);
+            let beside = along.cross(&normal).dot(&(point - start)).max(0.0);
+            if beside * beside > (most - height * height) * along.norm_squared() {
+                return None;
+            }
+        }
+        // In this form, a comparison with NaN is false.
+        Some(self.nearest(point)).filter(|near| near.distance < reach)
     }
 
     /// Returns the nearest point; on the triangle itself, the direction is opposite to its normal.
     #[inline]
     pub fn nearest(&self, point: &Vector) -> NearestPoint {
-        let normal = self.normal();
+        let normal = self.area_vector().normalize();
         let height = normal.dot(&(point - self.corners[0]));
         let side = if height >= 0.0 { -normal } else { normal };
         let mut nearest: Option<(f64, Vector)> = None;
@@ -113,7 +133,7 @@ impl Triangle {
     /// Returns the first point of a path from `centre` along `shift` (m) within `level` (m) of the triangle, if the path starts farther
     /// away; at level 0, the crossing point.
     pub fn time_of_impact(&self, centre: &Vector, shift: &Vector, level: f64) -> Option<Impact> {
-        let own = self.normal();
+        let own = self.area_vector().normalize();
         let arm = centre - self.corners[0];
         let normal = if own.dot(&arm) < 0.0 { -own } else { own };
         let (height, fall) = (normal.dot(&arm), -normal.dot(shift));

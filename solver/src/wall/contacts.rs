@@ -59,7 +59,13 @@ impl<'a> WallsAt<'a> {
             return true;
         }
         let point = self.poses[wall as usize].in_wall(point);
-        index.any_near(&point, radius, |face| self.shape(face).distance(&point) < radius)
+        index.any_near(&point, radius, |face| self.shape(face).is_nearer(&point, radius))
+    }
+
+    /// Returns the distance of a point (m) from a mesh, m.
+    pub fn distance_of_mesh(&self, wall: u32, point: &Vector) -> f64 {
+        let point = self.poses[wall as usize].in_wall(point);
+        self.mesh(wall).0.nearest(&point, |face| self.shape(face).distance(&point))
     }
 
     /// Finds the contacts nearer than `reach` (m) of a grain with this centre (m) with a mesh, in the frame of the wall.

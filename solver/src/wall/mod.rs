@@ -469,18 +469,27 @@ impl PlacedWalls {
     ///
     /// The distance is negative behind a plane or a face of a box. Thin shells and discs have no back.
     pub fn distance(&self, point: &Vector) -> f64 {
-        self.distances(point).fold(f64::INFINITY, f64::min)
+        let placed = self.walls.placed(&self.poses);
+        let of_meshes = self.meshes().map(|mesh| placed.distance_of_mesh(mesh, point));
+        self.distances(point).chain(of_meshes).fold(f64::INFINITY, f64::min)
     }
 
-    /// Returns the number of faces nearer to a point than `radius` (m).
+    /// Returns the number of faces nearer to a point than `radius` (m); of meshes, the number of contacts of a sphere.
     pub fn within(&self, point: &Vector, radius: f64) -> usize {
-        self.distances(point).filter(|&distance| distance < radius).count()
+        let placed = self.walls.placed(&self.poses);
+        let of_meshes = self.meshes().map(|mesh| placed.minima(mesh, point, radius).list().len());
+        self.distances(point).filter(|&distance| distance < radius).count() + of_meshes.sum::<usize>()
     }
 
-    /// Returns the distances of a point from all faces, m.
+    /// Returns the distances of a point from all faces except those of meshes, m.
     fn distances(&self, point: &Vector) -> impl Iterator<Item = f64> {
         let placed = self.walls.placed(&self.poses);
-        (0..self.walls.faces() as u32).map(move |face| placed.distance(face, point))
+        let others = placed.each_wall().filter(|(wall, ..)| !self.walls.is_mesh(*wall));
+        others.flat_map(|(.., faces)| faces).map(move |face| placed.distance(face, point))
+    }
+
+    fn meshes(&self) -> impl Iterator<Item = u32> {
+        (0..self.walls.count() as u32).filter(|&wall| self.walls.is_mesh(wall))
     }
 
     /// Returns the present position of a point (m) of a wall, given in the scene.
