@@ -22,6 +22,7 @@ use crate::partition::{
 };
 use crate::scene::SolverSettings;
 use crate::schedule::{Phase, Team};
+use crate::surface::NearPart;
 use crate::sweep::Relaxation;
 use crate::wall::{Pose, WallsAt};
 use crate::world::{ContactMaterial, Sphere, World, WorldBesideBodies};
@@ -81,9 +82,16 @@ struct StepContext<'a> {
 /// Task with its wall candidates, the impulses of its pairs and wall contacts, and the mask of active pairs for each block.
 struct Own<'a> {
     task: &'a PlannedTask,
-    listed: TaskSlots<'a, WallCandidate>,
+    listed: Listed<'a>,
     memory: [MemoryOfTask<'a>; 2],
     borne: &'a mut [u8],
+}
+
+/// Wall candidates of a task, and the faces near its grains at meshes.
+#[derive(Clone, Copy)]
+struct Listed<'a> {
+    walls: TaskSlots<'a, WallCandidate>,
+    near: TaskSlots<'a, NearPart>,
 }
 
 impl Constrainer {
@@ -125,7 +133,7 @@ impl Constrainer {
         self.poses.extend(world.walls.poses_over(world.time, self.constants.scheme.step));
         self.follow(world.gravity.norm());
         self.taken.start(world.grains());
-        let (candidates, listed, impulses) = candidates.split();
+        let (candidates, (listed, near), impulses) = candidates.split();
         {
             let (bodies, world) = world.split();
             let context = StepContext {
@@ -142,15 +150,20 @@ impl Constrainer {
                 material: world.table.of_all_grains(),
             };
             let (taken, first, next) = self.taken.stage();
-            let of_candidates = (ByCandidates::of(listed), impulses.shares());
+            let of_candidates = (ByCandidates::of(listed), ByCandidates::of(near), impulses.shares());
             let shares = ((ByBodies::of(bodies), taken), ByNumber::of(&mut layout.groups), of_candidates);
             let set = relaxation.instruction_set;
             // First group number of the stage, and the end so far.
             let (base, end) = (AtomicU32::new(first), AtomicU32::new(first));
             let begin = |_| base.store(end.load(Ordering::Relaxed), Ordering::Relaxed);
             layout.plan.run_stages(team, Phase::Constrain, begin, shares, |_, task, share| {
-                let ((bodies, taken), groups, (listed, (impulses, borne))) = share;
-                let own = Own { task, listed, memory: impulses.map(MemoryOfTask::from), borne };
+                let ((bodies, taken), groups, (listed, near, (impulses, borne))) = share;
+                let own = Own {
+                    task,
+                    listed: Listed { walls: listed, near },
+                    memory: impulses.map(MemoryOfTask::from),
+                    borne,
+                };
                 let first = (base.load(Ordering::Relaxed), taken);
                 end.fetch_max(context.lay_out(own, first, groups, set), Ordering::Relaxed);
                 relaxation.start(bodies, groups);
@@ -242,7 +255,7 @@ impl StepContext<'_> {
             false => set.run(FillPairs::<false, _> { context, task, pairs, sources, impacts, impulses, known_impacts }),
         });
         let (impulses, known_impacts) = (of_walls.impulses.to_read(), of_walls.impacts.to_read());
-        let candidates = listed.to_read();
+        let candidates = listed.walls.to_read();
         set.run(FillWalls { context, groups, candidates, impulses, known_impacts });
         if self.effects.cohesion() {
             self.fill_pulls(groups, candidates);

@@ -1,11 +1,11 @@
 //! Selection of active candidates, and assignment of lanes.
 
-use super::StepContext;
+use super::{Listed, StepContext};
 use crate::detect::{Impulse, MemoryOfTask, PairCandidate, WallCandidate};
 use crate::groups::ImpactMemory;
 use crate::lanes::{Kernel, LANES, Lanes, PREFETCH, Slots, TaskSlots, dot, lanes_of, prefetch_places, prefetch_range};
 use crate::partition::{LaneAssigner, PlannedTask, TaskGroups};
-use crate::surface::{MOST_CONTACTS, Minimum};
+use crate::surface::{MOST_CONTACTS, Minimum, Near};
 use crate::world::Sphere;
 use nalgebra::Vector3;
 
@@ -55,7 +55,7 @@ impl<const PERIODIC: bool> Kernel for AssignPairs<'_, PERIODIC> {
             groups.restart_pairs(list, dummies, context.effects);
             let candidates = Slots::of(candidates);
             for (batch, (touching, borne)) in touching.chunks(BATCH).zip(borne.chunks_mut(BATCH)).enumerate() {
-                let mut listed = Listed::default();
+                let mut listed = Named::default();
                 for (block, (&mask, borne)) in touching.iter().zip(borne).enumerate() {
                     let first = (batch * BATCH + block) * LANES;
                     listed.append(first as u32, mask);
@@ -83,7 +83,7 @@ const DEEP: f64 = crate::wall::SHORT_WAY;
 const BATCH: usize = 64;
 
 /// Numbers of candidates, appended up to eight at a time.
-struct Listed {
+struct Named {
     /// List, with space for one block at its end.
     numbers: [u32; (BATCH + 1) * LANES],
     length: usize,
@@ -118,13 +118,13 @@ const COUNTS: [u8; 1 << LANES] = {
     counts
 };
 
-impl Default for Listed {
-    fn default() -> Listed {
-        Listed { numbers: [0; (BATCH + 1) * LANES], length: 0 }
+impl Default for Named {
+    fn default() -> Named {
+        Named { numbers: [0; (BATCH + 1) * LANES], length: 0 }
     }
 }
 
-impl Listed {
+impl Named {
     /// Appends `start` plus each lane set in a mask of eight. The masks are unpredictable, so the code is free of branches.
     #[inline(always)]
     fn append(&mut self, start: u32, mask: u8) {
@@ -187,7 +187,7 @@ impl StepContext<'_> {
     /// Returns the next free group number.
     pub(super) fn assign_walls(
         &self,
-        (task, listed): (&PlannedTask, TaskSlots<'_, WallCandidate>),
+        (task, listed): (&PlannedTask, Listed<'_>),
         driven: bool,
         mut assigner: LaneAssigner<'_>,
         groups: &mut TaskGroups,
@@ -203,7 +203,7 @@ impl StepContext<'_> {
         };
         let mut next = task.walls.start;
         while next < task.walls.end {
-            let (candidate, wall) = (next, listed.get(next));
+            let (candidate, wall) = (next, listed.walls.get(next));
             next += 1;
             if !self.world.drives.is_empty() && self.world.drive_of(wall.surface).is_some() != driven {
                 continue;
@@ -236,17 +236,19 @@ impl StepContext<'_> {
         &self,
         first: u32,
         mesh: u32,
-        listed: TaskSlots<'_, WallCandidate>,
+        listed: Listed<'_>,
         known: &MemoryOfTask<'_>,
     ) -> [Option<Minimum>; MOST_CONTACTS] {
-        let wall = listed.get(first);
+        let wall = listed.walls.get(first);
         let Sphere { centre, radius } = &self.world.spheres[wall.body as usize];
         let [u, v, w, _] = self.world.before[wall.body as usize].0;
         let (state, reach) = ([centre, &Vector3::new(u, v, w)], [*radius, self.constants.contact_margin]);
-        let found = self.walls.mesh_contacts(mesh, state, reach, self.constants.scheme.step);
+        let mut near = Near::of(std::array::from_fn(|slot| listed.near.get(first + slot as u32)));
+        let found = self.walls.mesh_contacts(mesh, state, reach, self.constants.scheme.step, &mut near);
+        (first..).zip(near.parts()).for_each(|(candidate, part)| listed.near.set(candidate, part));
         let mut last = [None; MOST_CONTACTS];
         for (candidate, last) in (first..).zip(&mut last) {
-            *last = known.is_known(candidate).then(|| listed.get(candidate).surface);
+            *last = known.is_known(candidate).then(|| listed.walls.get(candidate).surface);
         }
         let slots = self.walls.assign_slots(mesh, centre, &found, &last);
         let empty = self.walls.walls().listed(wall.surface);
@@ -255,7 +257,7 @@ impl StepContext<'_> {
             if last.is_some() && !continues {
                 known.forget(candidate);
             }
-            listed.set(candidate, WallCandidate { surface, ..wall });
+            listed.walls.set(candidate, WallCandidate { surface, ..wall });
         }
         slots
     }

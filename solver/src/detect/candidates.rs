@@ -10,6 +10,7 @@ use crate::groups::ImpactMemory;
 use crate::lanes::{Available, LANES};
 use crate::partition::{BoxGrid, ByCandidates, DIRECTIONS, Layout, Plan, PlannedTask};
 use crate::schedule::{Disjoint, Each, Phase, Team};
+use crate::surface::NearPart;
 use crate::wall::Pose;
 use crate::world::{World, chunk, chunks};
 use nalgebra::Vector3;
@@ -49,6 +50,8 @@ pub struct Candidates {
     pub pairs: Vec<PairCandidate>,
     /// Grains and surfaces, ordered by task.
     pub walls: Vec<WallCandidate>,
+    /// Faces near the grains at meshes, in parts by wall candidate; empty without meshes.
+    near: Vec<NearPart>,
     /// Impulses of the last step.
     pub impulses: ContactImpulses,
     /// Number of times that the list was built.
@@ -106,6 +109,7 @@ impl Candidates {
         Candidates {
             pairs: Vec::new(),
             walls: Vec::new(),
+            near: Vec::new(),
             impulses: ContactImpulses::default(),
             torques,
             rebuilds: 0,
@@ -139,10 +143,12 @@ impl Candidates {
         self.grid.boxes().most()
     }
 
-    /// Splits into the pairs, the wall candidates and the impulses of both.
-    pub(crate) fn split(&mut self) -> (CandidateList<'_>, &mut [WallCandidate], &mut ContactImpulses) {
-        let Candidates { pairs, walls, rebuilds, grid, impulses, .. } = self;
-        (CandidateList { pairs, rebuilds: *rebuilds, grid }, walls, impulses)
+    /// Splits into the pairs, the wall candidates with the faces near them, and the impulses of both.
+    pub(crate) fn split(
+        &mut self,
+    ) -> (CandidateList<'_>, (&mut [WallCandidate], &mut [NearPart]), &mut ContactImpulses) {
+        let Candidates { pairs, walls, near, rebuilds, grid, impulses, .. } = self;
+        (CandidateList { pairs, rebuilds: *rebuilds, grid }, (walls, near), impulses)
     }
 
     /// Returns true if a grain may have come into contact with a grain or a wall outside the list.
@@ -338,6 +344,8 @@ impl Candidates {
         let (pairs, walls): (usize, usize) = (count(|found| found.pairs.len()), count(|found| found.walls.len()));
         resize(&mut self.pairs, pairs, PairCandidate { first: 0, second: 0 });
         resize(&mut self.walls, walls, WallCandidate { body: 0, surface: 0 });
+        self.near.clear();
+        resize(&mut self.near, if world.walls.any_mesh() { walls } else { 0 }, NearPart::default());
         self.bear_torques(self.torques);
         resize(&mut self.impulses.borne, plan.blocks(), 0);
         let Buffers { found, wall_starts, remembered_pairs, remembered_walls, .. } = &mut self.buffers;
@@ -419,6 +427,7 @@ impl Candidates {
         let buffers = &self.buffers;
         self.pairs.capacity() * size_of::<PairCandidate>()
             + self.walls.capacity() * size_of::<WallCandidate>()
+            + self.near.capacity() * size_of::<NearPart>()
             + self.impulses.pairs.memory_bytes()
             + self.impulses.borne.capacity()
             + self.impulses.walls.memory_bytes()

@@ -15,7 +15,9 @@
 //! A grain has at most [`MOST_CONTACTS`] contacts with one mesh: the nearest, then each time the one whose direction has the smallest
 //! cosine with those taken. So they surround the grain.
 
+use super::triangle::{NearestPoint, Triangle};
 use super::{Face, FaceIndex, Vector};
+use bytemuck::{Pod, Zeroable};
 
 /// Largest number of contacts of a grain with a mesh: six sides of a cell of its own size.
 pub(crate) const MOST_CONTACTS: usize = 6;
@@ -48,43 +50,156 @@ pub(crate) struct Minima {
     length: usize,
 }
 
-impl Minima {
-    /// Finds the contacts nearer than `reach` (m) of a sphere with this centre (m); `face` returns a face by its number, `seam` is the
-    /// width of closed seams, m.
-    pub fn find<'f>(
-        index: &FaceIndex,
-        face: impl Fn(u32) -> &'f Face,
-        [reach, seam]: [f64; 2],
-        centre: &Vector,
-    ) -> Minima {
-        let mut found = Minima { list: [Minimum::default(); MOST], length: 0 };
-        let triangle = |number: u32| match face(number) {
-            Face::Triangle(triangle) => *triangle,
-            other => unreachable!("a mesh has a face {other:?}"),
-        };
-        index.for_each_near(centre, reach, |number| {
-            if let Some(near) = triangle(number).nearest_within(centre, reach) {
-                let foot = centre + near.normal * near.distance;
-                let nearer = |other: u32| {
-                    let through = |other: u32| triangle(other).nearest_within(&foot, seam).is_some();
-                    let limit = near.distance * (1.0 - NEARER);
-                    other != number && through(other) && triangle(other).nearest_within(centre, limit).is_some()
-                };
-                if near.inside || !index.any_near(&foot, seam, nearer) {
-                    let distance = near.distance;
-                    found.insert(Minimum {
-                        face: number,
-                        distance,
-                        normal: near.normal,
-                        inside: near.inside,
-                        continues: false,
-                    });
+/// Largest number of faces of [`Near`].
+const MOST_NEAR: usize = 12;
+
+/// Radius of [`Near`] over that of the search, if few faces are near.
+const WIDER: f64 = 1.1;
+
+/// Largest rounding error of a distance, relative to the radius.
+const SLACK: f64 = 1e-9;
+
+/// All faces of a mesh within a radius of a point: while a grain stays close to the point, its contacts are found among them. The contacts
+/// are the same as those of a search in the index.
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct Near {
+    /// Point in the frame of the wall, m.
+    point: [f64; 3],
+    /// Radius, m; zero before the first search.
+    radius: f64,
+    faces: [u32; MOST_NEAR],
+    count: u32,
+    padding: [u32; 3],
+}
+
+/// Part of [`Near`] for each contact.
+pub(crate) type NearPart = [u32; 4];
+
+impl Near {
+    /// Joins the parts.
+    pub fn of(parts: [NearPart; MOST_CONTACTS]) -> Near {
+        bytemuck::cast(parts)
+    }
+
+    /// Returns the parts.
+    pub fn parts(self) -> [NearPart; MOST_CONTACTS] {
+        bytemuck::cast(self)
+    }
+
+    /// Returns true if all faces nearer to a point than `reach` (m) are known.
+    fn holds(&self, centre: &Vector, reach: f64) -> bool {
+        (centre - Vector::from(self.point)).norm() + reach < self.radius * (1.0 - SLACK)
+    }
+
+    /// Searches the faces about a point.
+    fn search<'f>(mesh: &MeshFaces<'_, impl Fn(u32) -> &'f Face>, centre: &Vector, reach: f64) -> Near {
+        let mut found = [(f64::INFINITY, 0); MOST_NEAR + 1];
+        let mut near = Near { point: (*centre).into(), radius: WIDER * reach, ..Near::default() };
+        mesh.index.for_each_near(centre, near.radius, |number| {
+            if let Some(one) = mesh.triangle(number).nearest_within(centre, near.radius) {
+                let one = (one.distance, number);
+                let place = found.iter().position(|other| one < *other).unwrap_or(found.len());
+                if place < found.len() {
+                    found[place..].rotate_right(1);
+                    found[place] = one;
                 }
             }
         });
-        found.drop_hidden();
-        found.keep_surrounding();
-        found
+        near.radius = near.radius.min(found[MOST_NEAR].0);
+        let known = found[..MOST_NEAR].iter().take_while(|(distance, _)| distance.is_finite());
+        for (place, (_, number)) in near.faces.iter_mut().zip(known) {
+            *place = *number;
+            near.count += 1;
+        }
+        near
+    }
+}
+
+/// Faces of a mesh with their index.
+pub(crate) struct MeshFaces<'a, F> {
+    pub index: &'a FaceIndex,
+    /// Returns a face by its number.
+    pub face: F,
+    /// Width of closed seams, m.
+    pub seam: f64,
+}
+
+impl<'f, F: Fn(u32) -> &'f Face> MeshFaces<'_, F> {
+    #[inline]
+    fn triangle(&self, number: u32) -> &'f Triangle {
+        match (self.face)(number) {
+            Face::Triangle(triangle) => triangle,
+            other => unreachable!("a mesh has a face {other:?}"),
+        }
+    }
+
+    /// Returns true if another face passes through a point at a distance (m) from the centre, and is nearer to the centre.
+    #[inline]
+    fn descends(&self, centre: &Vector, (foot, distance): (&Vector, f64), other: u32) -> bool {
+        let triangle = self.triangle(other);
+        triangle.nearest_within(foot, self.seam).is_some()
+            && triangle.nearest_within(centre, distance * (1.0 - NEARER)).is_some()
+    }
+}
+
+impl Minima {
+    /// Finds the contacts nearer than `reach` (m) of a sphere with this centre (m), in the frame of the wall.
+    pub fn find<'f>(mesh: &MeshFaces<'_, impl Fn(u32) -> &'f Face>, centre: &Vector, reach: f64) -> Minima {
+        let mut found = Minima { list: [Minimum::default(); MOST], length: 0 };
+        mesh.index.for_each_near(centre, reach, |number| {
+            let passes = |foot: &Vector, distance| {
+                mesh.index.any_near(foot, mesh.seam, |other| mesh.descends(centre, (foot, distance), other))
+            };
+            found.look_at(number, mesh.triangle(number).nearest_within(centre, reach), centre, passes);
+        });
+        found.reduced()
+    }
+
+    /// Does the work of [`Minima::find`] with the faces near an earlier centre of the same grain, which are updated.
+    pub fn find_near<'f>(
+        mesh: &MeshFaces<'_, impl Fn(u32) -> &'f Face>,
+        centre: &Vector,
+        reach: f64,
+        near: &mut Near,
+    ) -> Minima {
+        if !near.holds(centre, reach) {
+            *near = Near::search(mesh, centre, reach);
+            if !near.holds(centre, reach) {
+                return Minima::find(mesh, centre, reach);
+            }
+        }
+        let mut found = Minima { list: [Minimum::default(); MOST], length: 0 };
+        let faces = &near.faces[..near.count as usize];
+        for &number in faces {
+            let passes =
+                |foot: &Vector, distance| faces.iter().any(|&other| mesh.descends(centre, (foot, distance), other));
+            found.look_at(number, mesh.triangle(number).nearest_within(centre, reach), centre, passes);
+        }
+        found.reduced()
+    }
+
+    /// Adds the nearest point of a face, if it is a local minimum; `passes` returns true if a nearer face passes through a point at a
+    /// distance, m.
+    #[inline]
+    fn look_at(
+        &mut self,
+        face: u32,
+        near: Option<NearestPoint>,
+        centre: &Vector,
+        passes: impl Fn(&Vector, f64) -> bool,
+    ) {
+        if let Some(NearestPoint { distance, normal, inside }) = near
+            && (inside || !passes(&(centre + normal * distance), distance))
+        {
+            self.insert(Minimum { face, distance, normal, inside, continues: false });
+        }
+    }
+
+    fn reduced(mut self) -> Minima {
+        self.drop_hidden();
+        self.keep_surrounding();
+        self
     }
 
     /// Returns the contacts.

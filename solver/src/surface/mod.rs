@@ -22,7 +22,7 @@ mod triangle;
 pub(crate) use face::{Face, Impact, Rotation};
 pub(crate) use index::FaceIndex;
 pub use mesh::{MeshRotation, TriangleMesh};
-pub(crate) use minima::{MOST_CONTACTS, Minima, Minimum};
+pub(crate) use minima::{MOST_CONTACTS, MeshFaces, Minima, Minimum, Near, NearPart};
 
 use crate::laws::period::Period;
 use nalgebra::Vector3;

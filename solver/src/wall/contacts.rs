@@ -6,12 +6,17 @@
 //! continues from triangle to triangle.
 
 use super::{Vector, WallFace, Walls, WallsAt};
-use crate::surface::{Face, FaceIndex, MOST_CONTACTS, Minima, Minimum};
+use crate::surface::{Face, MOST_CONTACTS, MeshFaces, Minima, Minimum, Near};
 
 impl Walls {
     /// Returns true if the wall with this index in the scene is a mesh.
     pub fn is_mesh(&self, wall: u32) -> bool {
         self.walls[wall as usize].seam.is_some()
+    }
+
+    /// Returns true if at least one wall is a mesh.
+    pub(crate) fn any_mesh(&self) -> bool {
+        self.any_mesh
     }
 
     /// Returns the mesh of a face; `None` for a face of another shape.
@@ -41,9 +46,11 @@ impl<'a> WallsAt<'a> {
         self.walls
     }
 
-    fn mesh(&self, wall: u32) -> (&'a FaceIndex, f64) {
-        let wall = &self.walls.walls[wall as usize];
-        (wall.index.as_ref().expect("a mesh has an index"), wall.seam.unwrap_or_default())
+    fn mesh(&self, wall: u32) -> MeshFaces<'a, impl Fn(u32) -> &'a Face> {
+        let (walls, wall) = (self.walls, &self.walls.walls[wall as usize]);
+        let index = wall.index.as_ref().expect("a mesh has an index");
+        let face = move |number: u32| &walls.faces[number as usize].shape;
+        MeshFaces { index, face, seam: wall.seam.unwrap_or_default() }
     }
 
     fn shape(&self, face: u32) -> &'a Face {
@@ -65,17 +72,16 @@ impl<'a> WallsAt<'a> {
     /// Returns the distance of a point (m) from a mesh, m.
     pub fn distance_of_mesh(&self, wall: u32, point: &Vector) -> f64 {
         let point = self.poses[wall as usize].in_wall(point);
-        self.mesh(wall).0.nearest(&point, |face| self.shape(face).distance(&point))
+        self.mesh(wall).index.nearest(&point, |face| self.shape(face).distance(&point))
     }
 
     /// Finds the contacts nearer than `reach` (m) of a grain with this centre (m) with a mesh, in the frame of the wall.
     pub fn minima(&self, wall: u32, centre: &Vector, reach: f64) -> Minima {
-        let (index, seam) = self.mesh(wall);
         let centre = self.poses[wall as usize].in_wall(centre);
-        Minima::find(index, |face| self.shape(face), [reach, seam], &centre)
+        Minima::find(&self.mesh(wall), &centre, reach)
     }
 
-    /// Finds the contacts of a grain with a mesh in a step (s), and the first face that it reaches on a path longer than its radius: see
+    /// Finds the contacts of a grain with a mesh in a step (s) from the faces `near` it, and the first face that it reaches on a path longer than its radius: see
     /// [`WallsAt::touches`].
     pub fn mesh_contacts(
         &self,
@@ -83,15 +89,15 @@ impl<'a> WallsAt<'a> {
         [centre, velocity]: [&Vector; 2],
         [radius, margin]: [f64; 2],
         step: f64,
+        near: &mut Near,
     ) -> Minima {
-        let mut found = self.minima(wall, centre, radius + margin);
         let pose = &self.poses[wall as usize];
+        let mut found = Minima::find_near(&self.mesh(wall), &pose.in_wall(centre), radius + margin, near);
         if let Some(path) = pose.long_path(centre, velocity, step, false, radius) {
             let start = pose.in_wall(centre);
             let path = pose.in_wall(&(centre + path)) - start;
-            let (index, _) = self.mesh(wall);
             let mut first: Option<(f64, u32)> = None;
-            index.for_each_near(&start, path.norm() + radius, |face| {
+            self.mesh(wall).index.for_each_near(&start, path.norm() + radius, |face| {
                 if let Some(impact) = self.shape(face).time_of_impact(&start, &path, radius)
                     && first.is_none_or(|first| (impact.share, face) < first)
                 {
