@@ -250,7 +250,10 @@ impl StepContext<'_> {
         for (candidate, last) in (first..).zip(&mut last) {
             *last = known.is_known(candidate).then(|| listed.walls.get(candidate).surface);
         }
-        let slots = self.walls.assign_slots(mesh, centre, &found, &last);
+        let slots = match &found {
+            Some(found) => self.walls.assign_slots(mesh, centre, found, &last),
+            None => [None; MOST_CONTACTS],
+        };
         let empty = self.walls.walls().listed(wall.surface);
         for (candidate, (contact, last)) in (first..).zip(slots.iter().zip(last)) {
             let (surface, continues) = contact.map_or((empty, false), |contact| (contact.face, contact.continues));

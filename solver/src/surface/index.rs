@@ -145,25 +145,35 @@ impl FaceIndex {
         false
     }
 
-    /// Returns the smallest distance (m) of a point in the frame of the wall (m) from the faces; `distance` returns that of one face.
-    /// Periodic axes are ignored.
-    pub fn nearest(&self, point: &Vector, distance: impl Fn(u32) -> f64) -> f64 {
-        let (mut waiting, mut count, mut least) = ([0_u32; DEEPEST], 1, f64::INFINITY);
+    /// Returns the smallest distance (m) of a point in the frame of the wall (m) from the faces, or a `limit` (m) if it is smaller;
+    /// `distance` returns that of one face if it is below a limit. Periodic axes are ignored.
+    pub fn nearest(&self, point: &Vector, limit: f64, distance: impl Fn(u32, f64) -> Option<f64>) -> f64 {
+        let below = |place: usize| {
+            let node = &self.nodes[place];
+            let beside = (node.low - point).sup(&(point - node.high)).sup(&Vector::zeros()).norm();
+            self.layers.get(place).map_or(beside, |layer| beside.max(layer.height_of(point)))
+        };
+        let (mut waiting, mut count, mut least) = ([(0, 0.0); DEEPEST], 1, limit);
         while count > 0 {
             count -= 1;
-            let place = waiting[count] as usize;
-            let node = &self.nodes[place];
-            let beside = (node.low - point).sup(&(point - node.high)).sup(&Vector::zeros());
-            if beside.norm_squared() > least * least {
+            let (place, bound) = waiting[count];
+            if bound >= least {
                 continue;
             }
+            let node = &self.nodes[place];
             if node.faces > 0 {
-                let faces = node.next as usize..(node.next + node.faces) as usize;
-                least = self.faces[faces].iter().map(|&face| distance(face)).fold(least, f64::min);
-            } else {
-                (waiting[count], waiting[count + 1]) = (place as u32 + 1, node.next);
-                count += 2;
+                for &face in &self.faces[node.next as usize..(node.next + node.faces) as usize] {
+                    least = distance(face, least).unwrap_or(least);
+                }
+                continue;
             }
+            let mut children = [place + 1, node.next as usize].map(|child| (child, below(child)));
+            // The nearer child comes first.
+            if children[0].1 < children[1].1 {
+                children.swap(0, 1);
+            }
+            (waiting[count], waiting[count + 1]) = (children[0], children[1]);
+            count += 2;
         }
         least
     }
@@ -181,6 +191,13 @@ impl Layer {
     fn reaches(&self, point: &Vector, radius: f64) -> bool {
         let height = self.normal.dot(point);
         height - self.high <= radius && self.low - height <= radius
+    }
+
+    /// Returns the distance of a point from the layer, m; negative inside.
+    #[inline]
+    fn height_of(&self, point: &Vector) -> f64 {
+        let height = self.normal.dot(point);
+        (height - self.high).max(self.low - height)
     }
 }
 

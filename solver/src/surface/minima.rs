@@ -23,7 +23,7 @@ use bytemuck::{Pod, Zeroable};
 pub(crate) const MOST_CONTACTS: usize = 6;
 
 /// Largest number of minima that are compared; of more, the farther one of the two with the largest cosine is dropped.
-const MOST: usize = 32;
+const MOST: usize = 16;
 
 /// Smallest relative difference of two distances.
 const NEARER: f64 = 1e-12;
@@ -44,7 +44,7 @@ pub(crate) struct Minimum {
 }
 
 /// Contacts of a sphere with a mesh, in ascending order of distance.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Minima {
     list: [Minimum; MOST],
     length: usize,
@@ -55,6 +55,9 @@ const MOST_NEAR: usize = 12;
 
 /// Radius of [`Near`] over that of the search, if few faces are near.
 const WIDER: f64 = 1.1;
+
+/// Radius of [`Near`] over that of the search, if no face is near.
+const FAR: f64 = 4.0;
 
 /// Largest rounding error of a distance, relative to the radius.
 const SLACK: f64 = 1e-9;
@@ -107,6 +110,11 @@ impl Near {
             }
         });
         near.radius = near.radius.min(found[MOST_NEAR].0);
+        if found[0].0.is_infinite() {
+            near.radius = mesh.index.nearest(centre, FAR * reach, |number, limit| {
+                mesh.triangle(number).nearest_within(centre, limit).map(|near| near.distance)
+            });
+        }
         let known = found[..MOST_NEAR].iter().take_while(|(distance, _)| distance.is_finite());
         for (place, (_, number)) in near.faces.iter_mut().zip(known) {
             *place = *number;
@@ -146,7 +154,7 @@ impl<'f, F: Fn(u32) -> &'f Face> MeshFaces<'_, F> {
 impl Minima {
     /// Finds the contacts nearer than `reach` (m) of a sphere with this centre (m), in the frame of the wall.
     pub fn find<'f>(mesh: &MeshFaces<'_, impl Fn(u32) -> &'f Face>, centre: &Vector, reach: f64) -> Minima {
-        let mut found = Minima { list: [Minimum::default(); MOST], length: 0 };
+        let mut found = Minima::default();
         mesh.index.for_each_near(centre, reach, |number| {
             let passes = |foot: &Vector, distance| {
                 mesh.index.any_near(foot, mesh.seam, |other| mesh.descends(centre, (foot, distance), other))
@@ -156,27 +164,31 @@ impl Minima {
         found.reduced()
     }
 
-    /// Does the work of [`Minima::find`] with the faces near an earlier centre of the same grain, which are updated.
+    /// Does the work of [`Minima::find`] with the faces near an earlier centre of the same grain, which are updated; `None` if no face is
+    /// near.
     pub fn find_near<'f>(
         mesh: &MeshFaces<'_, impl Fn(u32) -> &'f Face>,
         centre: &Vector,
         reach: f64,
         near: &mut Near,
-    ) -> Minima {
+    ) -> Option<Minima> {
         if !near.holds(centre, reach) {
             *near = Near::search(mesh, centre, reach);
             if !near.holds(centre, reach) {
-                return Minima::find(mesh, centre, reach);
+                return Some(Minima::find(mesh, centre, reach));
             }
         }
-        let mut found = Minima { list: [Minimum::default(); MOST], length: 0 };
+        if near.count == 0 {
+            return None;
+        }
+        let mut found = Minima::default();
         let faces = &near.faces[..near.count as usize];
         for &number in faces {
             let passes =
                 |foot: &Vector, distance| faces.iter().any(|&other| mesh.descends(centre, (foot, distance), other));
             found.look_at(number, mesh.triangle(number).nearest_within(centre, reach), centre, passes);
         }
-        found.reduced()
+        Some(found.reduced())
     }
 
     /// Adds the nearest point of a face, if it is a local minimum; `passes` returns true if a nearer face passes through a point at a
@@ -275,11 +287,29 @@ impl Minima {
         }
     }
 
-    /// Assigns the contacts to slots; `known` holds the direction of the last contact of each occupied slot, in the frame of the wall. A
-    /// contact takes the slot whose direction is nearest, within the cosine [`SAME`], the nearest pair first; the others take empty slots.
-    pub fn assign(&self, known: &[Option<Vector>]) -> [Option<Minimum>; MOST_CONTACTS] {
+    /// Assigns the contacts to slots; `known` holds the last face of each occupied slot, and `direction` returns the direction towards a
+    /// face, in the frame of the wall. A contact takes the slot of its face, or else the slot whose direction is nearest, within the cosine
+    /// [`SAME`], the nearest pair first; the others take empty slots.
+    pub fn assign(
+        &self,
+        known: &[Option<u32>; MOST_CONTACTS],
+        direction: impl Fn(u32) -> Vector,
+    ) -> [Option<Minimum>; MOST_CONTACTS] {
         let mut slots = [None; MOST_CONTACTS];
-        let mut left = [true; MOST_CONTACTS];
+        let mut left = [false; MOST_CONTACTS];
+        left[..self.length].fill(true);
+        for (place, one) in self.list().iter().enumerate() {
+            if let Some(slot) =
+                known.iter().position(|last| *last == Some(one.face)).filter(|&slot| slots[slot].is_none())
+            {
+                (slots[slot], left[place]) = (Some(Minimum { continues: true, ..*one }), false);
+            }
+        }
+        if !left.contains(&true) {
+            return slots;
+        }
+        let known: [Option<Vector>; MOST_CONTACTS] =
+            std::array::from_fn(|slot| known[slot].filter(|_| slots[slot].is_none()).map(&direction));
         loop {
             let mut best: Option<(f64, usize, usize)> = None;
             for (slot, last) in known.iter().enumerate().filter(|(slot, _)| slots[*slot].is_none()) {

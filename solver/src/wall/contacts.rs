@@ -72,7 +72,9 @@ impl<'a> WallsAt<'a> {
     /// Returns the distance of a point (m) from a mesh, m.
     pub fn distance_of_mesh(&self, wall: u32, point: &Vector) -> f64 {
         let point = self.poses[wall as usize].in_wall(point);
-        self.mesh(wall).index.nearest(&point, |face| self.shape(face).distance(&point))
+        self.mesh(wall).index.nearest(&point, f64::INFINITY, |face, limit| {
+            Some(self.shape(face).distance(&point)).filter(|distance| *distance < limit)
+        })
     }
 
     /// Finds the contacts nearer than `reach` (m) of a grain with this centre (m) with a mesh, in the frame of the wall.
@@ -81,8 +83,8 @@ impl<'a> WallsAt<'a> {
         Minima::find(&self.mesh(wall), &centre, reach)
     }
 
-    /// Finds the contacts of a grain with a mesh in a step (s) from the faces `near` it, and the first face that it reaches on a path longer than its radius: see
-    /// [`WallsAt::touches`].
+    /// Finds the contacts of a grain with a mesh in a step (s) from the faces `near` it, and the first face that it reaches on a path longer
+    /// than its radius: see [`WallsAt::touches`]. `None` without contacts.
     pub fn mesh_contacts(
         &self,
         wall: u32,
@@ -90,26 +92,25 @@ impl<'a> WallsAt<'a> {
         [radius, margin]: [f64; 2],
         step: f64,
         near: &mut Near,
-    ) -> Minima {
+    ) -> Option<Minima> {
         let pose = &self.poses[wall as usize];
-        let mut found = Minima::find_near(&self.mesh(wall), &pose.in_wall(centre), radius + margin, near);
-        if let Some(path) = pose.long_path(centre, velocity, step, false, radius) {
-            let start = pose.in_wall(centre);
-            let path = pose.in_wall(&(centre + path)) - start;
-            let mut first: Option<(f64, u32)> = None;
-            self.mesh(wall).index.for_each_near(&start, path.norm() + radius, |face| {
-                if let Some(impact) = self.shape(face).time_of_impact(&start, &path, radius)
-                    && first.is_none_or(|first| (impact.share, face) < first)
-                {
-                    first = Some((impact.share, face));
-                }
-            });
-            if let Some((_, face)) = first {
-                let (distance, normal) = self.shape(face).nearest(&start, Vector::zeros);
-                found.add_swept(face, distance, normal);
+        let start = pose.in_wall(centre);
+        let found = Minima::find_near(&self.mesh(wall), &start, radius + margin, near);
+        let Some(path) = pose.long_path(centre, velocity, step, false, radius) else { return found };
+        let path = pose.in_wall(&(centre + path)) - start;
+        let mut first: Option<(f64, u32)> = None;
+        self.mesh(wall).index.for_each_near(&start, path.norm() + radius, |face| {
+            if let Some(impact) = self.shape(face).time_of_impact(&start, &path, radius)
+                && first.is_none_or(|first| (impact.share, face) < first)
+            {
+                first = Some((impact.share, face));
             }
-        }
-        found
+        });
+        let Some((_, face)) = first else { return found };
+        let (distance, normal) = self.shape(face).nearest(&start, Vector::zeros);
+        let mut found = found.unwrap_or_default();
+        found.add_swept(face, distance, normal);
+        Some(found)
     }
 
     /// Assigns contacts of a grain with this centre (m) to slots, given the last face of each occupied slot.
@@ -118,13 +119,9 @@ impl<'a> WallsAt<'a> {
         wall: u32,
         centre: &Vector,
         minima: &Minima,
-        known: &[Option<u32>],
+        known: &[Option<u32>; MOST_CONTACTS],
     ) -> [Option<Minimum>; MOST_CONTACTS] {
         let centre = self.poses[wall as usize].in_wall(centre);
-        let mut directions = [None; MOST_CONTACTS];
-        for (direction, face) in directions.iter_mut().zip(known) {
-            *direction = face.map(|face| self.shape(face).nearest(&centre, Vector::zeros).1);
-        }
-        minima.assign(&directions[..known.len()])
+        minima.assign(known, |face| self.shape(face).nearest(&centre, Vector::zeros).1)
     }
 }

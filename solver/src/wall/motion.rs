@@ -452,6 +452,11 @@ impl Pose {
         length: f64,
     ) -> Option<Vector> {
         if !in_place && self.turning.spin != Vector::zeros() {
+            let (shift, arm) = (((velocity - self.velocity) * step).norm(), (from - self.turning.centre).norm());
+            // An upper bound: the turned point moves by at most its arm times the angle.
+            if (shift + self.turning.spin.norm() * step * (arm + shift)) * (1.0 + ROUNDING) < length {
+                return None;
+            }
             return Some(self.path_from_turning(from, velocity, step))
                 .filter(|path| path.norm_squared() > length * length);
         }

@@ -44,19 +44,19 @@ fn timing() {
             (name, simulation, Vec::new())
         })
         .collect();
-    for _ in 0..12 {
+    for _ in 0..40 {
         for (_, simulation, times) in &mut runs {
             let begin = std::time::Instant::now();
             for _ in 0..50 {
                 simulation.step();
             }
-            times.push(begin.elapsed().as_secs_f64() / 50.0);
+            times.push(begin.elapsed().as_secs_f64() / 15.0);
         }
     }
     let median = |times: &[f64]| {
         let mut all = times.to_vec();
         all.sort_by(f64::total_cmp);
-        all[all.len() / 2]
+        all[all.len() / 4]
     };
     let base = median(&runs[0].2);
     for (name, simulation, times) in &runs {
