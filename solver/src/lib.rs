@@ -92,6 +92,7 @@ mod simulation;
 pub mod snapshot;
 #[doc(hidden)]
 pub mod solve;
+pub mod surface;
 #[doc(hidden)]
 pub mod sweep;
 pub mod wall;

@@ -28,6 +28,7 @@ mod lane_groups;
 mod lanes;
 mod ledger;
 mod ledger_closure;
+mod mesh;
 mod methods;
 mod period;
 mod periodic;

@@ -3,7 +3,7 @@
 use super::coefficients::{Contacts, LaneMaterial, OnSurfaces};
 use super::{StepContext, write_contacts};
 use crate::contact::ContactGeometry;
-use crate::detect::{AngularImpulse, Impulse};
+use crate::detect::{AngularImpulse, Impulse, WallCandidate};
 use crate::effects::impact::Impact;
 use crate::effects::resistance::TorqueLanes;
 use crate::effects::restitution::{at_speed, impact_on_the_way};
@@ -92,6 +92,7 @@ impl<const PERIODIC: bool, T: Tangential> Kernel for FillPairs<'_, PERIODIC, T> 
 pub(super) struct FillWalls<'a> {
     pub context: &'a StepContext<'a>,
     pub groups: &'a mut TaskGroups,
+    pub candidates: Slots<'a, WallCandidate>,
     pub impulses: Slots<'a, Impulse>,
     pub known_impacts: Slots<'a, ImpactMemory>,
 }
@@ -101,8 +102,8 @@ impl Kernel for FillWalls<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let StepContext { world, before, candidates, walls: placed, constants, .. } = self.context;
-        let nothing = candidates.walls.len() as u32;
+        let StepContext { world, before, walls: placed, constants, .. } = self.context;
+        let nothing = self.candidates.count();
         let falling = world.gravity * constants.scheme.step;
         // Padding lanes are far from all walls.
         let far = [Eight([1e6; 8]), Eight::default(), Eight::default(), Eight([1.0; 8]), Eight([1.0; 8])];
@@ -114,7 +115,7 @@ impl Kernel for FillWalls<'_> {
             let mut surfaces = [0; crate::lanes::LANES];
             let mut swept = 0_u8;
             for (lane, candidate) in sources.occupied() {
-                let wall = candidates.walls[candidate];
+                let wall = self.candidates.get(candidate as u32);
                 let sphere = &world.spheres[wall.body as usize];
                 let [u, v, w, _] = world.before[wall.body as usize].0;
                 let (state, step) = ([&sphere.centre, &Vector3::new(u, v, w)], constants.scheme.step);
@@ -171,8 +172,8 @@ impl Kernel for FillWalls<'_> {
 
 impl StepContext<'_> {
     /// Fills the cohesive impulses of a task after the layout of its contacts.
-    pub(super) fn fill_pulls(&self, groups: &mut TaskGroups) {
-        let StepContext { world, candidates, walls: placed, constants, .. } = self;
+    pub(super) fn fill_pulls(&self, groups: &mut TaskGroups, candidates: Slots<'_, WallCandidate>) {
+        let StepContext { world, walls: placed, constants, .. } = self;
         let h = constants.scheme.step;
         let TaskGroups { pairs, pair_sources, pair_pulls, walls, wall_sources, wall_pulls, .. } = groups;
         with_pairs!(pairs, pairs => for ((group, sources), pulls) in pairs.iter().zip(pair_sources).zip(pair_pulls) {
@@ -186,7 +187,7 @@ impl StepContext<'_> {
         for ((group, sources), pulls) in walls.iter().zip(wall_sources).zip(wall_pulls) {
             *pulls = Eight::default();
             for (lane, candidate) in sources.occupied() {
-                let (grain, surface) = (group.body[lane] as usize, candidates.walls[candidate].surface);
+                let (grain, surface) = (group.body[lane] as usize, candidates.get(candidate as u32).surface);
                 let sphere = &world.spheres[grain];
                 let (distance, normal) = placed.face(surface).nearest(&sphere.centre, Vector3::zeros);
                 let geometry = ContactGeometry::with_wall(distance, normal.into(), sphere.radius);
@@ -201,6 +202,7 @@ impl StepContext<'_> {
 pub(super) struct FillTorques<'a, E: Effects> {
     pub context: &'a StepContext<'a>,
     pub groups: &'a mut TaskGroups,
+    pub candidates: Slots<'a, WallCandidate>,
     pub pairs: Slots<'a, AngularImpulse>,
     pub walls: Slots<'a, AngularImpulse>,
     pub effects: PhantomData<E>,
@@ -211,7 +213,7 @@ impl<E: Effects> Kernel for FillTorques<'_, E> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let StepContext { world, candidates, walls: placed, constants, .. } = self.context;
+        let StepContext { world, walls: placed, constants, .. } = self.context;
         let started =
             |AngularImpulse(impulse): AngularImpulse| impulse.map(|component| component * constants.warm_start);
         let TaskGroups { pairs, pair_sources, pair_torques, walls, wall_sources, wall_torques, .. } = self.groups;
@@ -232,7 +234,7 @@ impl<E: Effects> Kernel for FillTorques<'_, E> {
         for ((group, sources), lanes) in walls.iter().zip(wall_sources).zip(wall_torques) {
             *lanes = Default::default();
             for (lane, candidate) in sources.occupied() {
-                let (grain, surface) = (group.body[lane] as usize, candidates.walls[candidate].surface);
+                let (grain, surface) = (group.body[lane] as usize, self.candidates.get(candidate as u32).surface);
                 let material = world.wall_material(grain, surface);
                 let radius = world.spheres[grain].radius;
                 lanes.torques.fill(lane, material, radius, started(self.walls.get(candidate as u32)));

@@ -17,10 +17,12 @@ use crate::groups::{ContactLanes, ImpactLanes, WallGroup, with_effects, with_pai
 use crate::lanes::{Available, Eight, Lanes, Number, Quad, Slots, TaskSlots, dot, minus, times};
 use crate::laws::compliance::{NormalContact, NormalScheme};
 use crate::partition::{
-    ByBodies, ByNumber, DrivenContact, FindWaits, LaneAssigner, Layout, PlannedTask, Taken, TakenGroups, TaskGroups,
+    ByBodies, ByCandidates, ByNumber, DrivenContact, FindWaits, LaneAssigner, Layout, PlannedTask, Taken, TakenGroups,
+    TaskGroups,
 };
 use crate::scene::SolverSettings;
 use crate::schedule::{Phase, Team};
+use crate::surface::NearPart;
 use crate::sweep::Relaxation;
 use crate::wall::{Pose, WallsAt};
 use crate::world::{ContactMaterial, Sphere, World, WorldBesideBodies};
@@ -77,11 +79,19 @@ struct StepContext<'a> {
     material: Option<&'a ContactMaterial>,
 }
 
-/// Task with the impulses of its pairs and wall contacts, and the mask of active pairs for each block.
+/// Task with its wall candidates, the impulses of its pairs and wall contacts, and the mask of active pairs for each block.
 struct Own<'a> {
     task: &'a PlannedTask,
+    listed: Listed<'a>,
     memory: [MemoryOfTask<'a>; 2],
     borne: &'a mut [u8],
+}
+
+/// Wall candidates of a task, and the faces near its grains at meshes.
+#[derive(Clone, Copy)]
+struct Listed<'a> {
+    walls: TaskSlots<'a, WallCandidate>,
+    near: TaskSlots<'a, NearPart>,
 }
 
 impl Constrainer {
@@ -123,7 +133,7 @@ impl Constrainer {
         self.poses.extend(world.walls.poses_over(world.time, self.constants.scheme.step));
         self.follow(world.gravity.norm());
         self.taken.start(world.grains());
-        let (candidates, impulses) = candidates.split();
+        let (candidates, (listed, near), impulses) = candidates.split();
         {
             let (bodies, world) = world.split();
             let context = StepContext {
@@ -140,14 +150,20 @@ impl Constrainer {
                 material: world.table.of_all_grains(),
             };
             let (taken, first, next) = self.taken.stage();
-            let shares = ((ByBodies::of(bodies), taken), ByNumber::of(&mut layout.groups), impulses.shares());
+            let of_candidates = (ByCandidates::of(listed), ByCandidates::of(near), impulses.shares());
+            let shares = ((ByBodies::of(bodies), taken), ByNumber::of(&mut layout.groups), of_candidates);
             let set = relaxation.instruction_set;
             // First group number of the stage, and the end so far.
             let (base, end) = (AtomicU32::new(first), AtomicU32::new(first));
             let begin = |_| base.store(end.load(Ordering::Relaxed), Ordering::Relaxed);
             layout.plan.run_stages(team, Phase::Constrain, begin, shares, |_, task, share| {
-                let ((bodies, taken), groups, (impulses, borne)) = share;
-                let own = Own { task, memory: impulses.map(MemoryOfTask::from), borne };
+                let ((bodies, taken), groups, (listed, near, (impulses, borne))) = share;
+                let own = Own {
+                    task,
+                    listed: Listed { walls: listed, near },
+                    memory: impulses.map(MemoryOfTask::from),
+                    borne,
+                };
                 let first = (base.load(Ordering::Relaxed), taken);
                 end.fetch_max(context.lay_out(own, first, groups, set), Ordering::Relaxed);
                 relaxation.start(bodies, groups);
@@ -155,7 +171,7 @@ impl Constrainer {
             *next = end.into_inner();
         }
         if !world.drives.is_empty() {
-            team.alone(Phase::Constrain, || self.list_driven(world, candidates.walls, layout));
+            team.alone(Phase::Constrain, || self.list_driven(world, listed, layout));
         }
         layout.contacts = layout.plan.tasks().iter().map(|task| layout.groups[task.number as usize].contacts()).sum();
     }
@@ -214,7 +230,7 @@ impl StepContext<'_> {
         groups: &mut TaskGroups,
         set: Available,
     ) -> u32 {
-        let Own { task, memory: [of_pairs, of_walls], borne } = own;
+        let Own { task, listed, memory: [of_pairs, of_walls], borne } = own;
         let dummies = self.world.dummies_of(task.home as usize);
         let (assigner, periodic) = (LaneAssigner::new(taken, base, task.pairs.len()), self.world.period.any());
         let (impulses, known) = (of_pairs.impulses, of_pairs.impacts);
@@ -224,10 +240,10 @@ impl StepContext<'_> {
             set.run(AssignPairs::<false> { context: self, task, dummies, assigner, groups, impulses, known, borne })
         };
         groups.restart_walls(dummies);
-        next = self.assign_walls(task, false, LaneAssigner::new(taken, next, 0), groups, &of_walls);
+        next = self.assign_walls((task, listed), false, LaneAssigner::new(taken, next, 0), groups, &of_walls);
         if !self.world.drives.is_empty() {
             let prescribed = groups.wall_groups();
-            next = self.assign_walls(task, true, LaneAssigner::new(taken, next, 0), groups, &of_walls);
+            next = self.assign_walls((task, listed), true, LaneAssigner::new(taken, next, 0), groups, &of_walls);
             groups.driven_walls = groups.wall_groups() - prescribed;
         }
         groups.finish(self.effects, self.drifts);
@@ -239,15 +255,16 @@ impl StepContext<'_> {
             false => set.run(FillPairs::<false, _> { context, task, pairs, sources, impacts, impulses, known_impacts }),
         });
         let (impulses, known_impacts) = (of_walls.impulses.to_read(), of_walls.impacts.to_read());
-        set.run(FillWalls { context, groups, impulses, known_impacts });
+        let candidates = listed.walls.to_read();
+        set.run(FillWalls { context, groups, candidates, impulses, known_impacts });
         if self.effects.cohesion() {
-            self.fill_pulls(groups);
+            self.fill_pulls(groups, candidates);
         }
         if self.effects.torques() {
             let (pairs, walls) = (of_pairs.torques.to_read(), of_walls.torques.to_read());
             with_effects!(self.effects, E => {
                 let effects = PhantomData::<E>;
-                set.run(FillTorques { context: self, groups, pairs, walls, effects })
+                set.run(FillTorques { context: self, groups, candidates, pairs, walls, effects })
             });
         }
         next

@@ -1,10 +1,11 @@
 //! Selection of active candidates, and assignment of lanes.
 
-use super::StepContext;
-use crate::detect::{Impulse, MemoryOfTask, PairCandidate};
+use super::{Listed, StepContext};
+use crate::detect::{Impulse, MemoryOfTask, PairCandidate, WallCandidate};
 use crate::groups::ImpactMemory;
 use crate::lanes::{Kernel, LANES, Lanes, PREFETCH, Slots, TaskSlots, dot, lanes_of, prefetch_places, prefetch_range};
 use crate::partition::{LaneAssigner, PlannedTask, TaskGroups};
+use crate::surface::{MOST_CONTACTS, Minimum, Near};
 use crate::world::Sphere;
 use nalgebra::Vector3;
 
@@ -54,7 +55,7 @@ impl<const PERIODIC: bool> Kernel for AssignPairs<'_, PERIODIC> {
             groups.restart_pairs(list, dummies, context.effects);
             let candidates = Slots::of(candidates);
             for (batch, (touching, borne)) in touching.chunks(BATCH).zip(borne.chunks_mut(BATCH)).enumerate() {
-                let mut listed = Listed::default();
+                let mut listed = Named::default();
                 for (block, (&mask, borne)) in touching.iter().zip(borne).enumerate() {
                     let first = (batch * BATCH + block) * LANES;
                     listed.append(first as u32, mask);
@@ -82,7 +83,7 @@ const DEEP: f64 = crate::wall::SHORT_WAY;
 const BATCH: usize = 64;
 
 /// Numbers of candidates, appended up to eight at a time.
-struct Listed {
+struct Named {
     /// List, with space for one block at its end.
     numbers: [u32; (BATCH + 1) * LANES],
     length: usize,
@@ -117,13 +118,13 @@ const COUNTS: [u8; 1 << LANES] = {
     counts
 };
 
-impl Default for Listed {
-    fn default() -> Listed {
-        Listed { numbers: [0; (BATCH + 1) * LANES], length: 0 }
+impl Default for Named {
+    fn default() -> Named {
+        Named { numbers: [0; (BATCH + 1) * LANES], length: 0 }
     }
 }
 
-impl Listed {
+impl Named {
     /// Appends `start` plus each lane set in a mask of eight. The masks are unpredictable, so the code is free of branches.
     #[inline(always)]
     fn append(&mut self, start: u32, mask: u8) {
@@ -186,18 +187,35 @@ impl StepContext<'_> {
     /// Returns the next free group number.
     pub(super) fn assign_walls(
         &self,
-        task: &PlannedTask,
+        (task, listed): (&PlannedTask, Listed<'_>),
         driven: bool,
         mut assigner: LaneAssigner<'_>,
         groups: &mut TaskGroups,
         known: &MemoryOfTask<'_>,
     ) -> u32 {
-        let MemoryOfTask { impulses, impacts, .. } = *known;
         let dummies = self.world.dummies_of(task.home as usize);
         let before = groups.wall_groups();
-        let walls = &self.candidates.walls[task.walls.start as usize..task.walls.end as usize];
-        for (candidate, wall) in task.walls.clone().zip(walls) {
+        let mut put = |candidate: u32, body: u32, distance: f64| {
+            let (group, lane) = assigner.place([body]);
+            groups.put_wall((before + group, lane), body, candidate, dummies);
+            groups.wall_contacts += 1;
+            groups.deep_walls |= distance < DEEP * self.world.spheres[body as usize].radius;
+        };
+        let mut next = task.walls.start;
+        while next < task.walls.end {
+            let (candidate, wall) = (next, listed.walls.get(next));
+            next += 1;
             if !self.world.drives.is_empty() && self.world.drive_of(wall.surface).is_some() != driven {
+                continue;
+            }
+            if let Some(mesh) = self.walls.walls().mesh_of(wall.surface) {
+                next = candidate + MOST_CONTACTS as u32;
+                let slots = self.fill_slots(candidate, mesh, listed, known);
+                for (candidate, contact) in (candidate..).zip(slots) {
+                    if let Some(contact) = contact {
+                        put(candidate, wall.body, contact.distance);
+                    }
+                }
                 continue;
             }
             let Sphere { centre, radius } = &self.world.spheres[wall.body as usize];
@@ -205,15 +223,59 @@ impl StepContext<'_> {
             let (state, reach) = ([centre, &Vector3::new(u, v, w)], [*radius, self.constants.contact_margin]);
             let (touches, distance) = self.walls.touches(wall.surface, state, reach, self.constants.scheme.step);
             if touches {
-                let (group, lane) = assigner.place([wall.body]);
-                groups.put_wall((before + group, lane), wall.body, candidate, dummies);
-                groups.wall_contacts += 1;
-                groups.deep_walls |= distance < DEEP * radius;
-            } else if impulses.get(candidate).normal != 0.0 || impacts.get(candidate).touches() {
-                impulses.set(candidate, Impulse::default());
-                impacts.set(candidate, ImpactMemory::default());
+                put(candidate, wall.body, distance);
+            } else if known.is_known(candidate) {
+                known.forget(candidate);
             }
         }
         assigner.next()
+    }
+
+    /// Finds the contacts of a grain with a mesh, and writes them into its slots, of which `first` is the first.
+    fn fill_slots(
+        &self,
+        first: u32,
+        mesh: u32,
+        listed: Listed<'_>,
+        known: &MemoryOfTask<'_>,
+    ) -> [Option<Minimum>; MOST_CONTACTS] {
+        let wall = listed.walls.get(first);
+        let Sphere { centre, radius } = &self.world.spheres[wall.body as usize];
+        let [u, v, w, _] = self.world.before[wall.body as usize].0;
+        let (state, reach) = ([centre, &Vector3::new(u, v, w)], [*radius, self.constants.contact_margin]);
+        let mut near = Near::of(std::array::from_fn(|slot| listed.near.get(first + slot as u32)));
+        let found = self.walls.mesh_contacts(mesh, state, reach, self.constants.scheme.step, &mut near);
+        (first..).zip(near.parts()).for_each(|(candidate, part)| listed.near.set(candidate, part));
+        let mut last = [None; MOST_CONTACTS];
+        for (candidate, last) in (first..).zip(&mut last) {
+            *last = known.is_known(candidate).then(|| listed.walls.get(candidate).surface);
+        }
+        let slots = match &found {
+            Some(found) => self.walls.assign_slots(mesh, centre, found, &last),
+            None => [None; MOST_CONTACTS],
+        };
+        let empty = self.walls.walls().listed(wall.surface);
+        for (candidate, (contact, last)) in (first..).zip(slots.iter().zip(last)) {
+            let (surface, continues) = contact.map_or((empty, false), |contact| (contact.face, contact.continues));
+            if last.is_some() && !continues {
+                known.forget(candidate);
+            }
+            listed.walls.set(candidate, WallCandidate { surface, ..wall });
+        }
+        slots
+    }
+}
+
+impl MemoryOfTask<'_> {
+    /// Returns true if a wall contact bore an impulse or was in an impact in the last step.
+    #[inline(always)]
+    fn is_known(&self, candidate: u32) -> bool {
+        self.impulses.get(candidate).normal != 0.0 || self.impacts.get(candidate).touches()
+    }
+
+    /// Clears the memory of a wall contact.
+    fn forget(&self, candidate: u32) {
+        self.impulses.set(candidate, Impulse::default());
+        self.impacts.set(candidate, ImpactMemory::default());
     }
 }

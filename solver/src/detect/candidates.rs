@@ -8,8 +8,9 @@ use super::reach::{Row, for_each_on_the_way};
 use super::search::{Found, PairSearch, WallSearch};
 use crate::groups::ImpactMemory;
 use crate::lanes::{Available, LANES};
-use crate::partition::{BoxGrid, DIRECTIONS, Layout, Plan, PlannedTask};
+use crate::partition::{BoxGrid, ByCandidates, DIRECTIONS, Layout, Plan, PlannedTask};
 use crate::schedule::{Disjoint, Each, Phase, Team};
+use crate::surface::NearPart;
 use crate::wall::Pose;
 use crate::world::{GONE, Moves, World, chunk, chunks};
 use nalgebra::Vector3;
@@ -32,7 +33,7 @@ pub struct PairCandidate {
     pub second: u32,
 }
 
-/// Body index of a grain, and a surface that may come into contact.
+/// Body index of a grain, and a surface that may come into contact; for a mesh, a slot for a contact: see `wall/contacts.rs`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C)]
 pub struct WallCandidate {
@@ -49,6 +50,8 @@ pub struct Candidates {
     pub pairs: Vec<PairCandidate>,
     /// Grains and surfaces, ordered by task.
     pub walls: Vec<WallCandidate>,
+    /// Faces near the grains at meshes, in parts by wall candidate; empty without meshes.
+    near: Vec<NearPart>,
     /// Impulses of the last step.
     pub impulses: ContactImpulses,
     /// Number of times that the list was built.
@@ -68,13 +71,11 @@ pub struct Candidates {
     buffers: Buffers,
 }
 
-/// Candidates without impulses, for reading while a step writes the impulses.
+/// Pairs without impulses, for reading while a step writes the impulses and the faces of slots.
 #[derive(Clone, Copy)]
 pub(crate) struct CandidateList<'a> {
     /// Pairs of grains, ordered by task.
     pub pairs: &'a [PairCandidate],
-    /// Grains and surfaces, ordered by task.
-    pub walls: &'a [WallCandidate],
     /// Number of times that the list was built.
     pub rebuilds: u64,
     grid: &'a CellGrid,
@@ -109,6 +110,7 @@ impl Candidates {
         Candidates {
             pairs: Vec::new(),
             walls: Vec::new(),
+            near: Vec::new(),
             impulses: ContactImpulses::default(),
             torques,
             rebuilds: 0,
@@ -173,10 +175,12 @@ impl Candidates {
         self.grid.boxes().most()
     }
 
-    /// Splits into the candidates and their impulses.
-    pub(crate) fn split(&mut self) -> (CandidateList<'_>, &mut ContactImpulses) {
-        let Candidates { pairs, walls, rebuilds, grid, impulses, .. } = self;
-        (CandidateList { pairs, walls, rebuilds: *rebuilds, grid }, impulses)
+    /// Splits into the pairs, the wall candidates with the faces near them, and the impulses of both.
+    pub(crate) fn split(
+        &mut self,
+    ) -> (CandidateList<'_>, (&mut [WallCandidate], &mut [NearPart]), &mut ContactImpulses) {
+        let Candidates { pairs, walls, near, rebuilds, grid, impulses, .. } = self;
+        (CandidateList { pairs, rebuilds: *rebuilds, grid }, (walls, near), impulses)
     }
 
     /// Returns true if a grain may have come into contact with a grain or a wall outside the list.
@@ -205,7 +209,7 @@ impl Candidates {
             let row = Row::of(world, chunk(number, world.grains()));
             for_each_on_the_way(row, &walls, self.step, |(place, sphere, body), (surface, face)| {
                 if face.is_swept(&sphere.centre, sphere.radius, &body.velocity.into(), self.step) {
-                    own.push((place as u32, surface));
+                    own.push((place as u32, world.walls.listed(surface)));
                 }
             });
             met.lock().expect("no task panics while it looks").extend(own);
@@ -216,8 +220,12 @@ impl Candidates {
         }
         met.sort_unstable();
         met.dedup();
-        let known = self.walls.iter().filter(|wall| met.binary_search(&(wall.body, wall.surface)).is_ok()).count();
-        known < met.len()
+        let mut known: Vec<(u32, u32)> =
+            self.walls.iter().map(|wall| (wall.body, world.walls.listed(wall.surface))).collect();
+        known.retain(|wall| met.binary_search(wall).is_ok());
+        // A grain near a mesh has several candidates.
+        known.dedup();
+        known.len() < met.len()
     }
 
     /// Sorts the grains by boxes and cells, rebuilds the list and plans its tasks. Impulses of persistent candidates are carried
@@ -269,7 +277,7 @@ impl Candidates {
         self.remember(world.grains(), &layout.plan, team);
         self.search(world, set, team, beyond);
         layout.replan(self.grid.boxes().tasks(), |plan| self.plan(plan, team));
-        self.fill(&layout.plan, team);
+        self.fill(world, &layout.plan, team);
         team.alone(Phase::Detect, || {
             self.reference.clear();
             self.reference.extend(world.spheres[..world.grains()].iter().map(|sphere| sphere.centre));
@@ -319,6 +327,7 @@ impl Candidates {
             if !look_ahead {
                 found.add_beyond(given.iter().filter(|one| places.contains(&(one.body as usize))));
             }
+            found.add_slots(&world.walls);
             match world.period.any() {
                 true => set.run(PairSearch::<true> { world, grid, number, skin, found }),
                 false => set.run(PairSearch::<false> { world, grid, number, skin, found }),
@@ -362,11 +371,13 @@ impl Candidates {
     }
 
     /// Writes the list, and restores the impulses of persistent candidates.
-    fn fill(&mut self, plan: &Plan, team: &Team) {
+    fn fill(&mut self, world: &World, plan: &Plan, team: &Team) {
         let count = |of: fn(&Found) -> usize| self.buffers.found.iter().map(of).sum();
         let (pairs, walls): (usize, usize) = (count(|found| found.pairs.len()), count(|found| found.walls.len()));
         resize(&mut self.pairs, pairs, PairCandidate { first: 0, second: 0 });
         resize(&mut self.walls, walls, WallCandidate { body: 0, surface: 0 });
+        self.near.clear();
+        resize(&mut self.near, if world.walls.any_mesh() { walls } else { 0 }, NearPart::default());
         self.bear_torques(self.torques);
         resize(&mut self.impulses.borne, plan.blocks(), 0);
         let Buffers { found, wall_starts, remembered_pairs, remembered_walls, .. } = &mut self.buffers;
@@ -384,9 +395,9 @@ impl Candidates {
             // SAFETY: as above.
             unsafe { wall_parts.range(start..start + found.walls.len()) }.copy_from_slice(&found.walls);
         });
-        let (pairs, walls) = (&self.pairs, &self.walls);
+        let (pairs, walls) = (&self.pairs, ByCandidates::of(&mut self.walls));
         let torques = self.torques;
-        plan.run_all(team, Phase::Detect, self.impulses.shares(), |_, task, (impulses, borne)| {
+        plan.run_all(team, Phase::Detect, (self.impulses.shares(), walls), |_, task, ((impulses, borne), walls)| {
             let [pair_memory, wall_memory] = impulses.map(MemoryOfTask::from);
             let range = task.pairs.start as usize..task.pairs.end as usize;
             for ((first, pairs), borne) in range
@@ -409,11 +420,24 @@ impl Candidates {
                     give(remembered_pairs.recall(known), candidate, &pair_memory, torques);
                 }
             }
-            let range = task.walls.start as usize..task.walls.end as usize;
-            for (candidate, wall) in range.clone().zip(&walls[range]) {
-                let known = remembered_walls.find((wall.body, wall.surface));
+            let (mut slot, mut last) = (0, None);
+            for candidate in task.walls.clone() {
+                let wall = walls.get(candidate);
+                slot = if last == Some(wall) { slot + 1 } else { 0 };
+                last = Some(wall);
+                let known = match world.walls.mesh_of(wall.surface) {
+                    None => remembered_walls.find((wall.body, wall.surface)),
+                    // The contacts of a grain with a mesh keep their order.
+                    Some(mesh) => {
+                        let of_mesh = |face| world.walls.mesh_of(face) == Some(mesh);
+                        remembered_walls.find_nth(wall.body, of_mesh, slot).map(|(place, surface)| {
+                            walls.set(candidate, WallCandidate { surface, ..wall });
+                            place
+                        })
+                    }
+                };
                 let borne = known.map(|place| remembered_walls.recall(place)).unwrap_or_default();
-                give(borne, candidate, &wall_memory, torques);
+                give(borne, candidate as usize, &wall_memory, torques);
             }
         });
     }
@@ -435,6 +459,7 @@ impl Candidates {
         let buffers = &self.buffers;
         self.pairs.capacity() * size_of::<PairCandidate>()
             + self.walls.capacity() * size_of::<WallCandidate>()
+            + self.near.capacity() * size_of::<NearPart>()
             + self.impulses.pairs.memory_bytes()
             + self.impulses.borne.capacity()
             + self.impulses.walls.memory_bytes()

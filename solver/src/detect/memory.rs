@@ -94,6 +94,14 @@ impl Remembered {
         Some(place as u32)
     }
 
+    /// Finds the impulses of a grain with the partner of this number, from 0, among its partners that pass a test; returns the partner, too.
+    pub fn find_nth(&self, first: u32, test: impl Fn(u32) -> bool, number: usize) -> Option<(u32, u32)> {
+        let start = self.start[first as usize] as usize;
+        let own = &self.partners[start..self.start[first as usize + 1] as usize];
+        let (place, partner) = own.iter().enumerate().filter(|(_, partner)| test(**partner)).nth(number)?;
+        Some(((start + place) as u32, *partner))
+    }
+
     /// Returns the impulses and the impact at an index found by [`Self::find`].
     #[inline]
     pub fn recall(&self, place: u32) -> (Impulse, ImpactMemory, AngularImpulse) {

@@ -102,7 +102,12 @@ impl<'a> Crowd<'a> {
 
     /// Returns false if every grain is farther from a face than contact plus `beyond` (m).
     pub fn may_touch(&self, face: &PlacedFace<'_>, beyond: f64) -> bool {
-        face.distance(&self.centre) < (self.half + self.radius + beyond) * (1.0 + SLACK)
+        face.distance(&self.centre) < self.reach(beyond)
+    }
+
+    /// Distance (m) from the middle beyond which a face is farther from every grain than contact plus `beyond` (m).
+    pub fn reach(&self, beyond: f64) -> f64 {
+        (self.half + self.radius + beyond) * (1.0 + SLACK)
     }
 }
 
@@ -117,6 +122,10 @@ pub(crate) fn for_each_on_the_way<'a>(
     for crowd in row.blocks().map(Crowd::of) {
         for (wall, pose, faces) in walls.each_wall() {
             if walls.has_index(wall) {
+                let path = crowd.longest_path(pose.largest_speed(&crowd.centre, crowd.half), step);
+                if !walls.any_near_of(wall, &crowd.centre, crowd.reach(path)) {
+                    continue;
+                }
                 for grain in crowd.grains() {
                     let (_, Sphere { centre, radius }, body) = grain;
                     let reach = pose.longest_path(centre, &body.velocity.into(), step) + radius;

@@ -5,7 +5,7 @@ use super::reach::{Crowd, Row};
 use super::{PairCandidate, WallCandidate};
 use crate::lanes::{Kernel, LANES, Lanes, Slots, dot, minus};
 use crate::partition::{DIRECTIONS, SAME_BOX};
-use crate::wall::{PlacedFace, Pose, WallsAt};
+use crate::wall::{PlacedFace, Pose, Walls, WallsAt};
 use crate::world::{Body, Sphere, World};
 use std::ops::Range;
 
@@ -33,6 +33,24 @@ impl Found {
         self.walls.extend(&self.beyond);
         self.walls.sort_unstable_by_key(|one| (one.surface, one.body));
         self.walls.dedup();
+    }
+
+    /// Replaces each candidate of a mesh by its slots.
+    pub fn add_slots(&mut self, walls: &Walls) {
+        let slots = |one: &WallCandidate| walls.slots_of(one.surface);
+        let all = self.walls.iter().map(slots).sum();
+        let (listed, mut end) = (self.walls.len(), all);
+        if all == listed {
+            return;
+        }
+        self.walls.resize(all, WallCandidate { body: 0, surface: 0 });
+        // From the end, so that no candidate is overwritten before it is read.
+        for place in (0..listed).rev() {
+            let one = self.walls[place];
+            let first = end - slots(&one);
+            self.walls[first..end].fill(one);
+            end = first;
+        }
     }
 
     pub fn memory_bytes(&self) -> usize {
@@ -67,6 +85,10 @@ impl WallSearch<'_> {
         }
         let crowd = Crowd::of(Row::of(self.world, places));
         for (wall, pose, faces) in self.walls.each_wall() {
+            if self.walls.walls().is_mesh(wall) {
+                self.search_mesh((wall, faces.start), pose, &crowd, found);
+                continue;
+            }
             if self.walls.has_index(wall) {
                 self.search_index(wall, pose, &crowd, found);
                 continue;
@@ -119,6 +141,30 @@ impl WallSearch<'_> {
         found.walls.dedup();
         found.beyond[beyond..].sort_unstable_by_key(|one| (one.surface, one.body));
         found.beyond.dedup();
+    }
+
+    /// Lists the grains near a mesh, each with the first face of the wall.
+    fn search_mesh(&self, (wall, surface): (u32, u32), pose: &Pose, crowd: &Crowd<'_>, found: &mut Found) {
+        let ahead = self.ahead(crowd, pose.largest_speed(&crowd.centre, crowd.half));
+        if !self.walls.any_near_of(wall, &crowd.centre, crowd.reach(self.skin + ahead)) {
+            return;
+        }
+        for (grain, sphere, body) in crowd.grains() {
+            let candidate = WallCandidate { body: grain as u32, surface };
+            if self.walls.any_near_of(wall, &sphere.centre, sphere.radius + self.skin) {
+                found.walls.push(candidate);
+            } else if ahead > 0.0 {
+                let radius = pose.longest_path(&sphere.centre, &body.velocity.into(), self.step) + sphere.radius;
+                let mut swept = false;
+                self.walls.for_each_near_of(wall, &sphere.centre, radius, |_, face| {
+                    swept |= self.is_swept(face, sphere, body);
+                });
+                if swept {
+                    found.walls.push(candidate);
+                    found.beyond.push(candidate);
+                }
+            }
+        }
     }
 
     /// Path length of the grains towards a face of a speed (m/s) within a step, m; zero if no grain is too fast for the face.

@@ -74,6 +74,12 @@ impl<'a, T: Copy> Slots<'a, T> {
         );
     }
 
+    /// Returns the number of slots.
+    #[inline(always)]
+    pub fn count(self) -> u32 {
+        self.count as u32
+    }
+
     /// Returns the record in a slot.
     #[inline(always)]
     pub fn get(self, slot: u32) -> T {

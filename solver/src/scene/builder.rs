@@ -5,6 +5,7 @@ use super::{
     Accuracy, Axis, GrainEntry, Insertion, Material, Motion, PairRule, Placement, Population, RadiusDistribution,
     Region, Removal, Scene, SceneError, Shape, SolverSettings, Wall, Watch,
 };
+use crate::surface::{around, ends};
 
 /// Builder of a scene: [`Scene::builder`].
 ///
@@ -111,15 +112,7 @@ fn extent(scene: &Scene) -> ([f64; 3], [f64; 3]) {
         }
     }
     for wall in &scene.wall {
-        match &wall.shape {
-            Shape::Plane { .. } => {}
-            Shape::Box { min, max, .. } => all.push((*min, *max)),
-            Shape::Cylinder { base, axis, radius, length } => all.extend(ends(base, axis, *radius, *length)),
-            Shape::Disc { centre, normal, radius, .. } => all.extend(ends(centre, normal, *radius, 0.0)),
-            Shape::Spheres { centres, radius } => {
-                all.extend(centres.iter().map(|centre| around(centre, &[*radius; 3])))
-            }
-        }
+        all.extend(wall.shape.bounds());
     }
     all.extend(scene.insert.iter().map(|source| source.region.bounds()));
     all.extend(scene.grain.iter().map(|grain| around(&grain.position, &[grain.radius; 3])));
@@ -127,17 +120,6 @@ fn extent(scene: &Scene) -> ([f64; 3], [f64; 3]) {
     all.into_iter().fold(none, |(low, high), (min, max)| {
         (std::array::from_fn(|i| low[i].min(min[i])), std::array::from_fn(|i| high[i].max(max[i])))
     })
-}
-
-/// Returns the corners (m) of the boxes around the two ends of a cylinder.
-pub(super) fn ends(base: &[f64; 3], axis: &[f64; 3], radius: f64, length: f64) -> [([f64; 3], [f64; 3]); 2] {
-    let norm = axis.iter().map(|x| x * x).sum::<f64>().sqrt();
-    let side = axis.map(|x| radius * (1.0 - x * x / (norm * norm)).max(0.0).sqrt());
-    [0.0, length / norm].map(|along| around(&std::array::from_fn(|i| base[i] + axis[i] * along), &side))
-}
-
-fn around(centre: &[f64; 3], side: &[f64; 3]) -> ([f64; 3], [f64; 3]) {
-    (std::array::from_fn(|i| centre[i] - side[i]), std::array::from_fn(|i| centre[i] + side[i]))
 }
 
 impl PairRule {

@@ -136,6 +136,26 @@ fn walls(scene: &Scene) -> Checked {
                 }
                 shape.key("radius").range(*radius, 1e-9, 1e4, "m")?;
             }
+            Shape::Mesh { file, scale, rotate, translate, content } => {
+                shape.key("scale").range(*scale, 1e-9, 1e9, "m")?;
+                shape.key("translate").finite(translate)?;
+                if let Some(rotate) = rotate {
+                    shape.key("rotate").key("axis").direction(&rotate.axis)?;
+                    shape.key("rotate").key("angle").range(rotate.angle, -360.0, 360.0, "degrees")?;
+                }
+                if content.is_empty() {
+                    let remedy = "parse the scene with its folder, or create the shape by Shape::mesh";
+                    return Err(shape.key("file").fault(format!("'{file}' has not been read"), remedy));
+                }
+                let far =
+                    wall.shape.bounds().iter().flat_map(|(low, high)| low.iter().chain(high)).any(|x| !(x.abs() < 1e6));
+                if far {
+                    let problem = format!("'{file}' has corners beyond 1e6 m");
+                    return Err(shape
+                        .key("scale")
+                        .fault(problem, "give the metres per unit of the file, such as 0.001 for millimetres"));
+                }
+            }
             Shape::Disc { centre, normal, radius, hole } => {
                 shape.key("centre").finite(centre)?;
                 shape.key("normal").direction(normal)?;

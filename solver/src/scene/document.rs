@@ -4,13 +4,15 @@ use super::error::{Fault, SceneError, Step, label, line_at, short, whole_span};
 use super::suggestions::remedy;
 use super::{Scene, TABLES_OF_WHO_MEASURES};
 use serde::Deserialize;
+use std::path::{Path, PathBuf};
 use toml::de::{DeTable, DeValue, Deserializer};
 use toml::{Spanned, Table, Value};
 
-/// Text of a scene with the position of each value.
+/// Text of a scene with the position of each value, and the folder of the files that it names.
 #[derive(Clone)]
 pub struct Document<'t> {
     text: &'t str,
+    folder: PathBuf,
     root: Spanned<DeTable<'t>>,
 }
 
@@ -21,7 +23,17 @@ impl<'t> Document<'t> {
     /// [`SceneError::Invalid`] with the line, if the text is not TOML.
     pub fn parse(text: &'t str) -> Result<Document<'t>, SceneError> {
         let root = DeTable::parse(text).map_err(|error| SceneError::from_toml(text, &error))?;
-        Ok(Document { text, root })
+        Ok(Document { text, folder: PathBuf::new(), root })
+    }
+
+    /// Sets the folder of the files that the text names by relative paths; default: the current folder.
+    pub fn in_folder(self, folder: impl Into<PathBuf>) -> Document<'t> {
+        Document { folder: folder.into(), ..self }
+    }
+
+    /// Returns the folder of the files that the text names by relative paths.
+    pub(super) fn folder(&self) -> &Path {
+        &self.folder
     }
 
     /// Reads all tables into a type.

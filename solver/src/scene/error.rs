@@ -278,6 +278,7 @@ impl Scene {
         let file = file.as_ref();
         let missing = |source| SceneFileError::Missing { file: file.to_path_buf(), source };
         let text = std::fs::read_to_string(file).map_err(missing)?;
-        Scene::parse(&text).map_err(|error| error.in_file(file, Some(&text)))
+        let scene = Scene::parse_in(&text, file.parent().unwrap_or(Path::new("")));
+        scene.map_err(|error| error.in_file(file, Some(&text)))
     }
 }

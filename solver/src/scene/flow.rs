@@ -1,11 +1,11 @@
 //! Grains that come and go during a run: sources, sinks, their regions and their checks.
 
-use super::builder::ends;
 use super::check::{MOST_GRAINS, extent, known_material};
 use super::document::{Checked, DocumentPath};
 use super::error::short;
 use super::populate::{symmetric, uniform};
 use super::{Insertion, Region, Removal, Scene, sphere_volume};
+use crate::surface::ends;
 use nalgebra::Vector3;
 use rand_chacha::ChaCha8Rng;
 

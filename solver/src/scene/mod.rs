@@ -59,6 +59,7 @@ mod types;
 
 pub use crate::laws::cohesion::Cohesion;
 pub use crate::laws::compliance::NormalLaw;
+pub use crate::surface::{MeshRotation, Shape, TriangleMesh};
 pub use accuracy::Accuracy;
 pub use builder::{Face, SceneBuilder};
 pub(crate) use check::MOST_GRAINS;
@@ -79,10 +80,11 @@ pub use settings::{
 };
 pub(crate) use settings::{method_goes_with, precision_goes_with};
 use std::collections::BTreeMap;
+use std::path::Path;
 pub use suggestions::{nearest, suggestion, wish};
 pub(crate) use types::sphere_volume;
 pub use types::{
-    Axis, Domain, GrainEntry, GravityChange, Insertion, Motion, Placement, Population, Region, Removal, Shape, Wall,
+    Axis, Domain, GrainEntry, GravityChange, Insertion, Motion, Placement, Population, Region, Removal, Wall,
 };
 
 /// Tables of a scene file that describe measurements; the solver ignores these tables.
@@ -183,6 +185,14 @@ impl Scene {
         Scene::read(&Document::parse(text)?)
     }
 
+    /// Parses and checks the text of a scene; `folder` is the folder of the files that the text names by relative paths.
+    ///
+    /// # Errors
+    /// [`SceneError`] as [`Scene::parse`], or if such a file cannot be read.
+    pub fn parse_in(text: &str, folder: impl AsRef<Path>) -> Result<Scene, SceneError> {
+        Scene::read(&Document::parse(text)?.in_folder(folder.as_ref()))
+    }
+
     /// Reads and checks a document.
     ///
     /// # Errors
@@ -190,6 +200,7 @@ impl Scene {
     pub fn read(document: &Document<'_>) -> Result<Scene, SceneError> {
         let mut scene: Scene = document.read()?;
         document.first_unread(&scene).map_or(Ok(()), Err)?;
+        scene.read_meshes(document.folder())?;
         check::check(&scene)?;
         if let Some(accuracy) = scene.accuracy {
             check::chosen_twice(document)?;
@@ -197,6 +208,26 @@ impl Scene {
         }
         scene.check_motion(None)?;
         Ok(scene)
+    }
+
+    /// Reads the files of meshes, unless the scene holds their triangles.
+    fn read_meshes(&mut self, folder: &Path) -> Checked {
+        for (index, wall) in self.wall.iter_mut().enumerate() {
+            let Shape::Mesh { file, content, .. } = &mut wall.shape else { continue };
+            if content.is_empty() {
+                let at = || DocumentPath::default().key("wall").index(index).key("shape").key("file");
+                let path = folder.join(&*file);
+                let bytes = std::fs::read(&path).map_err(|error| {
+                    let remedy = "give the path of an STL or OBJ file, relative to the folder of the scene";
+                    at().fault(format!("'{}' cannot be read: {error}", path.display()), remedy)
+                })?;
+                *content = TriangleMesh::read(&bytes).map_err(|problem| {
+                    let (problem, remedy) = problem.split_once("; ").unwrap_or((&problem, "export it again"));
+                    at().fault(format!("'{}' {problem}", path.display()), remedy)
+                })?;
+            }
+        }
+        Ok(())
     }
 
     /// Requests an accuracy, which sets the step and stop of the solver by the law of [`Accuracy`].

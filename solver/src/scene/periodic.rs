@@ -74,6 +74,7 @@ fn breaks(wall: &Wall, axis: Axis, ends: [f64; 2]) -> Option<&'static str> {
         }
         Shape::Cylinder { .. } => Some("the cylinder is not parallel to the axis"),
         Shape::Disc { .. } => Some("a disc has an edge"),
+        Shape::Mesh { .. } => Some("a mesh has edges"),
         Shape::Spheres { .. } => None,
     };
     face.or_else(|| match (&wall.motion, &wall.shape) {

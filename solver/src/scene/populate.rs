@@ -1,8 +1,9 @@
 //! Initial grains: generated once from the scene and a seed, the same for every code.
 
 use super::error::{Fault, Step};
-use super::{Domain, Placement, Population, Region, Scene, SceneError, Shape};
+use super::{Domain, Placement, Population, Region, Scene, SceneError};
 use crate::laws::period::Period;
+use crate::surface::Surface;
 use nalgebra::Vector3;
 use rand_chacha::ChaCha8Rng;
 use rand_core::{RngCore, SeedableRng};
@@ -196,6 +197,7 @@ fn random_places(
     let mut neighbours = Neighbours::new(&scene.domain, largest);
     grains.iter().for_each(|grain| neighbours.add(&grain.position, grain.radius));
     let (first, period) = (grains.len(), scene.domain.period());
+    let surfaces: Vec<Surface> = scene.wall.iter().map(|wall| Surface::of(&wall.shape, period)).collect();
     grains.extend(radii.iter().map(|&radius| Grain {
         material: population.material.clone(),
         radius,
@@ -208,7 +210,7 @@ fn random_places(
         let is_free = (0..TRIES).any(|_| {
             grain.position = population.region.draw(grain.radius, random).into();
             neighbours.find(&grain.position, grain.radius, |overlap, _| overlap > 0.0).is_none()
-                && scene.wall.iter().all(|wall| wall_overlap(&wall.shape, &period, grain) <= 0.0)
+                && surfaces.iter().all(|surface| surface.depth(&grain.position.into(), grain.radius) <= 0.0)
         });
         if !is_free {
             return Err(Misfit::Full(placed));
@@ -308,14 +310,15 @@ fn inside_container(scene: &Scene, grains: &[Grain]) -> Result<(), Fault> {
         Fault::new(origin(scene, index), format!("grain {index} at {:?} {what}", grains[index].position), remedy)
     };
     let period = scene.domain.period();
+    let surfaces: Vec<Surface> = scene.wall.iter().map(|wall| Surface::of(&wall.shape, period)).collect();
     for (index, grain) in grains.iter().enumerate() {
         let outside = (0..3)
             .any(|axis| grain.position[axis] < scene.domain.min[axis] || grain.position[axis] > scene.domain.max[axis]);
         if outside {
             return Err(fault(index, "lies outside the domain".into(), "move it inside or enlarge [domain]"));
         }
-        for wall in &scene.wall {
-            let overlap = wall_overlap(&wall.shape, &period, grain);
+        for (wall, surface) in scene.wall.iter().zip(&surfaces) {
+            let overlap = surface.depth(&Vector3::from(grain.position), grain.radius);
             if overlap > scene.largest_start_overlap * grain.radius {
                 return Err(fault(
                     index,
@@ -326,48 +329,6 @@ fn inside_container(scene: &Scene, grains: &[Grain]) -> Result<(), Fault> {
         }
     }
     Ok(())
-}
-
-/// Initial depth (m) of a grain in or behind a wall; negative if grain and wall are apart.
-fn wall_overlap(shape: &Shape, period: &Period, grain: &Grain) -> f64 {
-    let centre = Vector3::from(grain.position);
-    match shape {
-        Shape::Plane { point, normal } => {
-            grain.radius - Vector3::from(*normal).normalize().dot(&(centre - Vector3::from(*point)))
-        }
-        Shape::Box { min, max, open } => {
-            let mut deepest = f64::NEG_INFINITY;
-            for (axis, name) in ["x", "y", "z"].iter().enumerate() {
-                if !open.contains(&format!("-{name}")) {
-                    deepest = deepest.max(grain.radius - (centre[axis] - min[axis]));
-                }
-                if !open.contains(&format!("+{name}")) {
-                    deepest = deepest.max(grain.radius - (max[axis] - centre[axis]));
-                }
-            }
-            deepest
-        }
-        Shape::Cylinder { base, axis, radius, length } => {
-            let axis = Vector3::from(*axis).normalize();
-            let arm = centre - Vector3::from(*base);
-            let along = arm.dot(&axis);
-            let across = (arm - axis * along).norm();
-            let past_end = (-along).max(along - length).max(0.0);
-            grain.radius - (across - radius).hypot(past_end)
-        }
-        Shape::Spheres { centres, radius } => {
-            let gaps = centres.iter().map(|middle| period.arm(&centre, &Vector3::from(*middle)).norm() - radius);
-            grain.radius - gaps.fold(f64::INFINITY, f64::min)
-        }
-        Shape::Disc { centre: middle, normal, radius, hole } => {
-            let normal = Vector3::from(*normal).normalize();
-            let arm = centre - Vector3::from(*middle);
-            let height = normal.dot(&arm);
-            let across = (arm - normal * height).norm();
-            // A disc with a hole has two sides, so that no grain is behind it.
-            grain.radius - (across - across.clamp(*hole, *radius)).hypot(height)
-        }
-    }
 }
 
 fn no_overlap(scene: &Scene, grains: &[Grain]) -> Result<(), Unplaced> {

@@ -2,6 +2,7 @@
 
 use super::RadiusDistribution;
 use crate::laws::period::Period;
+use crate::surface::Shape;
 use serde::{Deserialize, Serialize};
 
 pub(super) fn earth_gravity() -> [f64; 3] {
@@ -105,61 +106,6 @@ pub struct Wall {
     /// Motion.
     #[serde(default)]
     pub motion: Motion,
-}
-
-/// Surface of a wall.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
-pub enum Shape {
-    /// Infinite plane; grains are on the side of the normal.
-    Plane {
-        /// A point of the plane, metres.
-        point: [f64; 3],
-        /// Normal towards the grains; need not be of unit length.
-        normal: [f64; 3],
-    },
-    /// Box seen from inside, without the open faces; side faces have no edge.
-    Box {
-        /// Lower corner, metres.
-        min: [f64; 3],
-        /// Upper corner, metres.
-        max: [f64; 3],
-        /// Open faces: any of "-x", "+x", "-y", "+y", "-z", "+z".
-        #[serde(default)]
-        open: Vec<String>,
-    },
-    /// Thin cylindrical shell without ends; grains are inside, or outside after leaving by an end.
-    Cylinder {
-        /// Centre of the first end, metres.
-        base: [f64; 3],
-        /// Direction of the axis; need not be of unit length.
-        axis: [f64; 3],
-        /// Inner radius, metres.
-        radius: f64,
-        /// Length along the axis, metres.
-        length: f64,
-    },
-    /// Spheres of one size, seen from outside: a rough bed, or obstacles.
-    Spheres {
-        /// Centres, metres.
-        centres: Vec<[f64; 3]>,
-        /// Radius, metres.
-        radius: f64,
-    },
-    /// Flat disc, such as a drum's end cap; grains are on the side of the normal. With a hole it is a thin ring, such as the floor of a
-    /// silo, with grains on both sides.
-    Disc {
-        /// Centre, metres.
-        centre: [f64; 3],
-        /// Normal towards the grains; need not be of unit length.
-        normal: [f64; 3],
-        /// Radius, metres.
-        radius: f64,
-        /// Radius of the round hole in its middle, metres; none, if zero.
-        #[serde(default, skip_serializing_if = "is_zero")]
-        hole: f64,
-    },
 }
 
 /// Motion of a wall: prescribed, or driven by a force or a torque.

@@ -106,8 +106,18 @@ impl ContactEnergy {
         }
         let poses: Vec<_> = world.walls.poses(world.time).collect();
         let walls = world.walls.placed(&poses);
+        let mut last = None;
         for wall in candidates.walls.iter().filter(|wall| are_these([wall.body; 2])) {
             let sphere = &world.spheres[wall.body as usize];
+            if let Some(mesh) = world.walls.mesh_of(wall.surface) {
+                // All slots of the grain at once.
+                if last.replace((wall.body, mesh)) != Some((wall.body, mesh)) {
+                    for contact in walls.minima(mesh, &sphere.centre, sphere.radius + range).list() {
+                        take(world.wall_contact(wall, contact.distance), sphere.radius, wall.body as usize);
+                    }
+                }
+                continue;
+            }
             let distance = walls.distance(wall.surface, &sphere.centre);
             if distance <= (sphere.radius + range) * (1.0 + 1e-9) {
                 take(world.wall_contact(wall, distance), sphere.radius, wall.body as usize);

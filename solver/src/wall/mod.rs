@@ -1,10 +1,9 @@
-//! Walls: shape x motion x index.
+//! Walls: shape x motion x index. Shapes are in [`surface`](crate::surface).
 //!
 //! ```text
-//! shape.rs    Face       position of the surface in the scene: nearest point, time of impact
 //! motion.rs   Pose       position of the wall at a time, and its velocity field: one per wall and step
 //! steered.rs  WallMotion motion of a wall by the caller, instead of the scene
-//! index.rs    FaceIndex  search for faces near a point: built once, in the frame of the wall
+//! contacts.rs            contacts of grains with meshes
 //! mod.rs      Walls      all walls of a scene; face indices are contiguous, wall after wall
 //! ```
 //!
@@ -16,22 +15,20 @@
 //! Other modules contain friction and the remaining contact laws (materials and solve) and the forces on dynamic walls
 //! ([`drive`](crate::effects::drive)).
 
-mod index;
+mod contacts;
 mod motion;
-mod shape;
 mod steered;
 
+pub(crate) use crate::surface::Impact;
 pub(crate) use motion::drive_of;
 pub use motion::{DrivenWall, Pose};
-pub(crate) use shape::Impact;
 pub(crate) use steered::Steered;
 pub use steered::WallMotion;
 
 use crate::scene::{self, Domain};
-use index::FaceIndex;
+use crate::surface::{Face, FaceIndex};
 use motion::{Movement, keeps_in_place};
 use nalgebra::Vector3;
-use shape::Face;
 use std::ops::Range;
 
 type Vector = Vector3<f64>;
@@ -44,6 +41,8 @@ pub(crate) const SHORT_WAY: f64 = 0.5;
 pub struct Walls {
     walls: Vec<Wall>,
     faces: Vec<WallFace>,
+    /// True if at least one wall is a mesh.
+    any_mesh: bool,
 }
 
 #[derive(Clone, Debug)]
@@ -52,6 +51,8 @@ struct Wall {
     faces: Range<u32>,
     movement: Movement,
     index: Option<FaceIndex>,
+    /// Width of closed seams of a mesh, m; absent for other shapes.
+    seam: Option<f64>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -88,7 +89,7 @@ impl Walls {
     pub fn new(walls: &[scene::Wall], domain: &Domain, material: impl Fn(&str) -> u8) -> Walls {
         let mut faces: Vec<WallFace> = Vec::new();
         let place = |(number, wall): (u32, &scene::Wall)| {
-            let (shapes, first) = (Face::of_shape(&wall.shape, domain), faces.len() as u32);
+            let (shapes, first) = (wall.shape.faces(domain.period()), faces.len() as u32);
             let (material, in_place) = (material(&wall.material), |face: &Face| keeps_in_place(face, &wall.motion));
             let face = |shape: &Face| WallFace { shape: *shape, wall: number, material, in_place: in_place(shape) };
             faces.extend(shapes.iter().map(face));
@@ -96,10 +97,12 @@ impl Walls {
                 faces: first..faces.len() as u32,
                 movement: Movement::new(&wall.motion, &shapes),
                 index: FaceIndex::new(&shapes, first, domain.period()),
+                seam: wall.shape.seam(),
             }
         };
-        let walls = (0..).zip(walls).map(place).collect();
-        Walls { walls, faces }
+        let walls: Vec<Wall> = (0..).zip(walls).map(place).collect();
+        let any_mesh = walls.iter().any(|wall| wall.seam.is_some());
+        Walls { walls, faces, any_mesh }
     }
 
     /// Returns the number of faces.
@@ -422,7 +425,7 @@ impl PlacedFace<'_> {
 /// Returns true if a wall would jump, or a vibration change its phase, on a reset of the time from the given time (s) to zero. This is the
 /// case if its prescribed motion begins earlier and does not lead back to the same surface. Displacements by a drive remain.
 pub fn jumps_back(wall: &scene::Wall, domain: &Domain, time: f64) -> bool {
-    let faces = Face::of_shape(&wall.shape, domain);
+    let faces = wall.shape.faces(domain.period());
     let extent = (Vector::from(domain.max) - Vector::from(domain.min)).norm();
     Movement::new(&wall.motion, &faces).jumps_back(time, &faces, extent)
 }
@@ -467,21 +470,29 @@ impl PlacedWalls {
     /// The distance is negative behind a plane or a face of a box. Thin shells and discs have no back.
     pub fn distance(&self, point: &Vector) -> f64 {
         let placed = self.walls.placed(&self.poses);
-        let faces = (0..).zip(&self.walls.faces);
+        let of_meshes = self.meshes().map(|mesh| placed.distance_of_mesh(mesh, point));
         // The disc or the shell of a rim is never farther than the other points of the rim.
-        let nearest = faces.filter(|(_, face)| !matches!(face.shape, Face::Rim { .. }));
-        nearest.map(|(face, _)| placed.distance(face, point)).fold(f64::INFINITY, f64::min)
+        let is_nearest = |face: &u32| !matches!(self.walls.faces[*face as usize].shape, Face::Rim { .. });
+        let of_faces = self.faces_beside_meshes().filter(is_nearest).map(|face| placed.distance(face, point));
+        of_faces.chain(of_meshes).fold(f64::INFINITY, f64::min)
     }
 
-    /// Returns the number of faces nearer to a point than `radius` (m).
+    /// Returns the number of faces nearer to a point than `radius` (m); of meshes, the number of contacts of a sphere.
     pub fn within(&self, point: &Vector, radius: f64) -> usize {
-        self.distances(point).filter(|&distance| distance < radius).count()
+        let placed = self.walls.placed(&self.poses);
+        let of_meshes = self.meshes().map(|mesh| placed.minima(mesh, point, radius).list().len());
+        let near = self.faces_beside_meshes().filter(|&face| placed.distance(face, point) < radius);
+        near.count() + of_meshes.sum::<usize>()
     }
 
-    /// Returns the distances of a point from all faces, m.
-    fn distances(&self, point: &Vector) -> impl Iterator<Item = f64> {
-        let placed = self.walls.placed(&self.poses);
-        (0..self.walls.faces() as u32).map(move |face| placed.distance(face, point))
+    /// Returns the indices of all faces except those of meshes.
+    fn faces_beside_meshes(&self) -> impl Iterator<Item = u32> + '_ {
+        let walls = self.walls.walls.iter().filter(|wall| wall.seam.is_none());
+        walls.flat_map(|wall| wall.faces.clone())
+    }
+
+    fn meshes(&self) -> impl Iterator<Item = u32> {
+        (0..self.walls.count() as u32).filter(|&wall| self.walls.is_mesh(wall))
     }
 
     /// Returns the present position of a point (m) of a wall, given in the scene.

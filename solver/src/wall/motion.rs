@@ -22,10 +22,10 @@
 //! Their mean `s t` is the velocity for the impulses of the step, and half their difference, `b omega a x t`, is the drift towards the axis
 //! ([`Pose::drift`]). A face that the rotation maps onto itself moves only in its tangent plane: the normal component of the drift is omitted.
 
-use super::shape::{Face, Rotation};
 use super::steered::Steered;
 use crate::effects::drive::Drive;
 use crate::scene::{Motion, Wall};
+use crate::surface::{Face, Rotation};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -452,6 +452,11 @@ impl Pose {
         length: f64,
     ) -> Option<Vector> {
         if !in_place && self.turning.spin != Vector::zeros() {
+            let (shift, arm) = (((velocity - self.velocity) * step).norm(), (from - self.turning.centre).norm());
+            // An upper bound: the turned point moves by at most its arm times the angle.
+            if (shift + self.turning.spin.norm() * step * (arm + shift)) * (1.0 + ROUNDING) < length {
+                return None;
+            }
             return Some(self.path_from_turning(from, velocity, step))
                 .filter(|path| path.norm_squared() > length * length);
         }

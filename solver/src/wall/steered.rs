@@ -8,8 +8,8 @@
 
 use super::Vector;
 use super::motion::{Displacement, Movement, Pose, Turning};
-use super::shape::Face;
 use crate::scene::Motion;
+use crate::surface::Face;
 use serde::{Deserialize, Serialize};
 
 /// Motion of a wall by the caller.

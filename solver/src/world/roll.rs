@@ -99,10 +99,8 @@ impl World {
             moves.places.push(next);
             next += 1;
         }
-        let mut id = 0;
-        for new_id in moves.ids.iter_mut().flatten() {
+        for (id, new_id) in (0..).zip(moves.ids.iter_mut().flatten()) {
             *new_id = id;
-            id += 1;
         }
         let stay = next as usize;
         self.ids.truncate(stay);

@@ -109,7 +109,12 @@ impl JsonSchema for MeasuredScene {
 impl MeasuredScene {
     /// Reads and checks the text of a scene.
     pub fn parse(text: &str) -> Result<MeasuredScene, SceneError> {
-        let document = Document::parse(text)?;
+        MeasuredScene::parse_in(text, Path::new(""))
+    }
+
+    /// Reads and checks the text of a scene; `folder` is the folder of the files that the text names by relative paths.
+    pub fn parse_in(text: &str, folder: &Path) -> Result<MeasuredScene, SceneError> {
+        let document = Document::parse(text)?.in_folder(folder);
         let simulated = makadam::scene::Scene::read(&document)?;
         let Tables { prepare, measure, output, compare } = document.read()?;
         let scene = MeasuredScene { simulated, prepare, measure, output, compare };
@@ -121,7 +126,8 @@ impl MeasuredScene {
     pub fn load(file: &Path) -> Result<MeasuredScene, SceneFileError> {
         let missing = |source| SceneFileError::Missing { file: file.to_path_buf(), source };
         let text = std::fs::read_to_string(file).map_err(missing)?;
-        MeasuredScene::parse(&text).map_err(|error| error.in_file(file, Some(&text)))
+        let scene = MeasuredScene::parse_in(&text, file.parent().unwrap_or(Path::new("")));
+        scene.map_err(|error| error.in_file(file, Some(&text)))
     }
 
     /// Checks all keys of the scene.

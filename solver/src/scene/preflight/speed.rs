@@ -6,6 +6,7 @@ use crate::scene::document::DocumentPath;
 use crate::scene::error::{Fault, Step, short};
 use crate::scene::populate::origin;
 use crate::scene::{Grain, Motion, NormalLaw, Scene, Shape, Wall};
+use crate::surface::furthest_corner;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -154,34 +155,10 @@ fn fastest(scene: &Scene, wall: &Wall) -> f64 {
         Motion::Rotating { point, axis, rate, start, .. } if began(start) => {
             let axis = Vector3::from(axis).normalize();
             let arm = |of: Vector3<f64>| (of - Vector3::from(point)).cross(&axis).norm();
-            rate.abs() * furthest(scene, &wall.shape, arm)
+            rate.abs() * wall.shape.furthest(arm).min(furthest_corner(&scene.domain.min, &scene.domain.max, arm))
         }
         _ => 0.0,
     }
-}
-
-/// Returns an upper bound of the distance (m) between the points of a shape in the domain and an axis; `arm` returns the distance of a point.
-fn furthest(scene: &Scene, shape: &Shape, arm: impl Fn(Vector3<f64>) -> f64) -> f64 {
-    let corners = |min: &[f64; 3], max: &[f64; 3]| {
-        let corner =
-            |number: usize| Vector3::from_fn(|axis, _| if number >> axis & 1 == 0 { min[axis] } else { max[axis] });
-        (0..8).map(corner).map(&arm).fold(0.0, f64::max)
-    };
-    let in_domain = corners(&scene.domain.min, &scene.domain.max);
-    let of_shape = match shape {
-        Shape::Plane { .. } => f64::INFINITY,
-        Shape::Box { min, max, .. } => corners(min, max),
-        Shape::Cylinder { base, axis, radius, length } => {
-            let base = Vector3::from(*base);
-            let end = base + Vector3::from(*axis).normalize() * *length;
-            arm(base).max(arm(end)) + radius
-        }
-        Shape::Disc { centre, radius, .. } => arm(Vector3::from(*centre)) + radius,
-        Shape::Spheres { centres, radius } => {
-            centres.iter().map(|centre| arm(Vector3::from(*centre))).fold(0.0, f64::max) + radius
-        }
-    };
-    of_shape.min(in_domain)
 }
 
 impl Scene {

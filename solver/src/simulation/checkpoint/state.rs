@@ -465,10 +465,13 @@ impl State {
         }
         candidates.find_borne(&layout.plan);
         for (number, known) in self.walls.iter().enumerate() {
-            let wall = candidates.walls.get(known.candidate as usize).ok_or(OTHER)?;
-            if (id(wall.body), wall.surface) != (known.first, known.second) {
+            let wall = candidates.walls.get_mut(known.candidate as usize).ok_or(OTHER)?;
+            let faces = world.walls.faces() as u32;
+            let listed = |face: u32| (face < faces).then(|| world.walls.listed(face));
+            if id(wall.body) != known.first || listed(known.second) != Some(wall.surface) {
                 return Err(OTHER.into());
             }
+            wall.surface = known.second;
             let borne = (known, self.wall_torques.get(number));
             give(&mut candidates.impulses.walls, known.candidate as usize, borne, 1.0);
         }

@@ -6,7 +6,8 @@ use crate::lanes::{cross, plus, times};
 use crate::laws::cohesion::Pull;
 use crate::laws::compliance::{NormalContact, NormalLaw};
 use crate::simulation::energy::{ContactEnergy, Energy};
-use crate::wall::Pose;
+use crate::surface::MOST_CONTACTS;
+use crate::wall::{Pose, WallsAt};
 use crate::world::{INVERSE_INERTIA, World};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -287,13 +288,30 @@ impl Expectations {
         }
         let poses: Vec<_> = world.walls.poses(world.time).collect();
         let (before, after) = (world.walls.placed(&self.poses), world.walls.placed(&poses));
-        for ((wall, expected), advance) in candidates.walls.iter().zip(&self.walls).zip(&self.advances) {
+        let (mut first, mut slots) = (0, None);
+        for (place, ((wall, expected), advance)) in
+            candidates.walls.iter().zip(&self.walls).zip(&self.advances).enumerate()
+        {
             let centre = &world.spheres[wall.body as usize].centre;
-            let distance = after.face(wall.surface).distance(centre);
-            let beside = before.face(wall.surface).distance(&(centre - Vector3::from(*advance)));
-            let at = |distance: f64| {
-                let (contact, pull) = world.wall_contact(wall, distance);
-                Stored::of(&contact, &pull, law)
+            let beside = centre - Vector3::from(*advance);
+            let [distance, beside] = match world.walls.mesh_of(wall.surface) {
+                None => [after.face(wall.surface).distance(centre), before.face(wall.surface).distance(&beside)],
+                Some(mesh) => {
+                    if slots.is_none() || place >= first + MOST_CONTACTS {
+                        first = place;
+                        slots = Some(self.distances(world, (candidates, first), mesh, &after, centre));
+                    }
+                    let slot = place - first;
+                    let beside = self.distances(world, (candidates, first), mesh, &before, &beside)[slot];
+                    [slots.map_or(f64::INFINITY, |distances| distances[slot]), beside]
+                }
+            };
+            let at = |distance: f64| match distance.is_finite() {
+                true => {
+                    let (contact, pull) = world.wall_contact(wall, distance);
+                    Stored::of(&contact, &pull, law)
+                }
+                false => Stored::default(),
             };
             let stored = at(distance);
             let beside = (distance.is_finite() && beside.is_finite()).then(|| at(beside));
@@ -302,6 +320,28 @@ impl Expectations {
             sum = sum.plus(stored);
         }
         sum
+    }
+
+    /// Distances (m) of a point from the contacts with a mesh in the slots of a grain, of which `first` is the first: the contacts that
+    /// bore an impulse in the step, at their present faces, and new ones; infinite for slots without a contact.
+    fn distances(
+        &self,
+        world: &World,
+        (candidates, first): (&Candidates, usize),
+        mesh: u32,
+        walls: &WallsAt<'_>,
+        point: &Vector3<f64>,
+    ) -> [f64; MOST_CONTACTS] {
+        let slots = first..first + MOST_CONTACTS;
+        let radius = world.spheres[candidates.walls[first].body as usize].radius;
+        let found = walls.minima(mesh, point, radius + world.range_of_cohesion());
+        let mut known = [None; MOST_CONTACTS];
+        for ((known, wall), expected) in known.iter_mut().zip(&candidates.walls[slots.clone()]).zip(&self.walls[slots])
+        {
+            *known = expected.elastic.or(expected.cohesive).map(|_| wall.surface);
+        }
+        let contacts = walls.assign_slots(mesh, point, &found, &known);
+        contacts.map(|contact| contact.map_or(f64::INFINITY, |contact| contact.distance))
     }
 }
 

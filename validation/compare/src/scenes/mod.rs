@@ -155,7 +155,8 @@ pub fn load(file: &Path) -> Result<MeasuredScene, SceneError> {
 
 /// Reads and checks the text of a scene; `file` is its file in messages.
 pub fn parse(text: &str, file: &Path) -> Result<MeasuredScene, SceneError> {
-    let scene = MeasuredScene::parse(text).map_err(|error| error.in_file(file, Some(text)))?;
+    let scene = MeasuredScene::parse_in(text, file.parent().unwrap_or(Path::new("")));
+    let scene = scene.map_err(|error| error.in_file(file, Some(text)))?;
     catalogue::check(&scene, text, file)?;
     Ok(scene)
 }

@@ -88,6 +88,7 @@ pub fn wall_mesh(shape: &Shape, domain: &Domain, smallest_radius: f64, fineness:
             };
             Mesh { triangles, bend: 0.0 }
         }
+        Shape::Mesh { .. } => Mesh { triangles: shape.triangles().unwrap_or_default(), bend: 0.0 },
     };
     mesh.triangles.retain(has_area);
     mesh

@@ -61,7 +61,7 @@ impl FrameTables {
         let placed = PlacedWalls::at(walls, domain, time, driven);
         let mut all = Walls {
             names: walls.iter().map(|wall| wall.name.clone()).collect(),
-            shapes: walls.iter().map(|wall| kind(&wall.shape)).collect(),
+            shapes: walls.iter().map(|wall| wall.shape.kind()).collect(),
             axes: walls.iter().map(|wall| axis(&wall.motion).into()).collect(),
             ..Walls::default()
         };
@@ -110,17 +110,6 @@ impl FrameTables {
             whole: vec![Column::new("wall_axes", DOUBLES, axes.into_flattened())],
             texts: vec![("wall_names", names), ("wall_shapes", shapes.into_iter().map(String::from).collect())],
         }
-    }
-}
-
-/// Returns the name of a shape in scenes.
-fn kind(shape: &Shape) -> &'static str {
-    match shape {
-        Shape::Plane { .. } => "plane",
-        Shape::Box { .. } => "box",
-        Shape::Cylinder { .. } => "cylinder",
-        Shape::Spheres { .. } => "spheres",
-        Shape::Disc { .. } => "disc",
     }
 }
 

@@ -253,6 +253,7 @@ fn regions(shape: &Shape, thickness: f64) -> Result<Vec<String>, String> {
             vec![format!("{} side out", cylinder(centre, normal, *radius, [-thickness, 0.0])?)]
         }
         Shape::Spheres { .. } => return Err("a wall is made of spheres".into()),
+        Shape::Mesh { .. } => return Err("it has no region like a mesh of triangles".into()),
     })
 }
 

@@ -13,7 +13,7 @@ use super::deck::{DeckRun, HAS, data, manifest, render, values};
 use super::input::{AXES, Palette, Plan, Primitive, primitives, stl};
 use super::process::{Program, installed};
 use super::{Code, CodeError, HERTZ_MINDLIN, Job, Purpose, supported_start};
-use makadam::scene::{Domain, Grain, Motion, Shape};
+use makadam::scene::{Domain, Grain, Motion, Shape, TriangleMesh};
 use makadam::snapshot::Snapshot;
 use makadam_frames::output::mesh::{COARSE, FINE, Mesh, wall_mesh};
 use makadam_frames::plan::MeasuredScene;
@@ -272,6 +272,12 @@ impl Turn {
             Shape::Cylinder { base, axis, .. } => [base, axis].into_iter().for_each(turn),
             Shape::Disc { centre, normal, .. } => [centre, normal].into_iter().for_each(turn),
             Shape::Spheres { centres, .. } => centres.iter_mut().for_each(turn),
+            Shape::Mesh { file, .. } => {
+                let file = file.clone();
+                let mut triangles = shape.triangles().unwrap_or_default();
+                triangles.as_flattened_mut().iter_mut().for_each(turn);
+                *shape = Shape::mesh(file, TriangleMesh::new(&triangles).expect("a turned mesh is a mesh"));
+            }
         }
     }
 

@@ -1,4 +1,4 @@
-//! Shape of a wall: its smooth faces, the point of each face nearest to a grain, and the first contact of a grain's path with a face.
+//! Smooth faces of walls: the point of each face nearest to a grain, and the first contact of a grain's path with a face.
 //!
 //! A face is independent of walls and motions. The time of impact is that of the first point of a straight path of a
 //! sphere's centre within `level` of a face; at a level equal to the radius, the sphere is in contact,
@@ -19,14 +19,14 @@
 //! nearest point  sqrt(z^2 + (R - e)^2)        the two others  sqrt(z^2 + R^2 + e^2 + R e)
 //! ```
 
+use super::triangle::Triangle;
 use crate::laws::period::Period;
-use crate::scene::{Domain, Shape};
 use nalgebra::Vector3;
 
 type Vector = Vector3<f64>;
 
 /// Extension of a face beyond its edges for a path that crosses the face, over its size: rounding must leave no gap between adjacent faces.
-const JOINT: f64 = 1e-9;
+pub(super) const JOINT: f64 = 1e-9;
 
 /// Largest angle, rad, and fraction of the extent of a scene, within which two faces are the same surface.
 const SAME: f64 = 1e-6;
@@ -75,6 +75,8 @@ pub(crate) enum Face {
         radius: f64,
         period: Period,
     },
+    /// Thin triangle with two sides.
+    Triangle(Triangle),
 }
 
 /// First point of the path of a grain's centre within some distance of a face.
@@ -90,7 +92,7 @@ pub(crate) struct Impact {
 
 /// Rotation about a unit axis.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Rotation {
+pub struct Rotation {
     axis: Vector,
     sine: f64,
     cosine: f64,
@@ -117,55 +119,18 @@ impl Rotation {
 }
 
 impl Face {
-    /// Returns the faces of a shape in a domain: along a periodic axis, faces repeat or have no end.
-    pub(super) fn of_shape(shape: &Shape, domain: &Domain) -> Vec<Face> {
-        let period = domain.period();
-        match shape {
-            Shape::Plane { point, normal } => {
-                vec![Face::Plane { point: Vector::from(*point), normal: Vector::from(*normal).normalize() }]
-            }
-            Shape::Disc { centre, normal, radius, hole } => {
-                let (centre, normal) = (Vector::from(*centre), Vector::from(*normal).normalize());
-                if *hole <= 0.0 {
-                    return vec![Face::Disc { centre, normal, radius: *radius }];
-                }
-                let ring = Face::Ring { centre, normal, radius: *radius, hole: *hole };
-                std::iter::once(ring).chain(Face::rim(centre, normal, *hole)).collect()
-            }
-            Shape::Cylinder { base, axis, radius, length } => {
-                let (base, normal) = (Vector::from(*base), Vector::from(*axis).normalize());
-                let shell = |ends| Face::Shell { base, axis: normal, radius: *radius, ends };
-                if (0..3).any(|along| period.is_periodic(along) && axis[along] != 0.0) {
-                    return vec![shell([f64::NEG_INFINITY, f64::INFINITY])];
-                }
-                let rims = [0.0, *length].into_iter().flat_map(|end| Face::rim(base + normal * end, normal, *radius));
-                std::iter::once(shell([0.0, *length])).chain(rims).collect()
-            }
-            Shape::Spheres { centres, radius } => (centres.iter())
-                .map(|centre| Face::Ball { centre: Vector::from(*centre), radius: *radius, period })
-                .collect(),
-            Shape::Box { min, max, open } => {
-                let (min, max) = (Vector::from(*min), Vector::from(*max));
-                ["-x", "+x", "-y", "+y", "-z", "+z"]
-                    .iter()
-                    .enumerate()
-                    .filter(|(_, name)| !open.iter().any(|face| face == *name))
-                    .map(|(number, _)| {
-                        let inward = Vector::ith(number / 2, if number % 2 == 0 { 1.0 } else { -1.0 });
-                        Face::Plane { point: if number % 2 == 0 { min } else { max }, normal: inward }
-                    })
-                    .collect()
-            }
-        }
+    /// Creates a triangle; its first corner becomes that opposite the longest side.
+    pub fn triangle(corners: [[f64; 3]; 3]) -> Face {
+        Face::Triangle(Triangle::new(corners.map(Vector::from)))
     }
 
     /// Returns the rim points of a hole that a grain contacts in addition to the nearest one.
-    fn rim(centre: Vector, normal: Vector, radius: f64) -> [Face; 2] {
+    pub fn rim(centre: Vector, normal: Vector, radius: f64) -> [Face; 2] {
         THIRD_OF_A_TURN.map(|sine| Face::Rim { centre, normal, radius, sine })
     }
 
     /// Returns the corners of a box around the face, m, without its images; absent for an infinite face.
-    pub(super) fn bounds(&self) -> Option<[Vector; 2]> {
+    pub fn bounds(&self) -> Option<[Vector; 2]> {
         let around = |middle: Vector, half: Vector| Some([middle - half, middle + half]);
         // A circle about a unit axis spans `R sqrt(1 - n_k^2)` along axis k.
         let span = |normal: Vector, radius: f64| normal.map(|along| radius * (1.0 - along * along).max(0.0).sqrt());
@@ -180,11 +145,12 @@ impl Face {
             }
             Face::Shell { .. } => None,
             Face::Ball { centre, radius, .. } => around(centre, Vector::repeat(radius)),
+            Face::Triangle(triangle) => Some(triangle.bounds()),
         }
     }
 
     /// Returns the face after a translation.
-    pub(super) fn moved(self, by: Vector) -> Face {
+    pub fn moved(self, by: Vector) -> Face {
         match self {
             Face::Plane { point, normal } => Face::Plane { point: point + by, normal },
             Face::Disc { centre, normal, radius } => Face::Disc { centre: centre + by, normal, radius },
@@ -192,11 +158,12 @@ impl Face {
             Face::Rim { centre, normal, radius, sine } => Face::Rim { centre: centre + by, normal, radius, sine },
             Face::Shell { base, axis, radius, ends } => Face::Shell { base: base + by, axis, radius, ends },
             Face::Ball { centre, radius, period } => Face::Ball { centre: centre + by, radius, period },
+            Face::Triangle(triangle) => Face::Triangle(triangle.mapped(|corner| corner + by)),
         }
     }
 
     /// Returns the face after a rotation about an axis through `centre`.
-    pub(super) fn turned(self, centre: Vector, rotation: &Rotation) -> Face {
+    pub fn turned(self, centre: Vector, rotation: &Rotation) -> Face {
         let place = |point: Vector| centre + rotation.turn(point - centre);
         match self {
             Face::Plane { point, normal } => Face::Plane { point: place(point), normal: rotation.turn(normal) },
@@ -213,11 +180,12 @@ impl Face {
                 Face::Shell { base: place(base), axis: rotation.turn(axis), radius, ends }
             }
             Face::Ball { centre: middle, radius, period } => Face::Ball { centre: place(middle), radius, period },
+            Face::Triangle(triangle) => Face::Triangle(triangle.mapped(place)),
         }
     }
 
     /// Returns true if a rotation about this axis through `pivot` maps the face onto itself.
-    pub(super) fn turns_in_place(&self, pivot: Vector, axis: Vector) -> bool {
+    pub fn turns_in_place(&self, pivot: Vector, axis: Vector) -> bool {
         let along = |direction: Vector| direction.cross(&axis).norm() < 1e-12;
         let on_axis = |place: Vector| (place - pivot).cross(&axis).norm() < 1e-12 * (1.0 + (place - pivot).norm());
         match *self {
@@ -227,11 +195,12 @@ impl Face {
             | Face::Rim { centre, normal, .. } => along(normal) && on_axis(centre),
             Face::Shell { base, axis: own, .. } => along(own) && on_axis(base),
             Face::Ball { centre, .. } => on_axis(centre),
+            Face::Triangle(_) => false,
         }
     }
 
     /// Returns true if a moved face is the same surface again, in a scene of this extent, m.
-    pub(super) fn is_same(&self, other: &Face, extent: f64) -> bool {
+    pub fn is_same(&self, other: &Face, extent: f64) -> bool {
         let near = |gap: Vector| gap.norm() < SAME * extent;
         let aligned = |one: Vector, other: Vector| (one - other).norm() < SAME;
         match (*self, *other) {
@@ -249,22 +218,34 @@ impl Face {
                 aligned(axis, turned) && near(if endless { gap - axis * axis.dot(&gap) } else { gap })
             }
             (Face::Ball { centre, period, .. }, Face::Ball { centre: place, .. }) => near(period.arm(&centre, &place)),
+            (Face::Triangle(one), Face::Triangle(other)) => {
+                one.corners.iter().zip(&other.corners).all(|(one, other)| near(other - one))
+            }
             _ => false,
         }
     }
 
     /// Returns the distance from a point to the face, negative behind a plane. Most faces are planes, which need no further computation.
     #[inline(always)]
-    pub(super) fn distance(&self, point: &Vector) -> f64 {
+    pub fn distance(&self, point: &Vector) -> f64 {
         match self {
             Face::Plane { point: foot, normal } => height(normal, point, foot),
             _ => self.nearest(point, Vector::zeros).0,
         }
     }
 
-    /// Returns the distance from a point to the face, and the unit normal towards the face: see [`PlacedFace::nearest`](super::PlacedFace::nearest).
+    /// Returns true if a point is nearer to the face than `radius`, m.
     #[inline]
-    pub(super) fn nearest(&self, centre: &Vector, travel: impl FnOnce() -> Vector) -> (f64, Vector) {
+    pub fn is_nearer(&self, point: &Vector, radius: f64) -> bool {
+        match self {
+            Face::Triangle(triangle) => triangle.nearest_within(point, radius).is_some(),
+            _ => self.distance(point) < radius,
+        }
+    }
+
+    /// Returns the distance from a point to the face, and the unit normal towards the face: see [`PlacedFace::nearest`](crate::wall::PlacedFace::nearest).
+    #[inline]
+    pub fn nearest(&self, centre: &Vector, travel: impl FnOnce() -> Vector) -> (f64, Vector) {
         match *self {
             Face::Plane { point, normal } => (height(&normal, centre, &point), -normal),
             Face::Disc { centre: middle, normal, radius } => {
@@ -322,12 +303,16 @@ impl Face {
                 };
                 (distance - radius, inward)
             }
+            Face::Triangle(triangle) => {
+                let near = triangle.nearest(centre);
+                (near.distance, near.normal)
+            }
         }
     }
 
     /// Returns the first point of a path from `centre` along `shift` (m), relative to the face, within `level` (m) of the face,
     /// if the path starts farther away; at level 0, the crossing point. Rims are omitted: a path past a face does not cross it.
-    pub(super) fn time_of_impact(&self, centre: &Vector, shift: &Vector, level: f64) -> Option<Impact> {
+    pub fn time_of_impact(&self, centre: &Vector, shift: &Vector, level: f64) -> Option<Impact> {
         match *self {
             Face::Plane { point, normal } => flat(normal, centre - point, shift, level, [0.0, f64::INFINITY]),
             Face::Disc { centre: middle, normal, radius } => {
@@ -370,6 +355,7 @@ impl Face {
                 let normal = -(arm + shift * share) / touch;
                 (share <= 1.0).then(|| Impact { share, distance: -normal.dot(&arm) - radius, normal })
             }
+            Face::Triangle(triangle) => triangle.time_of_impact(centre, shift, level),
         }
     }
 }

@@ -1,0 +1,285 @@
+//! Surfaces of walls: the only module with the geometry of each shape.
+//!
+//! ```text
+//! mod.rs       Shape         shape of a wall in a scene; its faces, bounds and depth of a grain
+//! face.rs      Face          smooth surface: nearest point, time of impact, displacement
+//! triangle.rs  Triangle      face of a mesh
+//! mesh.rs      TriangleMesh  triangles of a file, welded
+//! files.rs                   readers of STL and OBJ
+//! index.rs     FaceIndex     search for faces near a point
+//! minima.rs    Minima        contacts of a sphere with a mesh: local minima of the distance
+//! ```
+//!
+//! A new shape is a file here, a variant of [`Shape`], its faces, and its range checks (`scene/check.rs`).
+
+mod face;
+mod files;
+mod index;
+mod mesh;
+mod minima;
+mod triangle;
+
+pub(crate) use face::{Face, Impact, Rotation};
+pub(crate) use index::FaceIndex;
+pub use mesh::{MeshRotation, TriangleMesh};
+pub(crate) use minima::{MOST_CONTACTS, MeshFaces, Minima, Minimum, Near, NearPart};
+
+use crate::laws::period::Period;
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+type Vector = Vector3<f64>;
+
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+fn is_one(value: &f64) -> bool {
+    *value == 1.0
+}
+
+fn is_nowhere(vector: &[f64; 3]) -> bool {
+    *vector == [0.0; 3]
+}
+
+/// Surface of a wall.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Shape {
+    /// Infinite plane; grains are on the side of the normal.
+    Plane {
+        /// A point of the plane, metres.
+        point: [f64; 3],
+        /// Normal towards the grains; need not be of unit length.
+        normal: [f64; 3],
+    },
+    /// Box seen from inside, without the open faces; side faces have no edge.
+    Box {
+        /// Lower corner, metres.
+        min: [f64; 3],
+        /// Upper corner, metres.
+        max: [f64; 3],
+        /// Open faces: any of "-x", "+x", "-y", "+y", "-z", "+z".
+        #[serde(default)]
+        open: Vec<String>,
+    },
+    /// Thin cylindrical shell without ends; grains are inside, or outside after leaving by an end.
+    Cylinder {
+        /// Centre of the first end, metres.
+        base: [f64; 3],
+        /// Direction of the axis; need not be of unit length.
+        axis: [f64; 3],
+        /// Inner radius, metres.
+        radius: f64,
+        /// Length along the axis, metres.
+        length: f64,
+    },
+    /// Spheres of one size, seen from outside: a rough bed, or obstacles.
+    Spheres {
+        /// Centres, metres.
+        centres: Vec<[f64; 3]>,
+        /// Radius, metres.
+        radius: f64,
+    },
+    /// Flat disc, such as a drum's end cap; grains are on the side of the normal. With a hole it is a thin ring, such as the floor of a
+    /// silo, with grains on both sides.
+    Disc {
+        /// Centre, metres.
+        centre: [f64; 3],
+        /// Normal towards the grains; need not be of unit length.
+        normal: [f64; 3],
+        /// Radius, metres.
+        radius: f64,
+        /// Radius of the round hole in its middle, metres; none, if zero.
+        #[serde(default, skip_serializing_if = "is_zero")]
+        hole: f64,
+    },
+    /// Triangles of a file of a CAD program: STL (text or binary) or OBJ; thin, with grains on both sides.
+    Mesh {
+        /// File, relative to the folder of the scene's file.
+        file: String,
+        /// Metres per unit of length of the file: 0.001 for a file in millimetres.
+        #[serde(default = "one", skip_serializing_if = "is_one")]
+        scale: f64,
+        /// Rotation about the origin, after scaling.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        rotate: Option<MeshRotation>,
+        /// Translation after scaling and rotation, metres.
+        #[serde(default, skip_serializing_if = "is_nowhere")]
+        translate: [f64; 3],
+        /// Triangles of the file, encoded. Scenes that Makadam writes have this key, so that they are complete without the file.
+        #[serde(default)]
+        #[cfg_attr(feature = "schema", schemars(with = "String"))]
+        content: TriangleMesh,
+    },
+}
+
+impl Shape {
+    /// Returns the name of the kind of shape in scenes.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Shape::Plane { .. } => "plane",
+            Shape::Box { .. } => "box",
+            Shape::Cylinder { .. } => "cylinder",
+            Shape::Spheres { .. } => "spheres",
+            Shape::Disc { .. } => "disc",
+            Shape::Mesh { .. } => "mesh",
+        }
+    }
+
+    /// Creates a wall of the triangles of a mesh, in metres, under a name.
+    pub fn mesh(name: impl Into<String>, mesh: TriangleMesh) -> Shape {
+        Shape::Mesh { file: name.into(), scale: 1.0, rotate: None, translate: [0.0; 3], content: mesh }
+    }
+
+    /// Returns the triangles of a mesh at their positions in the scene (m); `None` for other shapes.
+    pub fn triangles(&self) -> Option<Vec<[[f64; 3]; 3]>> {
+        let Shape::Mesh { scale, rotate, translate, content, .. } = self else { return None };
+        let rotation = rotate.as_ref().map(MeshRotation::rotation);
+        let place = |point: [f64; 3]| {
+            let point = Vector::from(point) * *scale;
+            let point = rotation.map_or(point, |rotation| rotation.turn(point));
+            <[f64; 3]>::from(point + Vector::from(*translate))
+        };
+        Some(content.corners().map(|corners| corners.map(place)).collect())
+    }
+
+    /// Returns the faces of the shape in a space of this period: along a periodic axis, faces repeat or have no end.
+    pub(crate) fn faces(&self, period: Period) -> Vec<Face> {
+        match self {
+            Shape::Plane { point, normal } => {
+                vec![Face::Plane { point: Vector::from(*point), normal: Vector::from(*normal).normalize() }]
+            }
+            Shape::Disc { centre, normal, radius, hole } => {
+                let (centre, normal) = (Vector::from(*centre), Vector::from(*normal).normalize());
+                if *hole <= 0.0 {
+                    return vec![Face::Disc { centre, normal, radius: *radius }];
+                }
+                let ring = Face::Ring { centre, normal, radius: *radius, hole: *hole };
+                std::iter::once(ring).chain(Face::rim(centre, normal, *hole)).collect()
+            }
+            Shape::Cylinder { base, axis, radius, length } => {
+                let (base, normal) = (Vector::from(*base), Vector::from(*axis).normalize());
+                let shell = |ends| Face::Shell { base, axis: normal, radius: *radius, ends };
+                if (0..3).any(|along| period.is_periodic(along) && axis[along] != 0.0) {
+                    return vec![shell([f64::NEG_INFINITY, f64::INFINITY])];
+                }
+                let rims = [0.0, *length].into_iter().flat_map(|end| Face::rim(base + normal * end, normal, *radius));
+                std::iter::once(shell([0.0, *length])).chain(rims).collect()
+            }
+            Shape::Spheres { centres, radius } => (centres.iter())
+                .map(|centre| Face::Ball { centre: Vector::from(*centre), radius: *radius, period })
+                .collect(),
+            Shape::Box { min, max, open } => {
+                let (min, max) = (Vector::from(*min), Vector::from(*max));
+                ["-x", "+x", "-y", "+y", "-z", "+z"]
+                    .iter()
+                    .enumerate()
+                    .filter(|(_, name)| !open.iter().any(|face| face == *name))
+                    .map(|(number, _)| {
+                        let inward = Vector::ith(number / 2, if number % 2 == 0 { 1.0 } else { -1.0 });
+                        Face::Plane { point: if number % 2 == 0 { min } else { max }, normal: inward }
+                    })
+                    .collect()
+            }
+            Shape::Mesh { .. } => self.triangles().into_iter().flatten().map(Face::triangle).collect(),
+        }
+    }
+
+    /// Returns the width (m) of seams between triangles of a mesh that count as closed; `None` for other shapes.
+    pub(crate) fn seam(&self) -> Option<f64> {
+        match self {
+            Shape::Mesh { scale, content, .. } => Some(content.seam() * scale),
+            _ => None,
+        }
+    }
+
+    /// Returns the corners (m) of boxes around the parts of the shape; none for an infinite shape.
+    pub fn bounds(&self) -> Vec<([f64; 3], [f64; 3])> {
+        match self {
+            Shape::Plane { .. } => Vec::new(),
+            Shape::Box { min, max, .. } => vec![(*min, *max)],
+            Shape::Cylinder { base, axis, radius, length } => ends(base, axis, *radius, *length).into(),
+            Shape::Disc { centre, normal, radius, .. } => ends(centre, normal, *radius, 0.0).into(),
+            Shape::Spheres { centres, radius } => centres.iter().map(|centre| around(centre, &[*radius; 3])).collect(),
+            Shape::Mesh { .. } => {
+                let corners: Vec<[f64; 3]> = self.triangles().into_iter().flatten().flatten().collect();
+                let Some(first) = corners.first() else { return Vec::new() };
+                let none = (*first, *first);
+                vec![corners.iter().fold(none, |(low, high), point| {
+                    (std::array::from_fn(|i| low[i].min(point[i])), std::array::from_fn(|i| high[i].max(point[i])))
+                })]
+            }
+        }
+    }
+
+    /// Returns an upper bound of the distance (m) of the points of the shape from an axis, given the distance of one point.
+    pub(crate) fn furthest(&self, arm: impl Fn(Vector) -> f64) -> f64 {
+        match self {
+            Shape::Plane { .. } => f64::INFINITY,
+            Shape::Box { min, max, .. } => furthest_corner(min, max, arm),
+            Shape::Cylinder { base, axis, radius, length } => {
+                let base = Vector::from(*base);
+                let end = base + Vector::from(*axis).normalize() * *length;
+                arm(base).max(arm(end)) + radius
+            }
+            Shape::Disc { centre, radius, .. } => arm(Vector::from(*centre)) + radius,
+            Shape::Spheres { centres, radius } => {
+                centres.iter().map(|centre| arm(Vector::from(*centre))).fold(0.0, f64::max) + radius
+            }
+            Shape::Mesh { .. } => {
+                let corners = self.triangles().into_iter().flatten().flatten();
+                corners.map(|corner| arm(Vector::from(corner))).fold(0.0, f64::max)
+            }
+        }
+    }
+}
+
+/// Returns the largest distance (m) of the corners of a box from an axis, given the distance of one point.
+pub(crate) fn furthest_corner(min: &[f64; 3], max: &[f64; 3], arm: impl Fn(Vector) -> f64) -> f64 {
+    let corner = |number: usize| Vector::from_fn(|axis, _| if number >> axis & 1 == 0 { min[axis] } else { max[axis] });
+    (0..8).map(corner).map(arm).fold(0.0, f64::max)
+}
+
+/// Faces of a shape with their index, for the distances of many points.
+pub(crate) struct Surface {
+    faces: Vec<Face>,
+    index: Option<FaceIndex>,
+}
+
+impl Surface {
+    /// Creates the faces of a shape in a space of this period.
+    pub fn of(shape: &Shape, period: Period) -> Surface {
+        let faces = shape.faces(period);
+        let index = FaceIndex::new(&faces, 0, period);
+        Surface { faces, index }
+    }
+
+    /// Returns the depth (m) of a sphere in or behind the surface; negative infinity if the two are apart.
+    pub fn depth(&self, centre: &Vector, radius: f64) -> f64 {
+        let mut deepest = f64::NEG_INFINITY;
+        let mut visit = |face: &Face| deepest = f64::max(deepest, radius - face.distance(centre));
+        match &self.index {
+            Some(index) => index.for_each_near(centre, radius, |face| visit(&self.faces[face as usize])),
+            None => self.faces.iter().for_each(visit),
+        }
+        if deepest < 0.0 { f64::NEG_INFINITY } else { deepest }
+    }
+}
+
+/// Returns the corners (m) of the boxes around the two ends of a cylinder.
+pub(crate) fn ends(base: &[f64; 3], axis: &[f64; 3], radius: f64, length: f64) -> [([f64; 3], [f64; 3]); 2] {
+    let norm = axis.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let side = axis.map(|x| radius * (1.0 - x * x / (norm * norm)).max(0.0).sqrt());
+    [0.0, length / norm].map(|along| around(&std::array::from_fn(|i| base[i] + axis[i] * along), &side))
+}
+
+/// Returns the corners (m) of a box around a point.
+pub(crate) fn around(centre: &[f64; 3], side: &[f64; 3]) -> ([f64; 3], [f64; 3]) {
+    (std::array::from_fn(|i| centre[i] - side[i]), std::array::from_fn(|i| centre[i] + side[i]))
+}
