@@ -18,7 +18,7 @@ fn everywhere() -> Domain {
 /// A ring in the plane z = 0, its hole of radius 0.05 m and its outline of 0.2 m.
 fn ring() -> PlacedWalls {
     let shape = Shape::Disc { centre: [0.0; 3], normal: [0.0, 0.0, 2.0], radius: 0.2, hole: HOLE };
-    let wall = Wall { name: "ring".into(), material: "wall".into(), shape, motion: Motion::Fixed };
+    let wall = Wall::new("ring", "wall", shape);
     PlacedWalls::at(&[wall], &everywhere(), 0.0, &[])
 }
 

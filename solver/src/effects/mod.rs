@@ -3,6 +3,7 @@
 //! Contact laws are only in this module and in [`laws`](crate::laws). `constrain` evaluates them once per contact and
 //! step, and the sweep kernel is compiled for the [terms](term) of the scene. [`CATALOGUE`] lists the descriptors.
 
+mod belt;
 pub mod catalogue;
 pub mod cohesion;
 pub mod compliance;
@@ -20,6 +21,7 @@ pub mod term;
 pub mod vibration;
 
 use crate::scene::ContactCoefficients;
+pub use belt::SURFACE_VELOCITY;
 pub use catalogue::Effect;
 pub use cohesion::COHESION;
 pub use compliance::{COMPLIANCE, VISCOSITY};
@@ -35,10 +37,11 @@ pub use spring::TANGENTIAL_SPRING;
 pub use vibration::WALL_MOTION;
 
 /// All effects, in their order within a step. A coefficient follows those that bound it.
-pub static CATALOGUE: [&Effect; 19] = [
+pub static CATALOGUE: [&Effect; 20] = [
     &GRAVITY,
     &CHANGING_GRAVITY,
     &WALL_MOTION,
+    &SURFACE_VELOCITY,
     &DRIVEN_WALLS,
     &INFLOW,
     &OUTFLOW,

@@ -156,12 +156,17 @@ impl Face {
 impl Wall {
     /// Creates a wall at rest.
     pub fn new(name: impl Into<String>, material: impl Into<String>, shape: Shape) -> Wall {
-        Wall { name: name.into(), material: material.into(), shape, motion: Motion::Fixed }
+        Wall { name: name.into(), material: material.into(), shape, motion: Motion::Fixed, surface_velocity: [0.0; 3] }
     }
 
     /// Sets the motion.
     pub fn moving(self, motion: Motion) -> Wall {
         Wall { motion, ..self }
+    }
+
+    /// Sets the velocity of the surface along itself, m/s.
+    pub fn with_surface_velocity(self, surface_velocity: [f64; 3]) -> Wall {
+        Wall { surface_velocity, ..self }
     }
 }
 

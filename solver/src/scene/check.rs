@@ -163,6 +163,11 @@ fn walls(scene: &Scene) -> Checked {
                 shape.key("hole").range(*hole, 0.0, *radius, "m, the radius of the disc")?;
             }
         }
+        at.key("surface_velocity").finite(&wall.surface_velocity)?;
+        if wall.motion.is_driven() && wall.surface_velocity != [0.0; 3] {
+            let problem = "given for a wall that a force or a torque moves, whose surface moves with it".into();
+            return Err(at.key("surface_velocity").fault(problem, "leave it out, or prescribe the motion of the wall"));
+        }
         let motion = at.key("motion");
         match &wall.motion {
             Motion::Fixed => {}

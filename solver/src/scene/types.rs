@@ -45,6 +45,11 @@ pub(super) fn is_zero(value: &f64) -> bool {
     *value == 0.0
 }
 
+/// Returns true for a zero vector. Written scenes omit it, so that their hash agrees with the hash of scenes without the effect.
+pub(crate) fn is_nowhere(vector: &[f64; 3]) -> bool {
+    *vector == [0.0; 3]
+}
+
 /// Axis-aligned box that no grain may leave, metres.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -106,6 +111,9 @@ pub struct Wall {
     /// Motion.
     #[serde(default)]
     pub motion: Motion,
+    /// Velocity of the surface along itself, m/s, while the shape stays: a conveyor belt. At a contact, its component along the normal does not count.
+    #[serde(default, skip_serializing_if = "is_nowhere")]
+    pub surface_velocity: [f64; 3],
 }
 
 /// Motion of a wall: prescribed, or driven by a force or a torque.

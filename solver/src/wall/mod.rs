@@ -95,7 +95,7 @@ impl Walls {
             faces.extend(shapes.iter().map(face));
             Wall {
                 faces: first..faces.len() as u32,
-                movement: Movement::new(&wall.motion, &shapes),
+                movement: Movement::new(wall, &shapes),
                 index: FaceIndex::new(&shapes, first, domain.period()),
                 seam: wall.shape.seam(),
             }
@@ -304,7 +304,8 @@ impl<'a> WallsAt<'a> {
                 Some(impact) => (impact.distance, impact.normal),
                 None => face.nearest(centre, || velocity + falling - pose.velocity_at(centre, in_place)),
             };
-            let (mean, gain) = (pose.velocity_at(&(centre + normal * distance), in_place), pose.gain());
+            let velocity_at_contact = pose.velocity_at(&(centre + normal * distance), in_place);
+            let (mean, gain) = (velocity_at_contact + pose.slides_at(&normal), pose.gain());
             let velocities = match pose.drifts() {
                 true => {
                     let drift = pose.drift(centre, &normal, in_place);
@@ -410,6 +411,11 @@ impl PlacedFace<'_> {
         self.pose.velocity_at(point, self.in_place)
     }
 
+    /// Returns the velocity of the surface along itself (m/s) at a contact with this normal.
+    pub(crate) fn slides_at(&self, normal: &Vector) -> Vector {
+        self.pose.slides_at(normal)
+    }
+
     /// Returns the change of the wall's velocity since the last step, without a jump and without the drift, m/s; no
     /// part of the approach speed of a resting grain.
     pub(crate) fn gain(&self) -> Vector {
@@ -427,7 +433,7 @@ impl PlacedFace<'_> {
 pub fn jumps_back(wall: &scene::Wall, domain: &Domain, time: f64) -> bool {
     let faces = wall.shape.faces(domain.period());
     let extent = (Vector::from(domain.max) - Vector::from(domain.min)).norm();
-    Movement::new(&wall.motion, &faces).jumps_back(time, &faces, extent)
+    Movement::new(wall, &faces).jumps_back(time, &faces, extent)
 }
 
 /// Walls of a scene at their positions at a time.

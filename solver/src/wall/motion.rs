@@ -39,6 +39,8 @@ const ROUNDING: f64 = 1e-9;
 #[derive(Clone, Debug)]
 pub(super) struct Movement {
     pub(super) motion: Motion,
+    /// Velocity of the surface along itself, m/s.
+    surface_velocity: Vector,
     /// True if a rotation moves at least one face, instead of mapping all faces onto themselves.
     pub(super) turns: bool,
     /// Motion by the caller instead of the scene.
@@ -55,6 +57,8 @@ pub(super) struct Movement {
 pub struct Pose {
     pub(super) displacement: Displacement,
     pub(super) velocity: Vector,
+    /// Velocity of the surface along itself, in addition to that of the wall.
+    surface_velocity: Vector,
     /// Change of velocity since the last step.
     pub(super) gain: Vector,
     /// Rotation for faces that the rotation moves.
@@ -124,10 +128,19 @@ impl Turning {
 
 impl Movement {
     /// Creates the motion of a wall at time zero from its faces.
-    pub fn new(motion: &Motion, faces: &[Face]) -> Movement {
+    pub fn new(Wall { motion, surface_velocity, .. }: &Wall, faces: &[Face]) -> Movement {
         let turns = rotates(motion) && !faces.iter().all(|face| keeps_in_place(face, motion));
         let [displacement, displacement_in_list, rate] = [0.0; 3];
-        Movement { motion: motion.clone(), turns, steered: None, displacement, displacement_in_list, rate }
+        let surface_velocity = Vector::from(*surface_velocity);
+        Movement {
+            motion: motion.clone(),
+            surface_velocity,
+            turns,
+            steered: None,
+            displacement,
+            displacement_in_list,
+            rate,
+        }
     }
 
     /// Sets displacement (m or rad) and velocity (m/s or rad/s) of a dynamic wall; no effect on a wall without a drive.
@@ -151,8 +164,9 @@ impl Movement {
         let zero = Vector::zeros();
         let rest = Turning::about(zero, zero);
         let displacement = Displacement::Nowhere;
-        let mut pose =
-            Pose { displacement, velocity: zero, gain: zero, turning: rest, in_place: rest, turns: self.turns };
+        let surface_velocity = self.surface_velocity;
+        let (turning, in_place, turns) = (rest, rest, self.turns);
+        let mut pose = Pose { displacement, velocity: zero, surface_velocity, gain: zero, turning, in_place, turns };
         if let Some(steered) = &self.steered {
             steered.pose(&mut pose, |centre, axis, angle| self.turned(centre, axis, angle));
             return pose;
@@ -401,6 +415,12 @@ impl Pose {
     #[inline]
     pub(super) fn velocity_at(&self, point: &Vector, in_place: bool) -> Vector {
         self.velocity + self.turning(in_place).velocity(point)
+    }
+
+    /// Returns the velocity of the surface along itself (m/s) at a contact with this normal.
+    #[inline]
+    pub(super) fn slides_at(&self, normal: &Vector) -> Vector {
+        self.surface_velocity - normal * normal.dot(&self.surface_velocity)
     }
 
     /// Returns the drift towards the axis (m/s) of a grain with this centre (m) that moves with a face, given the normal towards

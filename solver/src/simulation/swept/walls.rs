@@ -174,7 +174,7 @@ impl Simulation {
         let (velocity, spin) = (Vector::from(body.velocity), Vector::from(body.scaled_spin));
         let face = world.walls.placed(&self.swept.poses).face(met.surface);
         let point = sphere.centre + velocity * (met.at.share * h) + normal * sphere.radius;
-        let wall_velocity = face.velocity_at(&point);
+        let wall_velocity = face.velocity_at(&point) + face.slides_at(&normal);
         let along = normal.dot(&(wall_velocity - velocity));
         let material = world.wall_material(place, met.surface);
         // As in the solve, the velocity gained from gravity within the step does not count as impact speed.
