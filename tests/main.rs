@@ -18,6 +18,7 @@ mod language;
 mod laws_command;
 mod learn_commands;
 mod measured_runs;
+mod mesh_walls;
 mod output_folder;
 mod problem_command;
 mod qualify_command;

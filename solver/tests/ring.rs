@@ -2,7 +2,7 @@
 
 use approx::assert_relative_eq;
 use makadam::Simulation;
-use makadam::scene::{Domain, Motion, Scene, Shape, Wall};
+use makadam::scene::{Domain, Scene, Shape, Wall};
 use makadam::wall::PlacedWalls;
 use nalgebra::Vector3;
 

@@ -59,6 +59,9 @@ const WIDER: f64 = 1.1;
 /// Radius of [`Near`] over that of the search, if no face is near.
 const FAR: f64 = 4.0;
 
+/// Relative reduction of distances in single precision.
+const ROUNDED: f64 = 1e-6;
+
 /// Largest rounding error of a distance, relative to the radius.
 const SLACK: f64 = 1e-9;
 
@@ -71,13 +74,16 @@ pub(crate) struct Near {
     point: [f64; 3],
     /// Radius, m; zero before the first search.
     radius: f64,
+    /// Faces in ascending order of their distances from the point.
     faces: [u32; MOST_NEAR],
+    /// Lower bounds of these distances, m.
+    distances: [f32; MOST_NEAR],
     count: u32,
     padding: [u32; 3],
 }
 
 /// Part of [`Near`] for each contact.
-pub(crate) type NearPart = [u32; 4];
+pub(crate) type NearPart = [u32; 6];
 
 impl Near {
     /// Joins the parts.
@@ -116,8 +122,10 @@ impl Near {
             });
         }
         let known = found[..MOST_NEAR].iter().take_while(|(distance, _)| distance.is_finite());
-        for (place, (_, number)) in near.faces.iter_mut().zip(known) {
-            *place = *number;
+        for (place, (distance, number)) in known.enumerate() {
+            near.faces[place] = *number;
+            // Rounding to single precision does not exceed the distance.
+            near.distances[place] = (distance * (1.0 - ROUNDED)) as f32;
             near.count += 1;
         }
         near
@@ -182,7 +190,9 @@ impl Minima {
             return None;
         }
         let mut found = Minima::default();
-        let faces = &near.faces[..near.count as usize];
+        let within = reach + (centre - Vector::from(near.point)).norm();
+        let known = near.distances[..near.count as usize].iter();
+        let faces = &near.faces[..known.take_while(|distance| f64::from(**distance) < within).count()];
         for &number in faces {
             let passes =
                 |foot: &Vector, distance| faces.iter().any(|&other| mesh.descends(centre, (foot, distance), other));

@@ -25,7 +25,7 @@ pub use motion::{DrivenWall, Pose};
 pub(crate) use steered::Steered;
 pub use steered::WallMotion;
 
-use crate::scene::{self, Domain};
+use crate::scene::{self, Domain, Motion};
 use crate::surface::{Face, FaceIndex};
 use motion::{Movement, keeps_in_place};
 use nalgebra::Vector3;
@@ -53,6 +53,8 @@ struct Wall {
     index: Option<FaceIndex>,
     /// Width of closed seams of a mesh, m; absent for other shapes.
     seam: Option<f64>,
+    /// Distance of the furthest point of a mesh from the axis of its rotation in the scene, m.
+    furthest: Option<f64>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -98,6 +100,7 @@ impl Walls {
                 movement: Movement::new(wall, &shapes),
                 index: FaceIndex::new(&shapes, first, domain.period()),
                 seam: wall.shape.seam(),
+                furthest: wall.shape.seam().and_then(|_| furthest(wall)),
             }
         };
         let walls: Vec<Wall> = (0..).zip(walls).map(place).collect();
@@ -192,7 +195,8 @@ impl Walls {
     /// the centre of its motion. The displacement of a dynamic wall is that since the build of the list.
     pub(crate) fn largest_shift(&self, from: f64, to: f64, radius: f64) -> f64 {
         let walls = self.walls.iter().filter(|wall| !wall.faces.is_empty());
-        walls.map(|wall| wall.movement.largest_shift(from, to, radius)).fold(0.0, f64::max)
+        let arm = |wall: &Wall| wall.furthest.map_or(radius, |furthest| furthest.min(radius));
+        walls.map(|wall| wall.movement.largest_shift(from, to, arm(wall))).fold(0.0, f64::max)
     }
 
     /// Returns the poses of the walls at a time (s), with the velocities at that time; for dynamic walls, the last state of their drives.
@@ -434,6 +438,15 @@ pub fn jumps_back(wall: &scene::Wall, domain: &Domain, time: f64) -> bool {
     let faces = wall.shape.faces(domain.period());
     let extent = (Vector::from(domain.max) - Vector::from(domain.min)).norm();
     Movement::new(wall, &faces).jumps_back(time, &faces, extent)
+}
+
+/// Returns the distance (m) of the furthest point of a wall from the axis about which it turns in its scene.
+fn furthest(wall: &scene::Wall) -> Option<f64> {
+    let (Motion::Rotating { point, axis, .. } | Motion::TorqueDriven { point, axis, .. }) = &wall.motion else {
+        return None;
+    };
+    let axis = Vector::from(*axis).normalize();
+    Some(wall.shape.furthest(|corner| (corner - Vector::from(*point)).cross(&axis).norm()))
 }
 
 /// Walls of a scene at their positions at a time.

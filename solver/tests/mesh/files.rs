@@ -125,6 +125,34 @@ fn a_scene_finds_its_files_beside_it_and_is_complete_when_written() {
 }
 
 #[test]
+fn a_mesh_in_millimetres_is_found_by_its_size() {
+    let setup = Setup { body: grain(RADIUS, [0.02, 0.02, 0.02], [0.0; 3]), ..Setup::default() };
+    let of = |factor: f64| {
+        let triangles = open_box([0.0; 3], [0.04 * factor, 0.05 * factor, 0.08 * factor], 2);
+        let mut scene = super::scene(&setup, &[mesh("box", &triangles)]);
+        scene.domain = makadam::Domain { min: [-0.1; 3], max: [0.1; 3], periodic: Vec::new() };
+        scene
+            .findings(None)
+            .into_iter()
+            .map(|finding| finding.to_string())
+            .filter(|text| text.contains("'box'"))
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(of(1.0), Vec::<String>::new());
+    assert_eq!(of(2.4), Vec::<String>::new());
+    let expected = "wall[0].shape.scale: 'box' spans 40 x 50 x 80 m where the longest side of the domain is 0.2 m; is the file in \
+                    millimetres? scale = 0.001 makes it fit";
+    assert_eq!(of(1000.0), [expected]);
+    assert!(of(39.0)[0].contains("is the file in inches? scale = 0.0254"), "{:?}", of(39.0));
+    let triangle = [[0.0; 3], [0.04, 0.0, 0.0], [0.0, 0.04, 0.0]];
+    let mut scene =
+        super::scene(&setup, &[mesh("floor", &[triangle, triangle, [triangle[0], triangle[0], triangle[1]]])]);
+    scene.domain = makadam::Domain { min: [-0.1; 3], max: [0.1; 3], periodic: Vec::new() };
+    let findings = scene.findings(None);
+    assert!(findings.iter().any(|one| one.problem.contains("1 triangles without area and 1 repeated")), "{findings:?}");
+}
+
+#[test]
 fn grains_in_a_mesh_at_the_start_and_meshes_on_periodic_axes_are_refused() {
     let setup = Setup { body: grain(RADIUS, [0.0, 0.05, -0.098], [0.0; 3]), ..Setup::default() };
     let mut scene = super::scene(&setup, &[mesh("shell", &cylinder(0.1, 0.1, 40, 2))]);

@@ -181,7 +181,7 @@ impl Sketch {
 
     /// Adds a wall with a name, of a material.
     pub fn named_wall(self, name: &str, material: &str, shape: Shape, motion: Motion) -> Sketch {
-        self.with(|scene| scene.wall.push(Wall { name: name.into(), material: material.into(), shape, motion }))
+        self.with(|scene| scene.wall.push(Wall::new(name, material, shape).moving(motion)))
     }
 
     /// Changes a material.

@@ -3,6 +3,7 @@
 //! Scenes with an error are rejected when they are read or simulated. A warning does not change the scene. The checks predict nothing: the
 //! watchdogs ([`crate::watch`]) report a deep overlap, an escaped grain or spurious energy in the step of the violation.
 
+mod meshes;
 mod motion;
 mod settings;
 mod speed;
@@ -82,6 +83,7 @@ impl Scene {
 
     fn warnings(&self, beforehand: Option<Beforehand>) -> Vec<Fault> {
         let mut warnings = units::faults(self);
+        warnings.extend(meshes::faults(self));
         warnings.extend(settings::faults(self));
         // Failed placement is an error of `placed`, reported elsewhere.
         if let Ok(grains) = placed(self, self.seed) {

@@ -5,6 +5,7 @@
 use makadam::scene::{suggestion, wish};
 use makadam_frames::plan::MeasuredScene;
 use std::fmt;
+use std::path::Path;
 use std::str::FromStr;
 use toml_edit::{DocumentMut, Item, Key, Table, Value};
 
@@ -84,25 +85,25 @@ impl Change {
     }
 }
 
-/// Returns the text of a scene with changes made in turn.
+/// Returns the text of a scene with changes made in turn; `folder` is the folder of its file.
 ///
 /// # Errors
 /// [`ChangeError`] if the text is not TOML, or a key names nothing that could be set. Reading the scene reports whether
 /// the value is valid.
-pub fn changed(text: &str, changes: &[Change]) -> Result<String, ChangeError> {
+pub fn changed(text: &str, folder: &Path, changes: &[Change]) -> Result<String, ChangeError> {
     let mut text = text.to_string();
     for change in changes {
         let mut document: DocumentMut =
             text.parse().map_err(|error| change.refuse(format!("the scene is no TOML: {error}")))?;
-        set(document.as_item_mut(), change, &change.key, &mut defaults(&text))?;
+        set(document.as_item_mut(), change, &change.key, &mut defaults(&text, folder))?;
         text = document.to_string();
     }
     Ok(text)
 }
 
 /// Returns the scene with all defaults: the values of a table that the text omits.
-fn defaults(text: &str) -> Option<Item> {
-    let scene = MeasuredScene::parse(text).ok()?;
+fn defaults(text: &str, folder: &Path) -> Option<Item> {
+    let scene = MeasuredScene::parse_in(text, folder).ok()?;
     let written = toml::to_string(&scene).ok()?;
     Some(written.parse::<DocumentMut>().ok()?.as_item().clone())
 }

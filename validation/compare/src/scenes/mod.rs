@@ -130,7 +130,7 @@ pub fn take(name: &str, roots: &[PathBuf], changes: &[Change]) -> Result<PathBuf
     let origin = given.is_none().then(|| path.clone());
     if !changes.is_empty() {
         let text = given.map_or_else(|| text(&path), Ok)?;
-        given = Some(changed(&text, changes)?);
+        given = Some(changed(&text, &folder(&path), changes)?);
         let written: Vec<String> = changes.iter().map(|change| format!("--set {change}")).collect();
         path = format!("{} with {}", path.display(), written.join(" ")).into();
     }
@@ -155,7 +155,7 @@ pub fn load(file: &Path) -> Result<MeasuredScene, SceneError> {
 
 /// Reads and checks the text of a scene; `file` is its file in messages.
 pub fn parse(text: &str, file: &Path) -> Result<MeasuredScene, SceneError> {
-    let scene = MeasuredScene::parse_in(text, file.parent().unwrap_or(Path::new("")));
+    let scene = MeasuredScene::parse_in(text, &folder(file));
     let scene = scene.map_err(|error| error.in_file(file, Some(text)))?;
     catalogue::check(&scene, text, file)?;
     Ok(scene)
@@ -196,6 +196,15 @@ pub fn is_given(path: &Path) -> bool {
 /// File of a scene; for a scene that was changed at the start, the file of the original.
 pub fn origin(path: &Path) -> PathBuf {
     given(path).and_then(|(_, origin)| origin).unwrap_or_else(|| path.to_path_buf())
+}
+
+/// Returns the folder of the files that a scene names: that of its file, or the current folder for a scene without a file.
+pub fn folder(file: &Path) -> PathBuf {
+    let origin = match given(file) {
+        Some((_, origin)) => origin.unwrap_or_default(),
+        None => file.to_path_buf(),
+    };
+    origin.parent().unwrap_or(Path::new("")).to_path_buf()
 }
 
 fn given(path: &Path) -> Option<(String, Option<PathBuf>)> {

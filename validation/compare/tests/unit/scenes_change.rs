@@ -8,7 +8,7 @@ fn drum() -> String {
 
 fn with(changes: &[&str]) -> Result<MeasuredScene, ChangeError> {
     let changes: Vec<Change> = changes.iter().map(|change| change.parse().unwrap()).collect();
-    Ok(MeasuredScene::parse(&changed(&drum(), &changes)?).unwrap())
+    Ok(MeasuredScene::parse(&changed(&drum(), Path::new(""), &changes)?).unwrap())
 }
 
 #[test]
@@ -17,7 +17,7 @@ fn a_value_is_set_where_it_stands_and_lines_keep_their_numbers() {
     assert_eq!((scene.material["grain"].friction, scene.duration), (0.25, 4.0));
     assert!(matches!(scene.wall[0].motion, makadam::Motion::Rotating { rate: 2.0, .. }));
     let change = ["material.grain.friction=0.25".parse::<Change>().unwrap()];
-    let (before, after) = (drum(), changed(&drum(), &change).unwrap());
+    let (before, after) = (drum(), changed(&drum(), Path::new(""), &change).unwrap());
     assert_eq!(before.lines().count(), after.lines().count());
     let other: Vec<_> = before.lines().zip(after.lines()).filter(|(a, b)| a != b).collect();
     assert_eq!(other, [("friction = 0.5", "friction = 0.25")]);

@@ -231,8 +231,8 @@ fn prepare(plan: &Plan<'_>) -> Result<Vec<Prepared>, ParameterError> {
         let changes: Vec<Change> =
             pairs.map(|(range, value)| Change::new(&scenes::key_of(&range.key), value)).collect();
         let label = changes.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
-        let changed =
-            scenes::changed(&text, &changes).map_err(|error| ParameterError::Usage(format!("--over {error}")))?;
+        let changed = scenes::changed(&text, &scenes::folder(plan.file), &changes)
+            .map_err(|error| ParameterError::Usage(format!("--over {error}")))?;
         let scene = scenes::parse(&changed, plan.file).map_err(|error| refused(&label, error))?;
         points.push(Prepared { values, label, scene });
     }

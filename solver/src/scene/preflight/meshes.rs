@@ -1,0 +1,61 @@
+//! Checks of meshes from files: their unit of length, their place, and triangles that were dropped.
+//!
+//! Files of CAD programs have no unit of length. A mesh whose longest side is beyond `1/30` to 30 times the longest side of the domain is in
+//! another unit; the remedy names the first unit with which its longest side is within this range and at most that of the domain.
+
+use crate::scene::Scene;
+use crate::scene::document::DocumentPath;
+use crate::scene::error::{Fault, short};
+use crate::surface::Shape;
+
+/// Largest plausible ratio of the sizes of a mesh and the domain, and of the domain and a mesh.
+const RATIO: f64 = 30.0;
+
+/// Units of length, m.
+const UNITS: [(&str, f64); 5] =
+    [("millimetres", 1e-3), ("centimetres", 1e-2), ("inches", 0.0254), ("metres", 1.0), ("micrometres", 1e-6)];
+
+/// Returns the findings on meshes.
+pub(super) fn faults(scene: &Scene) -> Vec<Fault> {
+    scene.wall.iter().enumerate().flat_map(|(index, wall)| of_wall(scene, index, &wall.shape)).collect()
+}
+
+fn of_wall(scene: &Scene, index: usize, shape: &Shape) -> Vec<Fault> {
+    let Shape::Mesh { file, scale, content, .. } = shape else { return Vec::new() };
+    let at = DocumentPath::default().key("wall").index(index).key("shape");
+    let (domain, mut faults) = (&scene.domain, Vec::new());
+    let size = |low: [f64; 3], high: [f64; 3]| (0..3).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
+    let extent = size(domain.min, domain.max);
+    for (low, high) in shape.bounds() {
+        let longest = size(low, high);
+        let fits = |factor: f64| (extent / RATIO..=extent).contains(&(longest * factor));
+        if !(extent / RATIO..=extent * RATIO).contains(&longest) {
+            let sides: Vec<String> = (0..3).map(|axis| rounded(high[axis] - low[axis])).collect();
+            let problem = format!(
+                "'{file}' spans {} m where the longest side of the domain is {} m",
+                sides.join(" x "),
+                short(extent)
+            );
+            let remedy = match UNITS.iter().find(|(_, metres)| fits(metres / scale)) {
+                Some((unit, metres)) => format!("is the file in {unit}? scale = {metres} makes it fit"),
+                None => "give the metres per unit of the file, or the domain that the walls need".into(),
+            };
+            faults.push(at.key("scale").fault(problem, &remedy));
+        } else if (0..3).any(|axis| high[axis] < domain.min[axis] || low[axis] > domain.max[axis]) {
+            let point = |point: [f64; 3]| point.map(rounded).join(", ");
+            let problem = format!("'{file}' lies outside the domain, from ({}) to ({}) m", point(low), point(high));
+            faults.push(at.key("translate").fault(problem, "move the mesh, or enlarge [domain]"));
+        }
+    }
+    let [flat, repeated] = content.dropped();
+    if flat + repeated > 0 {
+        let problem =
+            format!("'{file}' has {flat} triangles without area and {repeated} repeated ones, which are dropped");
+        faults.push(at.key("file").fault(problem, "check the export if the surface has holes"));
+    }
+    faults
+}
+
+fn rounded(value: f64) -> String {
+    short(format!("{value:.3e}").parse().unwrap_or(value))
+}

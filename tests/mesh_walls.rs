@@ -1,0 +1,63 @@
+//! Scenes with walls from CAD files, from the file to the picture.
+
+use crate::support::makadam;
+use std::path::Path;
+
+/// The hopper with its file, in a folder.
+fn hopper(folder: &Path) {
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/scenes/hopper");
+    for name in ["scene.toml", "funnel.stl"] {
+        std::fs::copy(source.join(name), folder.join(name)).unwrap();
+    }
+}
+
+#[test]
+fn a_run_with_a_mesh_goes_on_without_its_file() {
+    let folder = tempfile::tempdir().unwrap();
+    hopper(folder.path());
+    // The path is relative to the scene, not to the current folder.
+    let inner = folder.path().join("elsewhere");
+    std::fs::create_dir(&inner).unwrap();
+    let run = ["run", "../scene.toml", "--set", "duration=0.1", "-o", "out", "--quiet"];
+    makadam(&inner).args(run).assert().success();
+    std::fs::remove_file(folder.path().join("funnel.stl")).unwrap();
+    makadam(&inner).args(["picture", "out", "-o", "last.png"]).assert().success();
+    assert!(inner.join("last.png").metadata().unwrap().len() > 10_000);
+    makadam(&inner).args(["view", "out", "-o", "page.html"]).assert().success();
+    makadam(&inner).args(["export", "out", "--format", "vtp"]).assert().success();
+    let output = makadam(&inner).args(run).assert().code(2);
+    let errors = String::from_utf8_lossy(&output.get_output().stderr).into_owned();
+    assert!(errors.contains("funnel.stl' cannot be read") && errors.contains("scene.toml:18"), "{errors}");
+}
+
+#[test]
+fn other_codes_get_the_triangles_or_refuse() {
+    let folder = tempfile::tempdir().unwrap();
+    hopper(folder.path());
+    let export = |code: &str| makadam(folder.path()).args(["export", "scene.toml", "--for", code, "-o", code]).assert();
+    export("liggghts").success();
+    export("yade").success();
+    let facets = |code: &str| {
+        let entries = std::fs::read_dir(folder.path().join(code)).unwrap().map(|entry| entry.unwrap().path());
+        let texts = entries.filter_map(|path| std::fs::read_to_string(path).ok());
+        texts.map(|text| text.matches("outer loop").count()).collect::<Vec<_>>()
+    };
+    for code in ["liggghts", "yade"] {
+        assert!(facets(code).contains(&32), "{code}: {:?}", facets(code));
+    }
+    let output = export("lammps").failure();
+    let errors = String::from_utf8_lossy(&output.get_output().stderr).into_owned();
+    assert!(errors.contains("no region like a mesh of triangles"), "{errors}");
+}
+
+#[test]
+fn check_names_the_unit_of_a_file() {
+    let folder = tempfile::tempdir().unwrap();
+    hopper(folder.path());
+    let text = std::fs::read_to_string(folder.path().join("scene.toml")).unwrap();
+    std::fs::write(folder.path().join("large.toml"), text.replace(", scale = 0.001", "")).unwrap();
+    let output = makadam(folder.path()).args(["check", "large.toml"]).assert();
+    let output = output.get_output();
+    let said = format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert!(said.contains("is the file in millimetres? scale = 0.001 makes it fit"), "{said}");
+}
