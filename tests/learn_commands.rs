@@ -236,7 +236,7 @@ fn unknown_words_are_answered_with_a_way_or_without_a_guess() {
     let folder = tempfile::tempdir().unwrap();
     for (change, code, words, never) in [
         ("wall.shell.mesh=\"drum.stl\"", 3, "walls have no meshes", "did you mean"),
-        ("insert.rate=3", 2, "insert grains from Python", "did you mean"),
+        ("insert.rate=3", 2, "grains that come during a run are an [[insert]]", "did you mean"),
         ("wall.shell.motion.rpm=20", 3, "rate = rpm * 0.10472", "did you mean"),
         ("population.diameter=0.01", 3, "sizes are given as radius", "did you mean"),
         ("friction=0.3", 3, "it is a key of a material", "did you mean"),
