@@ -244,6 +244,17 @@ fn grains_on_slopes(tilt: f64, codes: &[&dyn Code]) {
 }
 
 #[test]
+fn a_surface_velocity_carries_grains() {
+    let belt = wall("grain", "kind = 'disc', centre = [0, 0, 0], normal = [0, 0, 1], radius = 0.05", FIXED);
+    let body = belt + "surface_velocity = [0, 0.1, 0]\n" + &grain([0.0, 0.0, RADIUS], [0.0; 3]);
+    in_these(&[&Liggghts::default()], &scene(GRAVITY, 0.1, 0.01, &body), 0.05, |code, recording| {
+        let last = recording.frames.last().unwrap();
+        close(code, "speed on the belt", last.particles[0].velocity[1], 0.1 * 2.0 / 7.0, 0.002);
+        close(code, "spin on the belt", last.particles[0].spin[0] * RADIUS, 0.1 * 5.0 / 7.0, 0.004);
+    });
+}
+
+#[test]
 fn every_grain_of_a_small_packing_is_in_balance() {
     let mut body = wall("rough", "kind = 'box', min = [0, 0, 0], max = [0.031, 0.029, 0.2], open = ['+z']", FIXED);
     for index in 0..12 {

@@ -13,6 +13,7 @@ use super::deck::{DeckRun, HAS, data, manifest, render, values};
 use super::input::{AXES, Palette, Plan, Primitive, primitives, stl};
 use super::process::{Program, installed};
 use super::{Code, CodeError, HERTZ_MINDLIN, Job, Purpose, supported_start};
+use makadam::effects::SURFACE_VELOCITY;
 use makadam::scene::{Domain, Grain, Motion, Shape, TriangleMesh};
 use makadam::snapshot::Snapshot;
 use makadam_frames::output::mesh::{COARSE, FINE, Mesh, wall_mesh};
@@ -65,7 +66,7 @@ impl Code for Liggghts {
 
 /// Writes deck, grains, meshes and manifest into the job's folder; returns the coordinates of deck and dumps.
 fn write_input(job: &Job<'_>) -> Result<(Plan, Turn), CodeError> {
-    let grains = supported_start(NAME, &HAS, job)?;
+    let grains = supported_start(NAME, &[&HAS[..], &[&SURFACE_VELOCITY]].concat(), job)?;
     let plan = Plan::new(job.scene, job.rayleigh_fraction * job.scene.rayleigh_step(&grains));
     let (turn, scene, grains) = match job.purpose {
         Purpose::Measuring => (Turn::default(), job.scene.clone(), grains),
@@ -121,7 +122,11 @@ fn deck(
         // Contacts retain their history from one triangle of a curved surface to the next.
         let curved = || format!(" curvature {:.6} curvature_tolerant yes", 1.2 * mesh.bend);
         let curvature = if mesh.bend > 0.0 { curved() } else { String::new() };
-        context! { wall, kind => kind(*wall), curvature }
+        let belt = match scene.wall[*wall].surface_velocity {
+            [0.0, 0.0, 0.0] => String::new(),
+            [x, y, z] => format!(" surface_vel {x:.17e} {y:.17e} {z:.17e}"),
+        };
+        context! { wall, kind => kind(*wall), curvature, belt }
     });
     let primitives = walls.primitives.iter().map(|(wall, words)| context! { kind => kind(*wall), words });
     let own = context! {
@@ -257,6 +262,7 @@ impl Turn {
         for wall in &mut turned.wall {
             self.shape(&mut wall.shape);
             self.motion(&mut wall.motion);
+            wall.surface_velocity = self.forth(wall.surface_velocity);
         }
         turned
     }
@@ -351,7 +357,8 @@ impl Walls {
         let mut walls = Walls { purpose, meshes: Vec::new(), primitives: Vec::new() };
         for (place, (wall, found)) in scene.wall.iter().zip(&found).enumerate() {
             let words: Option<Vec<String>> = found.iter().map(|primitive| words(primitive, grains)).collect();
-            match words.filter(|words| !words.is_empty()) {
+            // Only meshes have a surface velocity.
+            match words.filter(|words| !words.is_empty() && wall.surface_velocity == [0.0; 3]) {
                 Some(words) => walls.primitives.extend(words.into_iter().map(|words| (place, words))),
                 None => {
                     let mesh = wall_mesh(&wall.shape, &scene.domain, smallest, fineness);
