@@ -5,7 +5,6 @@ mod contracts;
 mod edges;
 mod files;
 mod surfaces;
-mod timing;
 
 use crate::common::Setup;
 use makadam::scene::{Motion, Scene, Shape, TriangleMesh, Wall};
