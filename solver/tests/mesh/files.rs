@@ -139,7 +139,7 @@ fn a_mesh_in_millimetres_is_found_by_its_size() {
             .collect::<Vec<_>>()
     };
     assert_eq!(of(1.0), Vec::<String>::new());
-    assert_eq!(of(2.4), Vec::<String>::new());
+    assert_eq!(of(20.0), Vec::<String>::new());
     let expected = "wall[0].shape.scale: 'box' spans 40 x 50 x 80 m where the longest side of the domain is 0.2 m; is the file in \
                     millimetres? scale = 0.001 makes it fit";
     assert_eq!(of(1000.0), [expected]);

@@ -5,7 +5,6 @@ mod contracts;
 mod edges;
 mod files;
 mod surfaces;
-mod timing;
 
 use crate::common::Setup;
 use makadam::scene::{Motion, Scene, Shape, TriangleMesh, Wall};
@@ -22,7 +21,7 @@ pub fn mesh(name: &str, triangles: &[Corners]) -> Wall {
     Wall::new(name, "wall", Shape::mesh(name, mesh))
 }
 
-/// The same, with a motion.
+/// A wall of triangles with a motion.
 pub fn moving(name: &str, triangles: &[Corners], motion: Motion) -> Wall {
     mesh(name, triangles).moving(motion)
 }

@@ -1,7 +1,7 @@
 //! Checks of meshes from files: their unit of length, their place, and triangles that were dropped.
 //!
-//! Files of CAD programs have no unit of length. A mesh whose longest side is beyond `1/30` to 30 times the longest side of the domain is in
-//! another unit; the remedy names the first unit with which its longest side is within this range and at most that of the domain.
+//! Files of CAD programs have no unit of length. A mesh whose longest side is beyond `1/10` to 10 times the longest side of the domain is in
+//! another unit; the remedy names the unit of the largest mesh within this range whose longest side is at most that of the domain.
 
 use crate::scene::Scene;
 use crate::scene::document::DocumentPath;
@@ -9,11 +9,11 @@ use crate::scene::error::{Fault, short};
 use crate::surface::Shape;
 
 /// Largest plausible ratio of the sizes of a mesh and the domain, and of the domain and a mesh.
-const RATIO: f64 = 30.0;
+const RATIO: f64 = 10.0;
 
-/// Units of length, m.
+/// Units of length, m, the longest first.
 const UNITS: [(&str, f64); 5] =
-    [("millimetres", 1e-3), ("centimetres", 1e-2), ("inches", 0.0254), ("metres", 1.0), ("micrometres", 1e-6)];
+    [("metres", 1.0), ("inches", 0.0254), ("centimetres", 1e-2), ("millimetres", 1e-3), ("micrometres", 1e-6)];
 
 /// Returns the findings on meshes.
 pub(super) fn faults(scene: &Scene) -> Vec<Fault> {
