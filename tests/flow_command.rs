@@ -70,7 +70,8 @@ fn tables_summary_and_observables_agree_on_what_came_and_went() {
     assert_eq!((grains[0], *mass_in.last().unwrap()), (0.0, number(&came["mass"])));
 
     // What is read from the folder is what the run has measured.
-    let measured: Value = serde_json::from_str(&said(folder, &["measure", "out", "--scene", "stream.toml", "--json"])).unwrap();
+    let measured: Value =
+        serde_json::from_str(&said(folder, &["measure", "out", "--scene", "stream.toml", "--json"])).unwrap();
     assert!(measured.to_string().contains(&number(&went["mass"]).to_string()), "{measured}");
     let text = said(folder, &["run", "stream.toml", "--output", "again"]);
     assert!(text.contains("insert[0]") && text.contains("remove[0]") && !text.contains("late by"), "{text}");

@@ -99,11 +99,7 @@ impl World {
             moves.places.push(next);
             next += 1;
         }
-        let mut id = 0;
-        for new_id in moves.ids.iter_mut().flatten() {
-            *new_id = id;
-            id += 1;
-        }
+        (0..).zip(moves.ids.iter_mut().flatten()).for_each(|(id, new_id)| *new_id = id);
         let stay = next as usize;
         self.ids.truncate(stay);
         self.ids.iter_mut().for_each(|id| *id = moves.ids[*id as usize].unwrap_or(GONE));
