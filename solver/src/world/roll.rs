@@ -99,9 +99,7 @@ impl World {
             moves.places.push(next);
             next += 1;
         }
-        for (id, new_id) in (0..).zip(moves.ids.iter_mut().flatten()) {
-            *new_id = id;
-        }
+        (0..).zip(moves.ids.iter_mut().flatten()).for_each(|(id, new_id)| *new_id = id);
         let stay = next as usize;
         self.ids.truncate(stay);
         self.ids.iter_mut().for_each(|id| *id = moves.ids[*id as usize].unwrap_or(GONE));

@@ -311,8 +311,8 @@ fn survey(
         survey.changes |= !frame.has_same_grains(last);
         for (name, distinct) in CONSTANT.iter().zip(&mut survey.distinct) {
             let values = frame.quantity(name).map(|quantity| quantity.values).unwrap_or_default();
-            let [least, most] = range_of(&values);
-            let ends = [least, most].into_iter().filter(|_| !values.is_empty());
+            let ends: [fn(f64, f64) -> f64; 2] = [f64::min, f64::max];
+            let ends = ends.iter().filter_map(|choose| values.iter().copied().reduce(choose));
             let room = MOST_DISTINCT.saturating_sub(distinct.len());
             distinct.extend(values.iter().take(room).copied().chain(ends).map(f64::to_bits));
         }
