@@ -222,7 +222,11 @@ fn all() -> Scene {
     let text = text(&[("", lines.into())], "")
         .replacen("gravity =", "gravity_changes = [{ time = 0.1, gravity = [0.0, 0.0, -9.0] }]\ngravity =", 1)
         .replacen("max = [1, 1, 1]", "max = [1, 1, 1], periodic = ['x']", 1)
-        .replacen("[[grain]]", &format!("motion = {{ kind = 'translating', velocity = [1, 0, 0] }}\n{lid}"), 1)
+        .replacen(
+            "[[grain]]",
+            &format!("motion = {{ kind = 'translating', velocity = [1, 0, 0] }}\nsurface_velocity = [0, 1, 0]\n{lid}"),
+            1,
+        )
         .replacen("[[grain]]", &format!("{flow}[[grain]]"), 1);
     let mut scene = parse(&text).unwrap();
     // A fall of restitution goes with rigid contacts, viscosity with the others; nothing is simulated here.
