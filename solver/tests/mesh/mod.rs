@@ -4,6 +4,7 @@ mod contacts;
 mod contracts;
 mod edges;
 mod files;
+mod streams;
 mod surfaces;
 
 use crate::common::Setup;
