@@ -147,8 +147,12 @@ fn walls(scene: &Scene) -> Checked {
                     let remedy = "parse the scene with its folder, or create the shape by Shape::mesh";
                     return Err(shape.key("file").fault(format!("'{file}' has not been read"), remedy));
                 }
-                let far =
-                    wall.shape.bounds().iter().flat_map(|(low, high)| low.iter().chain(high)).any(|x| !(x.abs() < 1e6));
+                let far = wall
+                    .shape
+                    .bounds()
+                    .iter()
+                    .flat_map(|(low, high)| low.iter().chain(high))
+                    .any(|x| x.is_nan() || x.abs() >= 1e6);
                 if far {
                     let problem = format!("'{file}' has corners beyond 1e6 m");
                     return Err(shape

@@ -56,7 +56,9 @@ impl TriangleMesh {
             return Err(format!("has {} triangles; give at most {MOST_TRIANGLES}", triangles.len()));
         }
         let coordinates = || triangles.iter().flatten().flatten();
-        if let Some(number) = triangles.iter().position(|corners| corners.iter().flatten().any(|x| !(x.abs() < 1e30))) {
+        if let Some(number) =
+            triangles.iter().position(|corners| corners.iter().flatten().any(|x| x.is_nan() || x.abs() >= 1e30))
+        {
             return Err(format!("has a corner that is not finite in triangle {}; export it again", number + 1));
         }
         let mut welder =

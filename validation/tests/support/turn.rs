@@ -85,7 +85,7 @@ pub fn turned(turn: &Turn, scene: &MeasuredScene, frames: &[Snapshot]) -> (Measu
                 turn.vector(normal);
             }
             Shape::Spheres { centres, .. } => centres.iter_mut().for_each(|centre| turn.point(centre)),
-            Shape::Mesh { .. } => panic!("a mesh is turned by no test"),
+            Shape::Mesh { .. } => unreachable!("the turned scenes have no mesh"),
         }
         match &mut wall.motion {
             Motion::Fixed => {}
