@@ -67,7 +67,7 @@ fn frames_of_an_unsound_run_or_of_a_part_of_the_window_are_noted() {
     };
     let warned = [
         "--set",
-        "solver.step=0.01",
+        "solver.step=0.02",
         "--set",
         "watch.on_energy=\"warn\"",
         "--set",

@@ -22,7 +22,7 @@ fn main() {
     hold_scenes();
 }
 
-/// Writes `scenes.rs`: every reference scene and every table recorded on it, by its path under `reference-scenes`.
+/// Writes `scenes.rs`: every reference scene with its meshes and every table recorded on it, by its path under `reference-scenes`.
 fn hold_scenes() {
     let manifest = PathBuf::from(std::env::var_os("CARGO_MANIFEST_DIR").expect("cargo says it"));
     let root = manifest.join("reference-scenes");
@@ -30,7 +30,10 @@ fn hold_scenes() {
     let mut files = Vec::new();
     for scene in entries(&root) {
         if scene.join("scene.toml").is_file() {
-            files.push(scene.join("scene.toml"));
+            let extensions = ["toml", "stl", "obj"].map(Some);
+            let is_held =
+                |file: &PathBuf| extensions.contains(&file.extension().and_then(|extension| extension.to_str()));
+            files.extend(entries(&scene).into_iter().filter(is_held));
             let tables = entries(&scene.join("reference")).into_iter();
             files.extend(tables.filter(|file| file.extension().is_some_and(|extension| extension == "csv")));
         }

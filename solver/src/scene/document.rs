@@ -8,11 +8,15 @@ use std::path::{Path, PathBuf};
 use toml::de::{DeTable, DeValue, Deserializer};
 use toml::{Spanned, Table, Value};
 
+/// Function that returns the content of a file.
+pub type Reader = fn(&Path) -> std::io::Result<Vec<u8>>;
+
 /// Text of a scene with the position of each value, and the folder of the files that it names.
 #[derive(Clone)]
 pub struct Document<'t> {
     text: &'t str,
     folder: PathBuf,
+    reader: Reader,
     root: Spanned<DeTable<'t>>,
 }
 
@@ -23,7 +27,7 @@ impl<'t> Document<'t> {
     /// [`SceneError::Invalid`] with the line, if the text is not TOML.
     pub fn parse(text: &'t str) -> Result<Document<'t>, SceneError> {
         let root = DeTable::parse(text).map_err(|error| SceneError::from_toml(text, &error))?;
-        Ok(Document { text, folder: PathBuf::new(), root })
+        Ok(Document { text, folder: PathBuf::new(), reader: |path| std::fs::read(path), root })
     }
 
     /// Sets the folder of the files that the text names by relative paths; default: the current folder.
@@ -31,9 +35,16 @@ impl<'t> Document<'t> {
         Document { folder: folder.into(), ..self }
     }
 
-    /// Returns the folder of the files that the text names by relative paths.
-    pub(super) fn folder(&self) -> &Path {
-        &self.folder
+    /// Sets the function that reads files; default: from the disk.
+    pub fn reading_with(self, reader: Reader) -> Document<'t> {
+        Document { reader, ..self }
+    }
+
+    /// Returns the path of a file that the text names, and its content.
+    pub(super) fn file(&self, name: &str) -> (PathBuf, std::io::Result<Vec<u8>>) {
+        let path = self.folder.join(name);
+        let content = (self.reader)(&path);
+        (path, content)
     }
 
     /// Reads all tables into a type.

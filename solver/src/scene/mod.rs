@@ -200,7 +200,7 @@ impl Scene {
     pub fn read(document: &Document<'_>) -> Result<Scene, SceneError> {
         let mut scene: Scene = document.read()?;
         document.first_unread(&scene).map_or(Ok(()), Err)?;
-        scene.read_meshes(document.folder())?;
+        scene.read_meshes(document)?;
         check::check(&scene)?;
         if let Some(accuracy) = scene.accuracy {
             check::chosen_twice(document)?;
@@ -211,13 +211,13 @@ impl Scene {
     }
 
     /// Reads the files of meshes, unless the scene holds their triangles.
-    fn read_meshes(&mut self, folder: &Path) -> Checked {
+    fn read_meshes(&mut self, document: &Document<'_>) -> Checked {
         for (index, wall) in self.wall.iter_mut().enumerate() {
             let Shape::Mesh { file, content, .. } = &mut wall.shape else { continue };
             if content.is_empty() {
                 let at = || DocumentPath::default().key("wall").index(index).key("shape").key("file");
-                let path = folder.join(&*file);
-                let bytes = std::fs::read(&path).map_err(|error| {
+                let (path, bytes) = document.file(file);
+                let bytes = bytes.map_err(|error| {
                     let remedy = "give the path of an STL or OBJ file, relative to the folder of the scene";
                     at().fault(format!("'{}' cannot be read: {error}", path.display()), remedy)
                 })?;

@@ -114,8 +114,12 @@ impl MeasuredScene {
 
     /// Reads and checks the text of a scene; `folder` is the folder of the files that the text names by relative paths.
     pub fn parse_in(text: &str, folder: &Path) -> Result<MeasuredScene, SceneError> {
-        let document = Document::parse(text)?.in_folder(folder);
-        let simulated = makadam::scene::Scene::read(&document)?;
+        MeasuredScene::read(&Document::parse(text)?.in_folder(folder))
+    }
+
+    /// Reads and checks a document.
+    pub fn read(document: &Document<'_>) -> Result<MeasuredScene, SceneError> {
+        let simulated = makadam::scene::Scene::read(document)?;
         let Tables { prepare, measure, output, compare } = document.read()?;
         let scene = MeasuredScene { simulated, prepare, measure, output, compare };
         scene.check()?;

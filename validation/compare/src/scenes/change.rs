@@ -3,7 +3,6 @@
 //! The text is changed at the position of the value, so that every other line keeps its number, and then read like any other.
 
 use makadam::scene::{suggestion, wish};
-use makadam_frames::plan::MeasuredScene;
 use std::fmt;
 use std::path::Path;
 use std::str::FromStr;
@@ -103,7 +102,7 @@ pub fn changed(text: &str, folder: &Path, changes: &[Change]) -> Result<String, 
 
 /// Returns the scene with all defaults: the values of a table that the text omits.
 fn defaults(text: &str, folder: &Path) -> Option<Item> {
-    let scene = MeasuredScene::parse_in(text, folder).ok()?;
+    let scene = super::plan(text, folder).ok()?;
     let written = toml::to_string(&scene).ok()?;
     Some(written.parse::<DocumentMut>().ok()?.as_item().clone())
 }

@@ -7,7 +7,7 @@ mod change;
 mod schema;
 
 pub use change::{Change, ChangeError, changed, key_of};
-use makadam::scene::{SceneFileError, suggestion};
+use makadam::scene::{Document, SceneFileError, suggestion};
 use makadam_frames::plan::MeasuredScene;
 use makadam_measure::observables::catalogue;
 pub use schema::{page, schema};
@@ -155,10 +155,15 @@ pub fn load(file: &Path) -> Result<MeasuredScene, SceneError> {
 
 /// Reads and checks the text of a scene; `file` is its file in messages.
 pub fn parse(text: &str, file: &Path) -> Result<MeasuredScene, SceneError> {
-    let scene = MeasuredScene::parse_in(text, &folder(file));
+    let scene = plan(text, &folder(file));
     let scene = scene.map_err(|error| error.in_file(file, Some(text)))?;
     catalogue::check(&scene, text, file)?;
     Ok(scene)
+}
+
+/// Reads and checks the text of a scene in a folder, which may be in the program.
+fn plan(text: &str, folder: &Path) -> Result<MeasuredScene, makadam::scene::SceneError> {
+    MeasuredScene::read(&Document::parse(text)?.in_folder(folder).reading_with(read))
 }
 
 /// First part of the paths into the program; the rest is as under `reference-scenes`.

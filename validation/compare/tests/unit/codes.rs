@@ -8,13 +8,21 @@ const REFUSED: [(&str, &[&Effect], &[&str]); 2] = [
     (
         "YADE",
         &yade::HAS,
-        &["changing gravity", "periodic axes", "falling restitution", "kinetic friction", "twisting resistance"],
+        &[
+            "changing gravity",
+            "surface velocity",
+            "periodic axes",
+            "falling restitution",
+            "kinetic friction",
+            "twisting resistance",
+        ],
     ),
     (
         "LIGGGHTS and LAMMPS",
         &deck::HAS,
         &[
             "changing gravity",
+            "surface velocity",
             "driven walls",
             "periodic axes",
             "falling restitution",
