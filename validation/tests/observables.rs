@@ -445,3 +445,19 @@ fn walls_of_unknown_place_are_not_measured_by() {
     let reason = &left.iter().find(|one| one.observable == "packing_fraction").unwrap().reason;
     assert!(reason.contains("poses of driven walls"), "{reason}");
 }
+
+#[test]
+fn grains_of_a_source_have_the_friction_of_their_material() {
+    let text = include_str!("../../tests/scenes/smoke.toml");
+    let text =
+        text.replace("[[population]]\ncount", "[[insert]]\ntotal").replace("spacing = 1.1\nagitation = 0.1\n", "");
+    let scene = MeasuredScene::parse(&text).unwrap();
+    let mut simulation = makadam::Simulation::builder(&scene).time_step(1e-3).build().unwrap();
+    (0..1500).for_each(|_| {
+        simulation.step();
+    });
+    assert!(simulation.grains() > 150);
+    // Two supports hold a grain with friction; without, four do, and a loose bed unravels.
+    let rattlers = value(&measure(&scene, &recording(vec![simulation.snapshot()])), "rattler_share");
+    assert!(rattlers < 0.3, "{rattlers}");
+}

@@ -11,6 +11,8 @@ const REFUSED: [(&str, &[&Effect], &[&str]); 2] = [
         &[
             "changing gravity",
             "surface velocity",
+            "inflow",
+            "outflow",
             "periodic axes",
             "falling restitution",
             "kinetic friction",
@@ -23,6 +25,8 @@ const REFUSED: [(&str, &[&Effect], &[&str]); 2] = [
         &[
             "changing gravity",
             "surface velocity",
+            "inflow",
+            "outflow",
             "driven walls",
             "periodic axes",
             "falling restitution",

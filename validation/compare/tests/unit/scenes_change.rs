@@ -1,6 +1,7 @@
 //! Unit tests of `src/scenes/change.rs`.
 
 use super::*;
+use makadam_frames::plan::MeasuredScene;
 
 fn drum() -> String {
     crate::scenes::text(&crate::scenes::find("drum", &[]).unwrap()).unwrap()

@@ -75,11 +75,6 @@ impl Roster {
         let after = self.groups.partition_point(|group| group.first <= number);
         self.groups[..after].last().filter(|group| number < group.first + group.count)
     }
-
-    /// Returns the materials of the scene's grains, with repetitions.
-    pub fn materials(&self) -> impl Iterator<Item = usize> + '_ {
-        self.groups.iter().map(|group| usize::from(group.kind.material))
-    }
 }
 
 /// Returns a number that is constant over the run, from a grain's id in a frame: its number in the scene, or one that no other grain of the run has.

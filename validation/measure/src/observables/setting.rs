@@ -35,8 +35,11 @@ impl<'a> Properties<'a> {
 
     /// Returns true if the scene has friction between grains.
     pub fn frictional(&self) -> bool {
-        let rubs = |a: usize| self.roster.materials().any(|b| self.grain_contacts[a][b].friction > 0.0);
-        self.roster.materials().any(rubs)
+        let materials = || {
+            let names = self.scene.grain_kinds().map(|(name, _)| name);
+            names.filter_map(|name| self.scene.material.keys().position(|known| known == name))
+        };
+        materials().any(|a| materials().any(|b| self.grain_contacts[a][b].friction > 0.0))
     }
 
     /// Returns true if the direction of gravity, or its absence, may change over time.
