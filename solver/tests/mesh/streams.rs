@@ -71,7 +71,7 @@ fn run(kind: u64, time: f64) -> [u64; 2] {
         // Below the brim the centres are inside the funnel: its radius at this height, its displacement, and its shaking.
         let (cone, tube) = ((z / 0.05).clamp(0.0, 1.0), ((z - 0.05) / 0.07).clamp(0.0, 1.0));
         let inside = 0.013 + 0.017 * cone + 1e-3 * (kind % 7) as f64 * (cone + tube) + 5e-4;
-        assert!(z < 0.0 || z > 0.12 || x.hypot(y) < inside, "funnel {kind}: {grain:?}");
+        assert!(!(0.0..=0.12).contains(&z) || x.hypot(y) < inside, "funnel {kind}: {grain:?}");
     }
     simulation.passed().map(|passed| passed.grains)
 }

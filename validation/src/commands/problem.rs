@@ -102,7 +102,9 @@ fn export(arguments: &ExportArguments, console: &Console) -> Result<ExitCode, Fa
     if posed.lanes.is_none() {
         console.warn("the sweeps over lanes did not converge; the file is written without their answer");
     }
-    let solved = arguments.siconos.then(|| problem::solve(&posed, Method::Siconos, &Settings::DEFAULT)).transpose();
+    // A written answer is compared with others at the default tolerance, and is more accurate.
+    let settings = Settings { tolerance: 0.1 * Settings::DEFAULT.tolerance, ..Settings::DEFAULT };
+    let solved = arguments.siconos.then(|| problem::solve(&posed, Method::Siconos, &settings)).transpose();
     let answer = solved
         .map_err(|why| Failure::Running(format!("siconos: {why}; without --siconos the problem alone is written")))?;
     problem::write(&arguments.output, &posed, answer.as_ref().map(|answer| answer.impulses.as_slice()))?;
