@@ -88,3 +88,15 @@ fn a_wall_on_a_drive_has_no_belt() {
     let error = Scene::parse(&text).unwrap_err().to_string();
     assert!(error.contains("wall[0].surface_velocity") && error.contains("leave it out"), "{error}");
 }
+
+#[test]
+fn the_watchdog_counts_the_work_of_a_belt() {
+    let mut scene = scene();
+    scene.watch.every = 1;
+    let mut simulation = Simulation::new(&scene, 1).unwrap();
+    let mut watchdog = makadam::watch::Watchdog::new(&scene.watch, &simulation);
+    for _ in 0..400 {
+        let report = simulation.step();
+        assert_eq!(watchdog.observe(&simulation, &report).first(), None);
+    }
+}

@@ -482,3 +482,15 @@ fn bad_sources_and_sinks_are_refused_with_key_and_remedy() {
         assert!(words.iter().all(|word| error.contains(word)), "{words:?} in {error}");
     }
 }
+
+#[test]
+fn a_source_needs_no_gravity() {
+    let mut scene = scene(format!("{SHAFT}{}", source("rate = 100").replace("[0, 0, -0.5]", "[0, 0, 0]")));
+    (scene.gravity, scene.duration) = ([0.0; 3], 0.3);
+    let mut simulation = start(&scene);
+    while simulation.time() < scene.duration {
+        simulation.step();
+        assert!(report(&simulation).lags[0] <= report(&simulation).usual_lag + 1e-9);
+    }
+    assert!(counts(&simulation)[0] >= 28, "{:?}", counts(&simulation));
+}

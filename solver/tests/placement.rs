@@ -102,6 +102,8 @@ fn bad_placements_are_refused() {
     let fixed = "placement = \"random\"\nradius = { kind = \"fixed\", value = 0.01 }";
     refused(&format!("count = 300\n{fixed}"), &["population[0].count", "no free place", "enlarge the region"]);
     refused(&format!("count = 3\nspacing = 1.3\n{fixed}"), &["population[0].spacing", "random", "leave it out"]);
+    let large = "count = 1\nplacement = \"random\"\nradius = { kind = \"fixed\", value = 0.06 }";
+    refused(large, &["population[0].region", "0.1 m wide", "0.12 m"]);
     let sieve = |values: &str| format!("count = 3\nradius = {{ kind = \"sieve\", {values} }}");
     refused(&sieve("diameters = [0.001, 0.002], passing = [0.0, 100.0]"), &["passing", "100"]);
     refused(&sieve("diameters = [0.001, 0.002], passing = [0.2, 1.0]"), &["passing", "begin with 0"]);

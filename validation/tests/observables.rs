@@ -461,3 +461,28 @@ fn grains_of_a_source_have_the_friction_of_their_material() {
     let rattlers = value(&measure(&scene, &recording(vec![simulation.snapshot()])), "rattler_share");
     assert!(rattlers < 0.3, "{rattlers}");
 }
+
+#[test]
+fn what_went_into_a_sink_counts_after_the_last_grain() {
+    let text = include_str!("../../tests/scenes/smoke.toml")
+        .replace("open = [\"+z\"]", "open = [\"-z\", \"+z\"]")
+        .replace("observables = [\"balances\"", "from = 0.1\nobservables = [\"discharge\", \"balances\"")
+        + "\n[[remove]]\nregion = { kind = \"box\", min = [-0.03, -0.03, -0.01], max = [0.03, 0.03, 0.0] }\n";
+    let scene = MeasuredScene::parse(&text).unwrap();
+    let mut simulation = makadam::Simulation::builder(&scene).time_step(1e-3).build().unwrap();
+    let frames: Vec<Snapshot> = (0..9)
+        .map(|_| {
+            let frame = simulation.snapshot();
+            (0..50).for_each(|_| {
+                simulation.step();
+            });
+            frame
+        })
+        .collect();
+    let (first, last) = (frames[2].passed[1], frames[8].passed[1]);
+    assert!(frames[8].particles.is_empty() && last.grains == 200 && first.grains < 200);
+    let measured = measure(&scene, &recording(frames));
+    assert_abs_diff_eq!(value(&measured, "discharged_mass"), last.mass, epsilon = 1e-15);
+    assert_abs_diff_eq!(value(&measured, "mass_flow_rate"), (last.mass - first.mass) / 0.3, epsilon = 1e-9);
+    assert!(measured.iter().all(|one| one.value.is_finite()), "{measured:?}");
+}

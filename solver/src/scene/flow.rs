@@ -59,7 +59,7 @@ impl Region {
     }
 
     /// Returns the volume, m3, and the smallest extent, m.
-    fn size(&self) -> (f64, f64) {
+    pub(super) fn size(&self) -> (f64, f64) {
         match self {
             Region::Box { min, max } => {
                 let widths: [f64; 3] = std::array::from_fn(|axis| max[axis] - min[axis]);

@@ -1,6 +1,6 @@
 //! Initial grains: generated once from the scene and a seed, the same for every code.
 
-use super::error::{Fault, Step};
+use super::error::{Fault, Step, short};
 use super::{Domain, Placement, Population, Region, Scene, SceneError};
 use crate::laws::period::Period;
 use crate::surface::Surface;
@@ -107,6 +107,8 @@ fn reserve<T>(list: &mut Vec<T>, more: usize) -> Result<(), Unplaced> {
 enum Misfit {
     /// After this number of grains, no free place was found at random.
     Full(usize),
+    /// The region is this wide, and the largest grain has this diameter, m.
+    Narrow(f64, f64),
     /// The region has only this number of lattice sites.
     TooSmall(usize),
     /// The region has this number of lattice sites, too many for a list.
@@ -126,6 +128,11 @@ impl Misfit {
                     population.count
                 ),
                 "enlarge the region or lower the count: random places fill some 0.3 of a region with grains of one size",
+            ),
+            Misfit::Narrow(width, diameter) => (
+                "region",
+                format!("it is {} m wide, and the largest grain has a diameter of {} m", short(width), short(diameter)),
+                "enlarge the region or lower the radius: grains lie entirely inside",
             ),
             Misfit::TooSmall(sites) => (
                 "count",
@@ -193,6 +200,10 @@ fn random_places(
     let radii: Vec<f64> = (0..population.count).map(|_| population.radius.draw(random)).collect();
     let mut order: Vec<usize> = (0..radii.len()).collect();
     order.sort_by(|&one, &other| radii[other].total_cmp(&radii[one]));
+    let ((_, width), diameter) = (population.region.size(), order.first().map_or(0.0, |&largest| 2.0 * radii[largest]));
+    if width < diameter {
+        return Err(Misfit::Narrow(width, diameter));
+    }
     let largest = grains.iter().map(|grain| grain.radius).fold(population.radius.bounds().1, f64::max);
     let mut neighbours = Neighbours::new(&scene.domain, largest);
     grains.iter().for_each(|grain| neighbours.add(&grain.position, grain.radius));

@@ -27,6 +27,9 @@ const TRIES: u64 = 100;
 /// Fewest steps between two rebuilds for grains that are due: a rebuild costs about as much as one to two steps.
 const FEWEST_STEPS: f64 = 16.0;
 
+/// Largest time between two rebuilds for grains that are due, over the duration of the scene: without gravity, grains do not fall.
+const LATEST: f64 = 0.01;
+
 /// Words of the generator for one radius or one place.
 const WORDS: u128 = 1 << 12;
 
@@ -121,7 +124,7 @@ impl Flow {
         // Time in which a grain falls by a mean diameter, from rest or with the velocity of a source.
         let time = |speed: f64| 2.0 * mean / (speed + (speed * speed + 2.0 * gravity * mean).sqrt());
         let speeds = scene.insert.iter().map(|source| Vector3::from(source.velocity).norm());
-        let time = speeds.map(time).fold(time(0.0), f64::min);
+        let time = speeds.map(time).fold(time(0.0), f64::min).min(LATEST * scene.duration);
         let counts = Counts {
             seed,
             inserted: vec![Passed::default(); scene.insert.len()],

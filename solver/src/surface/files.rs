@@ -56,7 +56,7 @@ fn binary(records: &[u8]) -> Vec<Corners> {
 
 fn text_stl(text: &str) -> Result<Vec<Corners>, String> {
     let mut corners = Vec::new();
-    let mut loops = 0;
+    let (mut loops, mut is_whole) = (0, false);
     for (number, line) in text.lines().enumerate() {
         let mut words = line.split_ascii_whitespace();
         match words.next().map(str::to_ascii_lowercase).as_deref() {
@@ -67,11 +67,15 @@ fn text_stl(text: &str) -> Result<Vec<Corners>, String> {
                     return Err(format!("has a facet without three corners in line {}; export it again", number + 1));
                 }
             }
+            Some("endsolid") => is_whole = true,
             _ => {}
         }
     }
     if corners.len() != 3 * loops {
         return Err("ends within a facet; export it again".into());
+    }
+    if !is_whole {
+        return Err("ends without endsolid, so that triangles may be missing; export it again".into());
     }
     Ok(corners.chunks_exact(3).map(|three| [three[0], three[1], three[2]]).collect())
 }

@@ -125,9 +125,9 @@ impl Walls {
         self.faces[face as usize].material
     }
 
-    /// Returns true if at least one wall moves at any time.
-    pub fn any_moves(&self) -> bool {
-        self.walls.iter().any(|wall| wall.movement.moves())
+    /// Returns true if at least one wall does work at any time.
+    pub fn any_works(&self) -> bool {
+        self.walls.iter().any(|wall| wall.movement.works())
     }
 
     /// Returns the indices of the walls that move at any time.

@@ -309,6 +309,11 @@ impl Movement {
         self.steered.is_some() || !matches!(self.motion, Motion::Fixed)
     }
 
+    /// Returns true if the wall does work at any time: it moves, or its surface does.
+    pub fn works(&self) -> bool {
+        self.moves() || self.surface_velocity != Vector::zeros()
+    }
+
     /// Returns an upper bound of the displacement (m) between two times (s) of a point within `radius` (m) of the centre of the motion,
     /// unless the motion maps the wall onto itself. The displacement of a dynamic wall is that since the build of the list.
     pub fn largest_shift(&self, from: f64, to: f64, radius: f64) -> f64 {

@@ -70,8 +70,9 @@ fn what_is_no_mesh_is_refused_with_a_remedy() {
         (&b"solid x\nvertex 1 2\nendloop"[..], "no three numbers in line 2; "),
         (b"solid x\nvertex 1 2 3\nendloop", "without three corners in line 3; "),
         (b"solid x\nvertex 1 2 3\n", "ends within a facet; "),
-        (b"solid x\n", "no triangle with an area; "),
-        (b"solid x\nvertex nan 2 3\nvertex 1 2 3\nvertex 4 5 7\nendloop", "not finite in triangle 1; "),
+        (b"solid x\nvertex 1 2 3\nvertex 2 2 3\nvertex 4 5 7\nendloop\n", "ends without endsolid, "),
+        (b"solid x\nendsolid\n", "no triangle with an area; "),
+        (b"solid x\nvertex nan 2 3\nvertex 1 2 3\nvertex 4 5 7\nendloop\nendsolid", "not finite in triangle 1; "),
         (b"", "neither STL nor OBJ; "),
         (b"name = 'scene'\n", "neither STL nor OBJ; "),
         (&[0xff; 100], "neither STL nor OBJ"),
@@ -104,7 +105,7 @@ fn a_scene_finds_its_files_beside_it_and_is_complete_when_written() {
     std::fs::write(&file, scene_text("box.stl", more)).unwrap();
     let read = Scene::load(&file);
     let missing = Scene::parse_in(&scene_text("none.stl", more), &folder).unwrap_err().to_string();
-    std::fs::write(folder.join("bad.stl"), b"solid").unwrap();
+    std::fs::write(folder.join("bad.stl"), b"solid\nendsolid").unwrap();
     let bad = Scene::parse_in(&scene_text("bad.stl", ""), &folder).unwrap_err().to_string();
     std::fs::remove_dir_all(&folder).unwrap();
     let scene = read.unwrap_or_else(|error| panic!("{error}"));

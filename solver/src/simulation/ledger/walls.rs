@@ -118,7 +118,7 @@ impl Simulation {
     /// Work of the walls on the grains in the last step, J.
     pub(crate) fn work_of_walls(&self) -> f64 {
         let mut work = self.work_outside_of_the_solve;
-        if self.world.walls.any_moves() {
+        if self.world.walls.any_works() {
             self.for_each_wall_contact(|contact| work += contact.work());
         }
         work

@@ -137,8 +137,10 @@ impl Meter {
     pub fn of_frames<F: Frames + ?Sized>(properties: &Properties<'_>, frames: &F) -> Result<Meter, F::Error> {
         let mut meter = Meter::default();
         Wrapped::new(frames, &properties.scene.domain).visit(0..frames.count(), &mut |frame| {
-            let setting = Setting::new(properties, frame);
-            meter.append(Meter::of(&View::new(&setting, frame)));
+            if !frame.particles.is_empty() {
+                let setting = Setting::new(properties, frame);
+                meter.append(Meter::of(&View::new(&setting, frame)));
+            }
         })?;
         Ok(meter)
     }
@@ -160,6 +162,11 @@ impl Meter {
     pub fn read(properties: &Properties<'_>, frame: &Snapshot) -> (Meter, Measured) {
         let frame = frames::wrapped(&properties.scene.domain, frame);
         let setting = Setting::new(properties, &frame);
+        if frame.particles.is_empty() {
+            let meter = Meter::default();
+            let Ok(alone) = meter.finish_with(&setting, &[&*frame][..], None);
+            return (meter, alone);
+        }
         let view = View::new(&setting, &frame);
         let meter = Meter::of(&view);
         let Ok(alone) = meter.finish_with(&setting, &[&*frame][..], Some(&view));
@@ -192,12 +199,16 @@ impl Meter {
     ) -> Result<Option<Measured>, F::Error> {
         let frames = Wrapped::new(frames, &properties.scene.domain);
         let mut setting: Option<Setting<'_>> = None;
-        let first = 0..frames.count().min(1);
-        frames.visit_grains(first, &mut |first| setting = Some(Setting::new(properties, first)))?;
+        for number in 0..frames.count() {
+            frames.visit_grains(number..number + 1, &mut |frame| setting = Some(Setting::new(properties, frame)))?;
+            if frames.grains(number..number + 1) > 0 {
+                break;
+            }
+        }
         setting.map(|setting| self.finish_with(&setting, &frames, None)).transpose()
     }
 
-    /// Measures the frames read so far, with the setting of the first frame; `view` is the view of a single frame.
+    /// Measures the frames read so far, with the setting of the first frame that has grains; `view` is the view of a single frame.
     fn finish_with<F: Frames + ?Sized>(
         &self,
         setting: &Setting<'_>,
@@ -231,11 +242,25 @@ struct Span<'a> {
 }
 
 impl Span<'_> {
+    fn measure_discharge<F: Frames + ?Sized>(&self, frames: &F, measured: &mut Measured) -> Result<(), F::Error> {
+        if self.setting.scene().measure.observables.contains(&Observable::Discharge) {
+            match discharge::measure(self.setting.properties, frames)? {
+                Ok(found) => measured.measurements.extend(found),
+                Err(why) => measured.refuse(Observable::Discharge, &why),
+            }
+        }
+        Ok(())
+    }
+
     fn measure<F: Frames + ?Sized>(&self, frames: &F, measured: &mut Measured) -> Result<(), F::Error> {
         const UNSTEADY: &str = "the direction of gravity changes over the measured frames";
         const NOT_ONE_SENSE: &str = "the drum does not turn in one sense in all measured frames";
         let setting = self.setting;
         let asks = |group: &Observable| setting.scene().measure.observables.contains(group);
+        // Without grains, nothing but the discharge has a value.
+        if setting.diameter <= 0.0 {
+            return self.measure_discharge(frames, measured);
+        }
         let of_bed = [Observable::DynamicAngleOfRepose, Observable::DrumFlow];
         for group in of_bed.iter().chain([&Observable::StaticAngleOfRepose]).filter(|group| asks(group)) {
             if !self.is_steady {
@@ -266,12 +291,7 @@ impl Span<'_> {
                 measured.measurements.extend(drum_flow::measure_mixing(setting, drum, frames)?);
             }
         }
-        if asks(&Observable::Discharge) {
-            match discharge::measure(setting.properties, frames)? {
-                Ok(found) => measured.measurements.extend(found),
-                Err(why) => measured.refuse(Observable::Discharge, &why),
-            }
-        }
+        self.measure_discharge(frames, measured)?;
         if asks(&Observable::StaticAngleOfRepose) && self.is_steady {
             let found = match self.view {
                 Some(view) => view.heap().map_err(String::from).and_then(|heap| static_angle::measure(setting, heap)),
@@ -305,10 +325,15 @@ pub fn series(scene: &MeasuredScene, recording: &Recording) -> Vec<Series> {
     asked.into_iter().flatten().collect()
 }
 
+/// Returns true if a frame with this number of grains can be measured: frames without grains state what went into the sinks of a scene.
+pub fn counts(scene: &MeasuredScene, grains: usize) -> bool {
+    grains > 0 || !scene.remove.is_empty()
+}
+
 /// Returns the measured frames: the frames from `scene.measure.from` on, none if the run ended before; without `from`,
 /// the last frame.
 pub fn measured_frames<'a>(scene: &MeasuredScene, recording: &'a Recording) -> Vec<&'a Snapshot> {
-    let filled: Vec<&Snapshot> = recording.frames.iter().filter(|frame| !frame.particles.is_empty()).collect();
+    let filled: Vec<&Snapshot> = recording.frames.iter().filter(|frame| counts(scene, frame.particles.len())).collect();
     let first = match scene.measure.from {
         Some(_) => filled.iter().position(|frame| scene.measure.covers(frame.time)).unwrap_or(filled.len()),
         None => filled.len().saturating_sub(1),

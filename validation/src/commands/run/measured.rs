@@ -10,7 +10,7 @@ use makadam_frames::plan::MeasuredScene;
 use makadam_frames::run_frames::{Store, StoreMark, StoreWriter};
 pub use makadam_measure::observables::frames::Frames;
 use makadam_measure::observables::setting::Properties;
-use makadam_measure::observables::{Measured, Meter, measure_frames, unmeasured};
+use makadam_measure::observables::{Measured, Meter, counts, measure_frames, unmeasured};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::io::{Error, ErrorKind};
@@ -73,9 +73,9 @@ impl MeasuredFrames {
     /// Measures a frame, and returns its own results.
     pub fn push(&mut self, properties: &Properties<'_>, frame: Snapshot) -> Result<Measured, WriteError> {
         let scene = properties.scene;
-        let (read, alone) = match frame.particles.is_empty() {
-            true => Default::default(),
-            false => Meter::read(properties, &frame),
+        let (read, alone) = match counts(scene, frame.particles.len()) {
+            true => Meter::read(properties, &frame),
+            false => Default::default(),
         };
         if scene.measure.from.is_none() {
             self.last = Some(frame);
@@ -100,7 +100,7 @@ impl MeasuredFrames {
     /// reached this time. `written` are the frames of the run's store.
     pub fn measure(&self, scene: &MeasuredScene, written: &StoreWriter) -> Result<Option<Measured>, Failure> {
         if scene.measure.from.is_none() {
-            let last: Vec<&Snapshot> = self.last.iter().filter(|last| !last.particles.is_empty()).collect();
+            let last: Vec<&Snapshot> = self.last.iter().filter(|last| counts(scene, last.particles.len())).collect();
             let Ok(measured) = measure_frames(scene, &last[..]);
             return Ok(measured);
         }
@@ -121,7 +121,7 @@ impl MeasuredFrames {
 
 /// Returns true if a frame of this time (s) with this number of grains is measured.
 fn is_measured(scene: &MeasuredScene, time: f64, grains: usize) -> bool {
-    scene.measure.covers(time) && grains > 0
+    scene.measure.covers(time) && counts(scene, grains)
 }
 
 /// Measured frames of a store.
