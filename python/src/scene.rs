@@ -54,7 +54,7 @@ impl Scene {
     fn read(py: Python<'_>, file: Option<PathBuf>, text: String, as_written: bool) -> PyResult<Scene> {
         let origin = Origin { file: file.as_deref(), text: &text, lines: as_written };
         let folder = file.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
-        let plan = plan::MeasuredScene::parse_in(&text, folder).map_err(|error| scene_error(py, &error, origin))?;
+        let plan = scenes::plan(&text, folder).map_err(|error| scene_error(py, &error, origin))?;
         let name = file.clone().unwrap_or_else(|| NO_FILE.into());
         catalogue::check(&plan, &text, &name).map_err(|error| scene_file_error(py, &error, Some(origin)))?;
         Ok(Scene { plan, file: name, text, as_written })

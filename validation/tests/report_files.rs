@@ -3,7 +3,6 @@
 use crate::support::sample;
 use jsonschema::Validator;
 use makadam_compare::scenes;
-use makadam_frames::plan::MeasuredScene;
 use makadam_measure::statistics::Outcome;
 use makadam_qualification::report::{Qualification, ReportDocument, StudyOutcome, schema, write};
 use roxmltree::{Document, ParsingOptions};
@@ -43,8 +42,7 @@ fn every_held_scene_is_what_the_schema_says_of_scenes() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let (validator, mut document) = (validator(), document(folder.path()));
     for name in scenes::names() {
-        let text = scenes::text(&scenes::find(name, &[]).expect("a scene")).expect("its text");
-        let scene = MeasuredScene::parse(&text).expect("a scene");
+        let scene = scenes::load(&scenes::find(name, &[]).expect("a scene")).expect("a scene");
         document["qualification"]["comparisons"][0]["scene"] = serde_json::to_value(&scene).expect("plain data");
         assert_eq!(faults(&validator, &document), Vec::<String>::new(), "{name}");
     }

@@ -147,12 +147,15 @@ impl Runs<'_> {
             let _ = std::fs::remove_dir_all(&work_folder);
         }
         let recording = ended?;
+        let mut ended = SystemTime::now();
         if let Some(file) = &kept {
             recording.save(file)?;
+            // The date of the run is that of its raw recording, as when the recording is read again.
+            ended = file.metadata().and_then(|data| data.modified()).unwrap_or(ended);
         }
         // The raw output of a successful run is in the recording; a folder that cannot be removed does no harm.
         let _ = std::fs::remove_dir_all(&work_folder);
-        Ok(Harvest::of(scene, &recording, code.contact_law(), utc(SystemTime::now())))
+        Ok(Harvest::of(scene, &recording, code.contact_law(), utc(ended)))
     }
 
     /// Returns the run of a seed, from the cache or new. Other runs may have run at the same time.

@@ -162,7 +162,7 @@ pub fn parse(text: &str, file: &Path) -> Result<MeasuredScene, SceneError> {
 }
 
 /// Reads and checks the text of a scene in a folder, which may be in the program.
-fn plan(text: &str, folder: &Path) -> Result<MeasuredScene, makadam::scene::SceneError> {
+pub fn plan(text: &str, folder: &Path) -> Result<MeasuredScene, makadam::scene::SceneError> {
     MeasuredScene::read(&Document::parse(text)?.in_folder(folder).reading_with(read))
 }
 
