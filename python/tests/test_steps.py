@@ -52,7 +52,7 @@ def test_the_bits_are_the_recorded_ones():
     assert simulation.state_hash == DRUM_150_5
 
 
-DRUM_150_5 = "60b544b0422e3a47"
+DRUM_150_5 = "852fa8acd784cbb9"
 
 
 def test_a_checkpoint_goes_on_with_the_same_bits():
