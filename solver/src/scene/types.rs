@@ -3,6 +3,7 @@
 use super::RadiusDistribution;
 use crate::laws::period::Period;
 use crate::surface::Shape;
+use crate::surface::is_nowhere;
 use serde::{Deserialize, Serialize};
 
 pub(super) fn earth_gravity() -> [f64; 3] {
@@ -43,11 +44,6 @@ pub(super) fn is_slight(overlap: &f64) -> bool {
 /// Returns true if an effect is off. Written scenes omit such values, so that their hash agrees with the hash of scenes without the effect.
 pub(super) fn is_zero(value: &f64) -> bool {
     *value == 0.0
-}
-
-/// Returns true for a zero vector. Written scenes omit it, so that their hash agrees with the hash of scenes without the effect.
-pub(crate) fn is_nowhere(vector: &[f64; 3]) -> bool {
-    *vector == [0.0; 3]
 }
 
 /// Axis-aligned box that no grain may leave, metres.

@@ -42,7 +42,8 @@ fn is_one(value: &f64) -> bool {
     *value == 1.0
 }
 
-fn is_nowhere(vector: &[f64; 3]) -> bool {
+/// Returns true for a zero vector. Written scenes omit it, so that their hash agrees with the hash of scenes without the key.
+pub(crate) fn is_nowhere(vector: &[f64; 3]) -> bool {
     *vector == [0.0; 3]
 }
 

@@ -117,29 +117,24 @@ impl Grid {
         let period = domain.period();
         let mut grid =
             Grid { origin: low, spacing: Vector3::repeat(SPACING * support), counts: [0; 3], support, period };
-        let mut nodes = 1.0;
+        let mut nodes = [0.0; 3];
         for axis in 0..3 {
             if period.is_periodic(axis) {
-                let cells = (period.length(axis) / grid.spacing[axis]).ceil().max(1.0);
-                (grid.origin[axis], grid.spacing[axis]) = (domain.min[axis], period.length(axis) / cells);
-                nodes *= cells;
+                nodes[axis] = (period.length(axis) / grid.spacing[axis] - 1e-9).ceil().max(1.0);
+                (grid.origin[axis], grid.spacing[axis]) = (domain.min[axis], period.length(axis) / nodes[axis]);
             } else {
                 grid.origin[axis] -= support;
-                nodes *= ((high[axis] - low[axis] + 2.0 * support) / grid.spacing[axis]).ceil() + 1.0;
+                nodes[axis] = ((high[axis] - low[axis] + 2.0 * support) / grid.spacing[axis] - 1e-9).ceil() + 1.0;
             }
         }
-        if nodes > MOST_NODES {
+        let all: f64 = nodes.iter().product();
+        if all > MOST_NODES {
             return Err(refused(format!(
-                "the grid around the grains has {nodes:.2e} nodes, more than {MOST_NODES:e}; grains far from the others need a smaller \
+                "the grid around the grains has {all:.2e} nodes, more than {MOST_NODES:e}; grains far from the others need a smaller \
                  domain, or a watch.on_escape that stops the run"
             )));
         }
-        for axis in 0..3 {
-            let extent =
-                if period.is_periodic(axis) { period.length(axis) } else { high[axis] - low[axis] + 2.0 * support };
-            let cells = (extent / grid.spacing[axis] - 1e-9).ceil().max(1.0) as usize;
-            grid.counts[axis] = if period.is_periodic(axis) { cells } else { cells + 1 };
-        }
+        grid.counts = nodes.map(|count| count as usize);
         Ok(grid)
     }
 
