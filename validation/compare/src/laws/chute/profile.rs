@@ -13,7 +13,7 @@ use std::f64::consts::PI;
 /// Height of a bin, in diameters.
 const BIN: f64 = 0.5;
 /// Least distance of the fitted range from the bed and from the surface, in diameters.
-const MARGIN: f64 = 3.0;
+pub(super) const MARGIN: f64 = 3.0;
 /// Summed components of a stress: along the chute, across it, normal to it, and the shear.
 const COMPONENTS: [(usize, usize); 4] = [(0, 0), (1, 1), (2, 2), (0, 2)];
 
