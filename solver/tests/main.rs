@@ -9,6 +9,7 @@ mod checkpoint;
 mod cohesion;
 mod containment;
 mod corpus;
+mod default_step;
 #[cfg(all(target_os = "linux", target_arch = "x86_64", not(target_feature = "avx512vl")))]
 mod disassembly;
 mod discs;

@@ -13,9 +13,12 @@
 //!
 //! The number of sweeps is not fixed: a solve continues until its residual is small, in proportion to the overlap tolerance.
 
+use super::error::rounded_down;
 use super::populate::placed;
 use super::preflight::{fall_speed, longest_step, longest_step_of_walls};
+use super::types::earth_gravity;
 use super::{Grain, NormalLaw, Reaction, Scene, Stop, sphere_volume};
+use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 /// Tolerated deviations from the converged solution.
@@ -56,6 +59,45 @@ const MEASURED: [f64; 2] = [0.4, 8.0];
 const MOST_SWEEPS: u32 = 400;
 /// Solid fraction of a bed, for the estimate of its depth.
 const BED_FRACTION: f64 = 0.6;
+
+/// `g h^2 / r` of a default step: 0.50 ms for a radius of 5 mm under the gravity of the Earth.
+const DEFAULT_FALL: f64 = 5e-4;
+/// Path of the fastest grain at the start in a default step, over the radius: that of `reference-scenes/cooling-gas`.
+const DEFAULT_PATH: f64 = 0.1;
+/// Radius of grains that come later to a scene without any, m.
+const DEFAULT_RADIUS: f64 = 5e-3;
+
+impl Scene {
+    /// Returns the step (s) of a scene without `solver.step`, rounded down to two digits, from 1e-9 to 0.1 s:
+    ///
+    /// ```text
+    /// h = min(sqrt(5e-4 r/g), 0.1 r/v)
+    /// ```
+    ///
+    /// - r: smallest mean radius of a population or a source, or radius of a listed grain; 5 mm in a scene without grains
+    /// - g: largest gravity, or that of the Earth in a scene without gravity
+    /// - v: largest speed of a listed grain or a source, or `agitation` of a population
+    ///
+    /// Scenes that differ by a factor of all lengths and moduli, and by its root of all times and speeds, have the same motion with
+    /// this step. Speeds of walls and falls do not enter: the preflight checks report those that the step does not resolve.
+    pub fn default_step(&self) -> f64 {
+        let speed = |velocity| Vector3::from(velocity).norm();
+        let listed = self.grain.iter().map(|grain| (grain.radius, speed(grain.velocity)));
+        let groups = self.population.iter().filter(|group| group.count > 0);
+        let placed = groups.map(|group| (group.radius.mean(), group.agitation));
+        let come = self.insert.iter().map(|source| (source.radius.mean(), speed(source.velocity)));
+        let (radius, fastest) = listed
+            .chain(placed)
+            .chain(come)
+            .fold((f64::INFINITY, 0.0), |(radius, fastest), (own, fast)| (own.min(radius), fast.max(fastest)));
+        let radius = if radius > 0.0 && radius.is_finite() { radius } else { DEFAULT_RADIUS };
+        let largest = self.largest_gravity();
+        let gravity = if largest > 0.0 { largest } else { speed(earth_gravity()) };
+        let step = (DEFAULT_FALL * radius / gravity).sqrt().min(DEFAULT_PATH * radius / fastest).clamp(1e-9, 0.1);
+        // Rounding of a quotient must not cost a digit.
+        rounded_down(step * (1.0 + 1e-9), 2)
+    }
+}
 
 /// Smallest number of grains of a bed: solves of smaller beds converge within a step.
 const SMALLEST_BED: usize = 64;

@@ -92,6 +92,9 @@ impl SceneBuilder {
     pub fn build(self) -> Result<Scene, SceneError> {
         let SceneBuilder { mut scene, domain } = self;
         (scene.domain.min, scene.domain.max) = domain.unwrap_or_else(|| extent(&scene));
+        if scene.solver.step == 0.0 {
+            scene.solver.step = scene.default_step();
+        }
         // The law of an accuracy needs valid values.
         super::check::check(&scene)?;
         if let Some(accuracy) = scene.accuracy {

@@ -100,6 +100,12 @@ pub(super) fn short(value: f64) -> String {
     })
 }
 
+/// Rounds a positive number down to a number of digits.
+pub(super) fn rounded_down(value: f64, digits: usize) -> f64 {
+    let scale = 10_f64.powf(value.log10().floor() - (digits as f64 - 1.0));
+    format!("{:.*e}", digits - 1, (value / scale).floor() * scale).parse().unwrap_or(value)
+}
+
 /// Returns the kinds of a table without a kind, from the error message of the reader for an unknown kind.
 fn kinds_at(text: &str, table: usize) -> Option<String> {
     const NONE: &str = "?";

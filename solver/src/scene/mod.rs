@@ -199,6 +199,9 @@ impl Scene {
     /// [`SceneError`] as [`Scene::parse`].
     pub fn read(document: &Document<'_>) -> Result<Scene, SceneError> {
         let mut scene: Scene = document.read()?;
+        if !document.has("solver", "step") {
+            scene.solver.step = scene.default_step();
+        }
         document.first_unread(&scene).map_or(Ok(()), Err)?;
         scene.read_meshes(document)?;
         check::check(&scene)?;

@@ -9,7 +9,8 @@ use serde::{Deserialize, Serialize};
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct SolverSettings {
-    /// Time step, s.
+    /// Time step, s; default from gravity, grain size and speeds: see `Scene::default_step`. In code, 0 stands for the default.
+    #[serde(skip_serializing_if = "is_default")]
     pub step: f64,
     /// Stopping rule of a solve.
     pub stop: Stop,
@@ -43,7 +44,7 @@ pub struct SolverSettings {
 impl Default for SolverSettings {
     fn default() -> Self {
         Self {
-            step: 5e-4,
+            step: 0.0,
             stop: Stop::Sweeps { sweeps: 10 },
             method: SolverMethod::default(),
             inner_sweeps: 1,

@@ -43,6 +43,7 @@ impl Sketch {
         scene.duration = duration;
         scene.domain = Domain { min: [-0.5, -0.5, -0.1], max: [0.5, 0.5, 0.9], periodic: Vec::new() };
         scene.material = materials.into_iter().map(|(name, material)| (name.to_string(), material)).collect();
+        scene.solver.step = 5e-4;
         scene.solver.stop = Stop::Residual { tolerance: 1e-6, max_sweeps: 1000 };
         Sketch(scene)
     }

@@ -2,7 +2,7 @@
 
 use super::Beforehand;
 use crate::scene::document::DocumentPath;
-use crate::scene::error::{Fault, short};
+use crate::scene::error::{Fault, rounded_down, short};
 use crate::scene::{Motion, Scene};
 use std::f64::consts::TAU;
 
@@ -109,9 +109,7 @@ impl Stepping {
     fn fault(&self, at: &DocumentPath, problem: String, largest: f64, or_else: &str) -> Fault {
         let key = crate::scene::error::label(&self.at.path());
         // Rounding down makes the suggested value valid.
-        let digits = 10_f64.powf(largest.log10().floor() - 2.0);
-        let would_do = (largest / digits).floor() * digits;
-        let remedy = format!("give {key} at most {:e} s{or_else}", short(would_do).parse::<f64>().unwrap_or(would_do));
+        let remedy = format!("give {key} at most {:e} s{or_else}", rounded_down(largest, 3));
         at.fault(problem, &remedy).see(self.at.path())
     }
 }

@@ -3,7 +3,7 @@
 use super::Beforehand;
 use crate::laws::compliance::{NormalContact, NormalScheme, damping_ratio, effective_radius};
 use crate::scene::document::DocumentPath;
-use crate::scene::error::{Fault, Step, short};
+use crate::scene::error::{Fault, Step, rounded_down, short};
 use crate::scene::populate::origin;
 use crate::scene::{Grain, Motion, NormalLaw, Scene, Shape, Wall};
 use crate::surface::furthest_corner;
@@ -44,7 +44,7 @@ fn walls(scene: &Scene, grains: &[Grain]) -> Vec<Fault> {
             short((speed * step / smallest * 10.0).round() / 10.0),
             short(step),
         );
-        let longest = floor(DIAMETER * smallest / speed);
+        let longest = rounded_down(DIAMETER * smallest / speed, 1);
         at.fault(problem, &format!("lower solver.step to {longest:e} s, or slow the wall down"))
     };
     too_fast.map(fault).collect()
@@ -63,7 +63,7 @@ fn passing_grains(scene: &Scene, grains: &[Grain], beforehand: Option<Beforehand
         short(step),
         short(touch)
     );
-    let remedy = format!("lower {key} to {:e} s, or the velocities", floor(step * touch / path));
+    let remedy = format!("lower {key} to {:e} s, or the velocities", rounded_down(step * touch / path, 1));
     Some(Fault::new(origin(scene, first), problem, remedy))
 }
 
@@ -127,12 +127,6 @@ fn velocity(grain: &Grain) -> Vector3<f64> {
 
 fn smallest_radius(grains: &[Grain]) -> f64 {
     grains.iter().map(|grain| grain.radius).fold(f64::INFINITY, f64::min)
-}
-
-/// Rounds a number down to one digit.
-fn floor(value: f64) -> f64 {
-    let scale = 10_f64.powf(value.log10().floor());
-    format!("{:.0e}", (value / scale).floor() * scale).parse().unwrap_or(value)
 }
 
 /// Returns the indices of the walls that can drive a grain into others, with their largest speed in the domain (m/s).
