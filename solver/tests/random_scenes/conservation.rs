@@ -132,14 +132,22 @@ impl Seen {
 /// A scene whose contacts are solved to the end, seen from another frame: every step leads to the image of its state. Seen from a
 /// frame that moves, grains are among themselves: walls would move there.
 ///
-/// A step of compliant contacts with moderate friction has one solution; elsewhere Coulomb's law may have several.
+/// A step of compliant contacts with moderate friction has one solution, and so have the velocities of smooth rigid grains. Rigid grains
+/// with friction may have several: of three that touch each other, which do not roll without one contact that slides, the scene and its
+/// mirror image slid at another one, with all laws obeyed to 1e-16 m/s. Rigid grains are compared without friction.
 pub fn check_seen(scene: &WithEffects, seen: Seen) -> Result<[u64; 2], TestCaseError> {
     let container = match seen {
         Seen::Moving(_) => Container::None,
         Seen::Mirrored => scene.drawn.container,
     };
-    let friction = 0.5 * scene.drawn.friction.min(1.0);
-    let own = WithEffects { drawn: Drawn { container, friction, ..scene.drawn.clone() }, ..scene.clone() };
+    let rough = f64::from(u8::from(scene.drawn.youngs_modulus.is_some()));
+    let friction = 0.5 * rough * scene.drawn.friction.min(1.0);
+    let own = WithEffects {
+        drawn: Drawn { container, friction, ..scene.drawn.clone() },
+        rolling: rough * scene.rolling,
+        twisting: rough * scene.twisting,
+        ..scene.clone()
+    };
     let gravity = own.drawn.gravity.norm();
     let unit = if gravity > 0.0 { gravity * own.drawn.step } else { 1.0 };
     let mut run = own.start(Solves::Usual);
@@ -179,39 +187,4 @@ pub fn check_seen(scene: &WithEffects, seen: Seen) -> Result<[u64; 2], TestCaseE
 /// A frame's velocity, m/s.
 pub fn boosts() -> impl Strategy<Value = Vector> {
     components().prop_map(|share| share * 2.0)
-}
-
-#[test]
-fn debug_mirror() {
-    use super::scene::Grain;
-    let drawn = Drawn { grains: vec![Grain { radius: 0.004432877489267082, position: Vector::new(0.0, 0.0, -0.0), velocity: Vector::new(0.0, 0.0, 0.09040725303825899), spin: Vector::new(0.0, 0.0, -28.173374366022784) }, Grain { radius: 0.004016380534603593, position: Vector::new(-0.005947381902650141, 0.0, -0.006025317839121262), velocity: Vector::new(0.06351010143183992, -0.1574292303945068, 0.0643423532211963), spin: Vector::new(0.0, 0.0, 7.274479968379007) }, Grain { radius: 0.004758367467036494, position: Vector::new(-0.01169370375079889, 0.0033504920865295826, -0.011774968548743265), velocity: Vector::new(0.16172483190858664, -0.01789203936231364, 0.0628797786483772), spin: Vector::new(0.0, 0.0, 0.0) }, Grain { radius: 0.0024857489632540667, position: Vector::new(0.0025646441067513114, 0.004578359108975935, 0.004529931732599761), velocity: Vector::new(-0.033445891470107764, -0.03903441692730898, -0.05907548914747735), spin: Vector::new(0.0, 0.0, 0.0) }, Grain { radius: 0.0026424427558620935, position: Vector::new(-0.008813216793459522, 0.0, 0.0), velocity: Vector::new(0.26298580711953334, 0.04471936718530969, 0.11100985006526998), spin: Vector::new(-63.72464409064931, 41.699295989288885, 62.606391871432805) }, Grain { radius: 0.006441712671835007, position: Vector::new(0.00767916592648438, -0.0012214517265420703, 0.009026880604550445), velocity: Vector::new(-0.21624475883130162, -0.010110160965313605, -0.06849821096429008), spin: Vector::new(-16.21067771374877, -25.47754955409218, 18.01352764210747) }, Grain { radius: 0.002481188938094658, position: Vector::new(0.0, -0.006927894560216463, 0.0), velocity: Vector::new(-0.12190487084104955, 0.09040725303825899, 0.1349973464484324), spin: Vector::new(0.0, 10.69041280615317, 26.41821271291152) }], container: Container::None, gravity: Vector::new(-9.81, 0.0, 0.0), youngs_modulus: None, friction: 2.0, restitution: 0.0, step: 0.0003909640585904859 };
-    let scene = WithEffects { drawn, kinetic: None, rolling: 0.3951211361008578, twisting: 0.0, cohesion: Some((5.486367303876896, 9.901872200763919e-5)), spring: false };
-    let own = WithEffects { drawn: Drawn { friction: 0.5, ..scene.drawn.clone() }, ..scene.clone() };
-    let mut run = own.start(Solves::Usual);
-    for step in 0..80 {
-        let state = run.snapshot();
-        run.step();
-        if step != 72 { continue; }
-        let here = own.drawn.starting_at(&state).unwrap();
-        let image = Seen::Mirrored.of(&here);
-        for drawn in [here, image] {
-            let mut simulation = WithEffects { drawn, ..own.clone() }.start(Solves::Converged);
-            let before = simulation.snapshot();
-            let report = simulation.step();
-            println!("{:?}", report.solve);
-            let after = simulation.snapshot();
-            for c in &after.contacts {
-                let makadam::snapshot::Partner::Grain(s) = c.second else { continue };
-                let (a, b) = (&before.particles[c.first as usize], &before.particles[s as usize]);
-                let n = Vector::from(c.normal);
-                let gap = (Vector::from(a.position) - Vector::from(b.position)).norm() - a.radius - b.radius;
-                let un = (Vector::from(b.velocity) - Vector::from(a.velocity)).dot(&n);
-                let (x, y) = (&after.particles[c.first as usize], &after.particles[s as usize]);
-                let un1 = (Vector::from(y.velocity) - Vector::from(x.velocity)).dot(&n);
-                let ft = Vector::from(c.tangential_force).norm();
-                println!("{}-{} gap {:e} un {:e} after {:e} fn {:e} ft/fn {:.9} torque?", c.first, s, gap, un, un1, c.normal_force, ft / c.normal_force);
-            }
-            for p in &after.particles { println!("  v {:?} w {:?}", p.velocity, p.spin); }
-        }
-    }
 }
