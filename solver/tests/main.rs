@@ -2,6 +2,7 @@
 
 mod common;
 
+mod accuracy;
 mod belts;
 mod build_key;
 mod candidate_list;

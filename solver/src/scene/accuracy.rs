@@ -1,17 +1,19 @@
-//! Accuracy requests instead of a time step and a number of sweeps.
+//! Accuracy requests instead of a time step and a number of sweeps, and the default step.
 //!
-//! The error of a long step appears where grains settle: in a step, grains fall and overlap by lengths of the order of `g h^2`. A
-//! packing fraction deviates from its converged value in proportion to this length over a radius, for all stiffnesses from 10 MPa
-//! to 50 GPa (`makadam tradeoff packing`). The model of a drum's angle is an error in proportion to the elasticity of contacts
-//! that a step does not resolve. Both slopes are the largest measured values, not means, because a bound is requested:
+//! The error of a long step h comes from contacts that the step does not resolve. It grows with h over the time scale t of a contact; in
+//! beds of stiff grains, whose contacts no step resolves, with h over the time in which a grain falls by its radius:
 //!
 //! ```text
-//! deviation of a packing fraction  ~  g h^2 / r
-//! deviation of an angle            ~  x = h sqrt(k S)            S = 1/m_a + 1/m_b
-//! k = 5/4 k_H sqrt(d)              of Hertz's law at the overlap d = (f/k_H)^(2/3) under the load f of half the bed
+//! deviation of a packing fraction     <=  0.0035 h/t        and    <=  0.14 (1 + mu) h sqrt(g/r)
+//! deviation of friction mobilisation  <=  0.0125 h/t
+//! deviation of an angle               <=  0.45 h/t degrees
+//! t = 1/sqrt(k S)                     of the smallest grains, of radius r; S = 1/m_a + 1/m_b
+//! k = 5/4 k_H sqrt(d)                 of Hertz's law at the overlap d = (f/k_H)^(2/3) under the load f of half the bed
+//! mu                                  largest friction of a contact, at most 1
 //! ```
 //!
-//! The number of sweeps is not fixed: a solve continues until its residual is small, in proportion to the overlap tolerance.
+//! The slopes are the largest measured ones with two standard errors, not means, because a bound is requested
+//! (`validation/docs/accuracy.md`). The number of sweeps is not fixed: a solve continues until its residual is small.
 
 use super::error::rounded_down;
 use super::populate::placed;
@@ -32,29 +34,33 @@ pub struct Accuracy {
     /// Tolerance of a packing fraction.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub packing_fraction: Option<f64>,
+    /// Tolerance of the friction mobilisation, the mean of the tangential force over Coulomb's bound.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub friction_mobilisation: Option<f64>,
     /// Tolerance of an overlap, over the mean radius.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub overlap: Option<f64>,
-    /// Tolerance of all of these, relative to an angle of 30 degrees, a packing fraction of 0.6 and an overlap of a
-    /// hundredth of the radius.
+    /// Tolerance of an angle and a packing fraction, relative to 30 degrees and 0.6.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub relative: Option<f64>,
 }
 
-/// Largest measured deviation of a packing fraction over `g h^2 / r`: 1.35 ± 0.2 at friction 1; the mean over
-/// stiffnesses is 0.7 at friction 0.5.
-const PACKING_FRACTION_SLOPE: f64 = 1.5;
-/// Smallest and largest `g h^2 / r` of those measurements; the law is not extrapolated.
-const FALLS_MEASURED: [f64; 2] = [1e-4, 8e-3];
-/// Largest measured deviation of a drum's angle of repose over x, degrees: grains with radii that spread by 20%.
+/// Deviation of a packing fraction over h/t.
+const PACKING_FRACTION_SLOPE: f64 = 0.0035;
+/// Deviation of a packing fraction over `(1 + mu) h sqrt(g/r)`.
+const FALL_SLOPE: f64 = 0.14;
+/// Largest `g h^2 / r` of the measurements; the law is not extrapolated.
+const LARGEST_FALL: f64 = 8e-3;
+/// Deviation of the friction mobilisation over h/t.
+const MOBILISATION_SLOPE: f64 = 0.0125;
+/// Deviation of a drum's angle of repose over h/t, degrees.
 const ANGLE_SLOPE: f64 = 0.45;
+/// Largest h/t of the measurements.
+const LARGEST_PERIODS: f64 = 8.0;
 /// Largest residual of a solve, in units of g h, without an effect on angles of repose.
 const LARGEST_RESIDUAL: f64 = 0.1;
-/// Residual, in units of g h, over the tolerated deviation of a packing fraction. At friction 1 and a tolerance of 0.005, the
-/// error of a packing is 0.003 with this value and 0.004 with twice the value (`scripts/check-accuracy`, sixteen seeds).
-const PACKING_FRACTION_RESIDUAL: f64 = 10.0;
-/// Smallest and largest x of the measurements of angles.
-const MEASURED: [f64; 2] = [0.4, 8.0];
+/// Residual, in units of g h, over the tolerated deviations of a packing fraction and of the friction mobilisation.
+const RESIDUALS: [f64; 2] = [10.0, 2.0];
 /// Largest number of sweeps per solve.
 const MOST_SWEEPS: u32 = 400;
 /// Solid fraction of a bed, for the estimate of its depth.
@@ -69,17 +75,14 @@ const DEFAULT_RADIUS: f64 = 5e-3;
 
 impl Scene {
     /// Returns the step (s) of a scene without `solver.step`, rounded down to two digits, from 1e-9 to 0.1 s:
-    ///
-    /// ```text
-    /// h = min(sqrt(5e-4 r/g), 0.1 r/v)
-    /// ```
+    /// `min(sqrt(5e-4 r/g), 0.1 r/v)` with
     ///
     /// - r: smallest mean radius of a population or a source, or radius of a listed grain; 5 mm in a scene without grains
     /// - g: largest gravity, or that of the Earth in a scene without gravity
     /// - v: largest speed of a listed grain or a source, or `agitation` of a population
     ///
-    /// Scenes that differ by a factor of all lengths and moduli, and by its root of all times and speeds, have the same motion with
-    /// this step. Speeds of walls and falls do not enter: the preflight checks report those that the step does not resolve.
+    /// Similar scenes of other sizes have the same motion with this step. Speeds of walls and falls do not enter: the preflight checks
+    /// report those that the step does not resolve.
     pub fn default_step(&self) -> f64 {
         let speed = |velocity| Vector3::from(velocity).norm();
         let listed = self.grain.iter().map(|grain| (grain.radius, speed(grain.velocity)));
@@ -110,8 +113,10 @@ const PENETRATION_FRACTION: f64 = 2.0 / 3.0;
 
 /// Bed of equal grains on the bottom of the domain, with the number of grains of the scene.
 struct Bed {
-    /// Radius, m.
+    /// Mean radius, m.
     radius: f64,
+    /// Radius of the smallest grains, m.
+    smallest: f64,
     /// Mass, kg.
     mass: f64,
     /// Depth, m.
@@ -129,25 +134,25 @@ impl Accuracy {
     /// Returns the step (s) and the stop of the solves that keep a scene within the accuracy by the law above.
     pub(super) fn settings(&self, scene: &Scene) -> (f64, Stop) {
         let bed = Bed::of(scene);
-        let relative = self.relative.unwrap_or(f64::INFINITY);
-        let angle = self.angle.unwrap_or(f64::INFINITY).min(30.0 * relative);
-        let packing_fraction = self.packing_fraction.unwrap_or(f64::INFINITY).min(0.6 * relative);
-        let overlap = self.overlap.unwrap_or(f64::INFINITY).min(0.01 * relative);
-        let by_angle = (angle / ANGLE_SLOPE).clamp(MEASURED[0], MEASURED[1]) * bed.contact_time(scene);
-        let fall = (packing_fraction / PACKING_FRACTION_SLOPE).clamp(FALLS_MEASURED[0], FALLS_MEASURED[1]);
-        let by_fraction = (fall * bed.radius / bed.gravity.max(1e-3)).sqrt();
-        let step = match (angle.is_finite(), packing_fraction.is_finite()) {
-            (true, false) => by_angle,
-            (false, true) => by_fraction,
-            _ => by_angle.min(by_fraction),
+        let target = |own: Option<f64>, relative_to: f64| {
+            own.unwrap_or(f64::INFINITY).min(self.relative.map_or(f64::INFINITY, |relative| relative * relative_to))
         };
+        let (angle, packing_fraction) = (target(self.angle, 30.0), target(self.packing_fraction, 0.6));
+        let [mobilisation, overlap] =
+            [self.friction_mobilisation, self.overlap].map(|own| own.unwrap_or(f64::INFINITY));
+        let friction = scene.possible_contacts().map(|contact| contact.friction).fold(0.0, f64::max).min(1.0);
+        let (time, fall) = (bed.contact_time(scene), (bed.smallest / bed.gravity.max(1e-3)).sqrt());
+        let by_contact = (mobilisation / MOBILISATION_SLOPE).min(angle / ANGLE_SLOPE).min(LARGEST_PERIODS) * time;
+        // The smaller of two bounds holds.
+        let by_fraction = (time / PACKING_FRACTION_SLOPE).max(fall / FALL_SLOPE / (1.0 + friction)) * packing_fraction;
+        let step = by_contact.min(by_fraction).min(LARGEST_FALL.sqrt() * fall);
         // For every tolerance, walls move as prescribed, impacts stay below the overlap limit of the watchdog, and the run has at least one step.
         let step = step.min(longest_step(scene)).min(bed.longest_step(scene));
         let step = if scene.duration > 0.0 { step.min(scene.duration) } else { step };
         // A grain that moves at the residual velocity sinks by h times that velocity; the error accumulates over the layers of the bed.
         let layers = (bed.depth / (2.0 * bed.radius)).max(1.0);
         let sinking = bed.gravity.max(1e-300) * step * step * layers / bed.radius;
-        let residual = LARGEST_RESIDUAL.min(PACKING_FRACTION_RESIDUAL * packing_fraction);
+        let residual = LARGEST_RESIDUAL.min(RESIDUALS[0] * packing_fraction).min(RESIDUALS[1] * mobilisation);
         let tolerance = residual.min(overlap / sinking).max(1e-9);
         (step, Stop::Residual { tolerance, max_sweeps: MOST_SWEEPS })
     }
@@ -181,7 +186,8 @@ impl Bed {
         let ground = size.iter().product::<f64>() / size[down];
         let radius = (radius / count).max(1e-9);
         let depth = (volume / BED_FRACTION / ground).max(2.0 * radius);
-        Bed { radius, mass: (mass / count).max(1e-300), depth, gravity }
+        let smallest = scene.grain_kinds().map(|(_, (low, _))| low).fold(radius, f64::min);
+        Bed { radius, smallest, mass: (mass / count).max(1e-300), depth, gravity }
     }
 
     /// Returns the longest step (s) in which no wall drives a grain past another grain and impacts stay within [`Watch::overlap`].
@@ -208,10 +214,11 @@ impl Bed {
         by_walls.min(path / square.max(0.0).sqrt())
     }
 
-    /// Returns the time scale (s) of a contact of the stiffest material in the bed, `1/sqrt(k S)`.
+    /// Returns the time scale (s) of a contact of the smallest grains, of the stiffest material, in the bed, `1/sqrt(k S)`.
     fn contact_time(&self, scene: &Scene) -> f64 {
-        let inverse_mass = 2.0 / self.mass;
-        let effective_radius = self.radius / 2.0;
+        let mass = self.mass * (self.smallest / self.radius).powi(3);
+        let inverse_mass = 2.0 / mass;
+        let effective_radius = self.smallest / 2.0;
         let hertz = scene.material.values().map(|material| {
             let modulus = material.youngs_modulus / (2.0 * (1.0 - material.poisson_ratio * material.poisson_ratio));
             4.0 / 3.0 * modulus * effective_radius.sqrt()
@@ -221,8 +228,8 @@ impl Bed {
             NormalLaw::Linear { stiffness } => stiffness,
             // Rigid grains are resolved with the stiffness of their material.
             NormalLaw::Hertz | NormalLaw::Rigid => {
-                let weight = self.mass * self.gravity.max(1e-3);
-                let load = (0.5 * self.depth / (2.0 * self.radius)).max(1.0) * weight;
+                let weight = mass * self.gravity.max(1e-3);
+                let load = (0.5 * self.depth / (2.0 * self.smallest)).max(1.0) * weight;
                 1.25 * hertz * (load / hertz).cbrt()
             }
         };

@@ -251,7 +251,10 @@ fn accuracy(scene: &Scene) -> Checked {
     let Some(accuracy) = &scene.accuracy else { return Ok(()) };
     let at = DocumentPath::default().key("accuracy");
     if accuracy.is_empty() {
-        return Err(at.fault("asks for nothing".into(), "give one of angle, packing_fraction, overlap, relative"));
+        return Err(at.fault(
+            "asks for nothing".into(),
+            "give one of angle, packing_fraction, friction_mobilisation, overlap, relative",
+        ));
     }
     if scene.largest_gravity() == 0.0 {
         let problem =
@@ -261,6 +264,7 @@ fn accuracy(scene: &Scene) -> Checked {
     let asked = [
         ("angle", accuracy.angle, "degrees"),
         ("packing_fraction", accuracy.packing_fraction, "(no unit)"),
+        ("friction_mobilisation", accuracy.friction_mobilisation, "(no unit)"),
         ("overlap", accuracy.overlap, "mean radii"),
         ("relative", accuracy.relative, "(no unit)"),
     ];

@@ -162,9 +162,13 @@ pub(super) fn accuracy(text: &str) -> Result<Accuracy, String> {
         let entry = match name {
             "angle" => &mut accuracy.angle,
             "packing_fraction" => &mut accuracy.packing_fraction,
+            "friction_mobilisation" => &mut accuracy.friction_mobilisation,
             "overlap" => &mut accuracy.overlap,
             "relative" => &mut accuracy.relative,
-            other => return Err(format!("{other} is none of angle, packing_fraction, overlap, relative")),
+            other => {
+                let known = "angle, packing_fraction, friction_mobilisation, overlap, relative";
+                return Err(format!("{other} is none of {known}"));
+            }
         };
         if entry.replace(deviation).is_some() {
             return Err(format!("{name} is given twice"));
