@@ -62,7 +62,7 @@ fn friction_mobilisation_and_angles_follow_the_contact_time() {
         assert_relative_eq!(soft, 10.0 * stiff, max_relative = 1e-12);
     }
     let (step, tolerance) = chosen("packing", "friction_mobilisation = 0.01", &[]);
-    assert!((0.41e-3..0.44e-3).contains(&step), "{step}");
+    assert!((0.31e-3..0.335e-3).contains(&step), "{step}");
     assert_relative_eq!(tolerance, 0.02, max_relative = 1e-12);
 }
 

@@ -60,7 +60,7 @@ impl Bed {
                 "fall per step",
                 fall,
                 "radius",
-                "g h²/r: the deviation of a packing fraction is at most some 1.5 of it".into(),
+                "g h²/r: a packing fraction deviates by at most 0.14 (1 + μ) times its root".into(),
             );
             add("expected overlap", self.overlap(scene), "radius", "static, under half the bed".into());
         }
