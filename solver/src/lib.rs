@@ -111,7 +111,7 @@ pub use partition::Portion;
 pub use scene::{
     Axis, Cohesion, Domain, Face, GrainEntry, Insertion, Material, Motion, NormalLaw, PairRule, Population, Precision,
     RadiusDistribution, Region, Removal, Scene, SceneBuilder, SceneError, SceneFileError, Shape, SolverMethod,
-    SolverSettings, Stop, Wall,
+    SolverSettings, Stage, StageEnd, Stop, Wall,
 };
 pub use scene::{Obstacle, SettingError};
 pub use schedule::{Scheduler, StepTrace};
@@ -121,6 +121,7 @@ pub use simulation::intervention::{InterventionError, States};
 #[doc(hidden)]
 pub use simulation::intervention::{KeptContact, PairsInList};
 pub use simulation::ledger::Balance;
+pub use simulation::stages::{Overdue, StageReport};
 pub use simulation::swept::{Crossing, Passage};
 pub use simulation::{PhaseSeconds, Simulation, StepReport, checkpoint};
 pub use snapshot::{Contact, Frame, Partner, Snapshot};

@@ -20,7 +20,7 @@ use crate::simulation::StepReport;
 use crate::simulation::energy::ContactEnergy;
 use crate::simulation::ledger::work_of_changing_gravity;
 use crate::solve::{StopReason, residual_text, residual_unit, residual_unit_name};
-use crate::{Crossing, Passage, Simulation};
+use crate::{Crossing, Overdue, Passage, Simulation};
 use nalgebra::Vector3;
 use std::fmt;
 
@@ -87,6 +87,8 @@ pub enum Trouble {
         /// Name of the unit: g h, or m/s without gravity.
         unit: &'static str,
     },
+    /// A stage has not ended within its longest time.
+    Overdue(Overdue),
 }
 
 impl Trouble {
@@ -101,12 +103,13 @@ impl Trouble {
             Trouble::Crossing { .. } => "crossing",
             Trouble::Passage { .. } => "passage",
             Trouble::Stagnation { .. } => "stagnation",
+            Trouble::Overdue(_) => "overdue stage",
         }
     }
 
     /// Returns true if the violation invalidates the results of a run, for any requested reaction.
     pub fn is_fatal(&self) -> bool {
-        !matches!(self, Trouble::Overlap { .. } | Trouble::Stagnation { .. })
+        !matches!(self, Trouble::Overlap { .. } | Trouble::Stagnation { .. } | Trouble::Overdue(_))
     }
 }
 
@@ -165,6 +168,11 @@ impl fmt::Display for Alarm {
                 residual_text(residual, unit),
                 residual_text(bound, unit)
             ),
+            Trouble::Overdue(Overdue { stage, key, value, bound, unit, at_most }) => write!(
+                out,
+                "stage[{stage}] has not ended within at_most = {at_most} s: {key} is {value:.3e} {unit}, and it ends at {bound:e}; \
+                 raise stage[{stage}].at_most, or change its until"
+            ),
         }?;
         write!(out, " (step {}, {:.6} s)", self.step, self.time)
     }
@@ -221,11 +229,13 @@ impl Watchdog {
     ///
     /// Every step must be observed: after a missed step or an intervention on grains, the energy supply is unknown, and the
     /// energy check restarts. Steps between checks allocate nothing, and a check at most one pose per wall. A grain that has
-    /// crossed a wall, or may have passed through another grain, is always reported in the same step.
+    /// crossed a wall, or may have passed through another grain, is always reported in the same step, and so is a stage that has
+    /// not ended in time.
     pub fn observe(&mut self, simulation: &Simulation, report: &StepReport) -> Vec<Alarm> {
         let crossing = simulation.crossing().map(|Crossing { grain, wall }| Trouble::Crossing { grain, wall });
         let passage = || simulation.passage().map(|Passage { grains }| Trouble::Passage { grains });
-        if let Some(trouble) = crossing.or_else(passage) {
+        let overdue = || simulation.overdue().map(Trouble::Overdue);
+        if let Some(trouble) = crossing.or_else(passage).or_else(overdue) {
             let (step, time) = (simulation.steps, simulation.world.time);
             return vec![Alarm { trouble, reaction: Reaction::Stop, step, time }];
         }

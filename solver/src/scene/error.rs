@@ -3,7 +3,7 @@
 //! The solver is independent of files. The reader of a file converts the path to a file and a line: [`SceneError::in_file`].
 
 use super::Scene;
-use super::document::Document;
+use super::document::{Document, DocumentPath};
 use super::suggestions::remedy;
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -137,6 +137,16 @@ pub(super) enum Step {
 impl Fault {
     pub(super) fn new(path: Vec<Step>, problem: String, remedy: impl Into<String>) -> Fault {
         Fault { path, problem, remedy: remedy.into(), see: None, line: None }
+    }
+
+    /// Replaces the start of the path, if the path begins so.
+    pub(super) fn moved(mut self, from: &DocumentPath, to: &DocumentPath) -> Fault {
+        let (from, old) = (from.path(), label(&self.path));
+        if self.path.starts_with(&from) {
+            self.path.splice(..from.len(), to.path());
+            self.problem = self.problem.strip_prefix(&old).map_or(self.problem.clone(), |rest| label(&self.path) + rest);
+        }
+        self
     }
 
     /// Adds the path of another value that the remedy mentions.

@@ -48,6 +48,7 @@ impl Simulation {
         // Motion with the new velocities.
         self.remember_impulses(team);
         self.move_bodies(team);
+        self.judge_stage(team);
         clock.lap(&mut self.phases.integrate);
         let sweeps = u64::from(solve.sweeps) * u64::from(self.settings.sweeps_per_iteration());
         self.contact_sweeps += sweeps * self.layout.contacts as u64;
@@ -61,9 +62,10 @@ impl Simulation {
         self.lay_out(team);
     }
 
-    /// Begins the next step: finds candidate contacts, and sets bodies to their free velocities, the velocities at the end of a
+    /// Begins the next step, and a stage that is due: finds candidate contacts, and sets bodies to their free velocities, the velocities at the end of a
     /// step without contacts.
     pub(crate) fn set_free(&mut self, team: &Team) {
+        self.enter_stage();
         let set = self.relaxation.instruction_set;
         let clock = Clock::start();
         let unknown = self.may_be_swift() && self.candidates.miss_a_wall(&self.world, team);
@@ -155,7 +157,8 @@ impl Simulation {
 
     /// Returns the time after a number of steps as a product, which accumulates no rounding error.
     pub(crate) fn world_time_after(&self, steps: u64) -> f64 {
-        steps as f64 * self.settings.step
+        let (time, before) = self.stages.as_ref().map_or((0.0, 0), |stages| stages.state.clock);
+        time + (steps - before) as f64 * self.settings.step
     }
 
     fn remember_impulses(&mut self, team: &Team) {
