@@ -12,7 +12,7 @@ use crate::lanes::plus;
 use crate::scene::{Scene, Stage, StageEnd};
 use crate::schedule::{Phase, Runs, Team};
 use crate::wall::Beginning;
-use crate::world::{INERTIA, MaterialTable, World, chunk, chunks};
+use crate::world::{Body, INERTIA, chunk, chunks};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -42,7 +42,20 @@ pub(crate) struct Stages {
     energies: Vec<f64>,
 }
 
-/// Stage of a simulation.
+/// Present stage of a simulation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PresentStage {
+    /// Number in the scene, from 0.
+    pub number: usize,
+    /// Time of its start, s.
+    pub start: f64,
+    /// Steps taken in it.
+    pub steps: u64,
+    /// True if it has reached its end.
+    pub ended: bool,
+}
+
+/// Stage of a run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StageReport {
     /// Name.
@@ -143,6 +156,14 @@ impl Simulation {
         each.map(report).collect()
     }
 
+    /// Returns the present stage: the stage of the last step; `None` for a scene without stages.
+    pub fn stage(&self) -> Option<PresentStage> {
+        let stages = self.stages.as_ref()?;
+        let number = stages.state.number();
+        let (start, steps) = (stages.state.starts[number].0, stages.steps(self.steps));
+        Some(PresentStage { number, start, steps, ended: stages.state.ended })
+    }
+
     /// Returns true once the last stage of the scene has reached its end; later steps belong to it too.
     pub fn has_ended(&self) -> bool {
         self.stages.as_ref().is_some_and(|stages| stages.state.ended && stages.state.number() + 1 == stages.scene.stage.len())
@@ -227,7 +248,7 @@ impl Simulation {
         team.each_with(Phase::Integrate, chunks(grains), Runs::of(energies, 1), |number, energy| {
             let square = |vector: &[f64; 3]| vector.iter().map(|x| x * x).sum::<f64>();
             let bodies = self.world.bodies[chunk(number, grains)].iter();
-            let of_body = |body: &crate::world::Body| {
+            let of_body = |body: &Body| {
                 0.5 / body.inverse_mass * (square(&body.velocity) + INERTIA * square(&body.scaled_spin))
             };
             energy[0] = bodies.map(of_body).sum();
@@ -276,13 +297,5 @@ impl Simulation {
         if let Some(flow) = &mut self.flow {
             flow.enter(&after, &self.world);
         }
-    }
-}
-
-impl World {
-    /// Takes over the materials and the gravity of another stage of the scene.
-    fn set_scene(&mut self, scene: &Scene) {
-        self.table = MaterialTable::new(scene);
-        (self.gravity, self.field) = (Vector3::from(scene.gravity), scene.gravity_field());
     }
 }
