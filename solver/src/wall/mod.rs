@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! motion.rs   Pose       position of the wall at a time, and its velocity field: one per wall and step
+//! rigid.rs    Rigid      rotation and translation
 //! steered.rs  WallMotion motion of a wall by the caller, instead of the scene
 //! contacts.rs            contacts of grains with meshes
 //! mod.rs      Walls      all walls of a scene; face indices are contiguous, wall after wall
@@ -17,10 +18,11 @@
 
 mod contacts;
 mod motion;
+mod rigid;
 mod steered;
 
 pub(crate) use crate::surface::Impact;
-pub(crate) use motion::drive_of;
+pub(crate) use motion::{Beginning, drive_of};
 pub use motion::{DrivenWall, Pose};
 pub(crate) use steered::Steered;
 pub use steered::WallMotion;
@@ -100,7 +102,7 @@ impl Walls {
                 movement: Movement::new(wall, &shapes),
                 index: FaceIndex::new(&shapes, first, domain.period()),
                 seam: wall.shape.seam(),
-                furthest: wall.shape.seam().and_then(|_| furthest(wall)),
+                furthest: wall.shape.seam().and_then(|_| furthest(&wall.motion, &shapes)),
             }
         };
         let walls: Vec<Wall> = (0..).zip(walls).map(place).collect();
@@ -161,9 +163,26 @@ impl Walls {
         let shapes: Vec<Face> = own.iter().map(|face| face.shape).collect();
         let result = change(movement, &shapes);
         if let Some(steered) = &movement.steered {
-            own.iter_mut().for_each(|face| face.in_place = steered.keeps_in_place(&face.shape));
+            own.iter_mut().for_each(|face| face.in_place = steered.keeps_in_place(&movement.based(&face.shape)));
         }
         result
+    }
+
+    /// Returns the beginning of a motion at the pose that a wall has at a time (s).
+    pub(crate) fn reached(&self, wall: u32, time: f64) -> Beginning {
+        self.walls[wall as usize].movement.reached(time)
+    }
+
+    /// Begins another motion of a wall. The candidate list must be built again before the next step.
+    pub(crate) fn begin_motion(&mut self, wall: u32, motion: &Motion, beginning: &Beginning) {
+        let shapes = self.with_faces(wall, |movement, faces| {
+            movement.begin(motion, faces, beginning);
+            faces.iter().map(|face| movement.based(face)).collect::<Vec<Face>>()
+        });
+        let Wall { faces, furthest: arm, seam, .. } = &mut self.walls[wall as usize];
+        *arm = seam.and_then(|_| furthest(motion, &shapes));
+        let own = &mut self.faces[faces.start as usize..faces.end as usize];
+        own.iter_mut().zip(&shapes).for_each(|(face, shape)| face.in_place = keeps_in_place(shape, motion));
     }
 
     /// Returns the kinematic walls under control of the caller, each with its state.
@@ -440,13 +459,13 @@ pub fn jumps_back(wall: &scene::Wall, domain: &Domain, time: f64) -> bool {
     Movement::new(wall, &faces).jumps_back(time, &faces, extent)
 }
 
-/// Returns the distance (m) of the furthest point of a wall from the axis about which it turns in its scene.
-fn furthest(wall: &scene::Wall) -> Option<f64> {
-    let (Motion::Rotating { point, axis, .. } | Motion::TorqueDriven { point, axis, .. }) = &wall.motion else {
+/// Returns the distance (m) of the furthest corner of a mesh from the axis about which its motion turns it.
+fn furthest(motion: &Motion, faces: &[Face]) -> Option<f64> {
+    let (Motion::Rotating { point, axis, .. } | Motion::TorqueDriven { point, axis, .. }) = motion else {
         return None;
     };
-    let axis = Vector::from(*axis).normalize();
-    Some(wall.shape.furthest(|corner| (corner - Vector::from(*point)).cross(&axis).norm()))
+    let (point, axis) = (Vector::from(*point), Vector::from(*axis).normalize());
+    Some(faces.iter().flat_map(Face::corners).map(|corner| (corner - point).cross(&axis).norm()).fold(0.0, f64::max))
 }
 
 /// Walls of a scene at their positions at a time.

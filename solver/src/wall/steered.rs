@@ -193,7 +193,8 @@ impl Movement {
             Some(steered) => steered,
             None => {
                 let angles = [now, listed].map(|time| self.angle(time));
-                Steered::begin(&self.motion, asked, [&self.at(now), &self.at(listed)], angles)?
+                let poses = [now, listed].map(|time| self.from_base(time - self.origin));
+                Steered::begin(&self.motion, asked, poses.each_ref(), angles)?
             }
         };
         steered.take(asked, first)?;
@@ -203,7 +204,7 @@ impl Movement {
 
     /// Restores the motion of the wall from a stored state.
     pub(super) fn restore(&mut self, steered: Steered, faces: &[Face]) {
-        self.turns = steered.about.is_some() && !faces.iter().all(|face| steered.keeps_in_place(face));
+        self.turns = steered.about.is_some() && !faces.iter().all(|face| steered.keeps_in_place(&self.based(face)));
         self.steered = Some(steered);
     }
 }
