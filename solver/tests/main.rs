@@ -49,6 +49,7 @@ mod sealed_files;
 mod settings;
 mod shared_memory;
 mod slip;
+mod stages;
 mod suggestions;
 mod swept_pairs;
 mod tangential_spring;

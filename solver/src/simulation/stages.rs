@@ -108,7 +108,7 @@ impl StageState {
     pub fn is_sound(&self, steps: u64) -> bool {
         let rises = self.starts.windows(2).all(|pair| pair[0].0 <= pair[1].0 && pair[0].1 <= pair[1].1);
         let last = self.starts.last().is_some_and(|last| last.1 <= steps) && self.clock.1 <= steps;
-        let poses = self.beginnings.values().all(Beginning::is_sound);
+        let poses = self.beginnings.values().all(|begun| begun.pose.is_sound() && begun.time.is_finite());
         rises && last && poses && self.times().iter().chain([&self.clock.0, &self.removed]).all(|number| number.is_finite())
     }
 }
@@ -162,6 +162,12 @@ impl Simulation {
         let number = stages.state.number();
         let (start, steps) = (stages.state.starts[number].0, stages.steps(self.steps));
         Some(PresentStage { number, start, steps, ended: stages.state.ended })
+    }
+
+    /// Returns the beginnings of the motions that stages have given to walls, by the number of the wall.
+    pub(crate) fn beginnings(&self) -> Vec<(u32, Beginning)> {
+        let known = self.stages.iter().flat_map(|stages| &stages.state.beginnings);
+        known.map(|(wall, beginning)| (*wall, *beginning)).collect()
     }
 
     /// Returns true once the last stage of the scene has reached its end; later steps belong to it too.

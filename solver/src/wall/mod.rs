@@ -22,8 +22,8 @@ mod rigid;
 mod steered;
 
 pub(crate) use crate::surface::Impact;
-pub(crate) use motion::{Beginning, drive_of};
-pub use motion::{DrivenWall, Pose};
+pub(crate) use motion::drive_of;
+pub use motion::{Beginning, DrivenWall, Pose};
 pub(crate) use steered::Steered;
 pub use steered::WallMotion;
 
@@ -489,7 +489,21 @@ impl PlacedWalls {
     /// Returns the walls at a time (s) in a domain. Dynamic walls have the positions in `driven`, or those in the scene
     /// without an entry in `driven`.
     pub fn at(walls: &[scene::Wall], domain: &Domain, time: f64, driven: &[DrivenWall]) -> PlacedWalls {
+        PlacedWalls::begun(walls, domain, time, driven, &[])
+    }
+
+    /// Returns the walls as [`PlacedWalls::at`], with walls that begin their motion at other poses and times, by their numbers.
+    pub fn begun(
+        walls: &[scene::Wall],
+        domain: &Domain,
+        time: f64,
+        driven: &[DrivenWall],
+        beginnings: &[(u32, Beginning)],
+    ) -> PlacedWalls {
         let mut placed = Walls::new(walls, domain, |_| 0);
+        for (wall, beginning) in beginnings.iter().filter(|(wall, _)| (*wall as usize) < walls.len()) {
+            placed.begin_motion(*wall, &walls[*wall as usize].motion, beginning);
+        }
         for one in driven.iter().filter(|one| (one.wall as usize) < walls.len()) {
             placed.put(one.wall, one.displacement, one.rate);
         }

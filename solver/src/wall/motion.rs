@@ -60,11 +60,11 @@ pub(super) struct Movement {
 /// Beginning of a motion that continues an earlier one of the same wall. Points and axes of the motion are those of the scene
 /// at this time.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Beginning {
+pub struct Beginning {
     /// Pose of the wall relative to its position in the scene.
-    pub pose: Rigid,
+    pub(crate) pose: Rigid,
     /// Time from which the times of the motion count, s.
-    pub time: f64,
+    pub(crate) time: f64,
 }
 
 /// Wall at a time: its position and its velocity field.
@@ -327,7 +327,7 @@ impl Movement {
         }
         let angle = match self.motion {
             Motion::TorqueDriven { .. } => self.displacement,
-            _ => self.angle(time),
+            _ => self.angle(time - self.origin),
         };
         match self.from_base(time - self.origin).displacement {
             Displacement::By(shift) => (shift.into(), angle),
@@ -335,9 +335,8 @@ impl Movement {
         }
     }
 
-    /// Returns the prescribed angle (rad) at a time (s).
+    /// Returns the prescribed angle (rad) at a time (s) since its origin.
     pub(super) fn angle(&self, time: f64) -> f64 {
-        let time = time - self.origin;
         match &self.motion {
             Motion::Rotating { rate, start, stop, reverse, .. } => rate * turning_time(time, *start, *stop, *reverse),
             _ => 0.0,

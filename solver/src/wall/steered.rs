@@ -192,7 +192,7 @@ impl Movement {
         let mut steered = match self.steered {
             Some(steered) => steered,
             None => {
-                let angles = [now, listed].map(|time| self.angle(time));
+                let angles = [now, listed].map(|time| self.angle(time - self.origin));
                 let poses = [now, listed].map(|time| self.from_base(time - self.origin));
                 Steered::begin(&self.motion, asked, poses.each_ref(), angles)?
             }
