@@ -130,8 +130,15 @@ impl RunFrames {
         }
     }
 
-    /// Returns the number of steps before a frame, by its time.
+    /// Returns the number of steps before a frame, by its stage or its time.
     pub fn step(&self, number: usize) -> u64 {
+        let stage = match &self.source {
+            Source::Store(store) => store.entries()[number].stage,
+            Source::Memory(frames) => frames[number].stage,
+        };
+        if let Some(stage) = stage {
+            return stage.steps;
+        }
         (self.time(number) / self.tables.scene.solver.step).round() as u64
     }
 
@@ -173,7 +180,7 @@ impl RunFrames {
         Ok(match kind {
             Kind::Grains => self.tables.grains(&frame),
             Kind::Contacts => self.tables.contacts(&frame),
-            Kind::Walls => self.tables.walls_part(frame.time, &frame.driven_walls),
+            Kind::Walls => self.tables.walls_part(&frame),
         })
     }
 
@@ -185,7 +192,7 @@ impl RunFrames {
             Kind::Grains => 0..count,
             Kind::Contacts => 0..if output.contacts { count } else { 0 },
             Kind::Walls if !output.walls || scene.wall.is_empty() => 0..0,
-            Kind::Walls if scene.wall.iter().all(|wall| wall.motion == Motion::Fixed) => 0..1,
+            Kind::Walls if scene.wall.iter().all(|wall| wall.motion == Motion::Fixed) && !self.tables.stages_move() => 0..1,
             Kind::Walls => 0..count,
         }
     }

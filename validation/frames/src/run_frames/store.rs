@@ -9,7 +9,7 @@
 use crate::output::{WriteError, open_to_grow};
 use crate::plan::MeasuredScene;
 use makadam::checkpoint::{open, seal};
-use makadam::snapshot::{Contact, DrivenWall, Origin, Particle, Passed, Snapshot};
+use makadam::snapshot::{Beginning, Contact, DrivenWall, FrameStage, Origin, Particle, Passed, Snapshot};
 use serde::{Deserialize, Serialize};
 use std::fs::{File, OpenOptions};
 use std::io::{BufReader, Error, ErrorKind, Read, Seek, SeekFrom, Write};
@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 /// Magic bytes of the scene record; the last byte is the format version.
 const SCENE: [u8; 8] = *b"mkd-scn\x02";
 /// Magic bytes of a frame record; the last byte is the format version.
-const FRAME: [u8; 8] = *b"mkd-frm\x06";
+const FRAME: [u8; 8] = *b"mkd-frm\x07";
 
 /// Bytes before the body of a record.
 const HEAD: u64 = 24;
@@ -32,6 +32,8 @@ pub struct Entry {
     length: u64,
     /// Simulated time, s.
     pub time: f64,
+    /// Stage; absent for a scene without stages.
+    pub stage: Option<FrameStage>,
     /// Number of grains.
     pub grains: u32,
 }
@@ -106,8 +108,9 @@ impl StoreWriter {
     /// # Errors
     /// [`WriteError`] if the system refuses; the frames before it stay readable.
     pub fn append(&mut self, frame: &Snapshot) -> Result<(), WriteError> {
-        let Snapshot { time, particles, contacts, driven_walls, origins, passed } = frame;
-        let parts: (Grains<_, _, _>, _) = ((*time, particles, driven_walls, origins, *passed), contacts);
+        let Snapshot { time, particles, contacts, driven_walls, origins, passed, stage, beginnings } = frame;
+        let parts: (Grains<_, _, _, _>, _) =
+            ((*time, *stage, particles, driven_walls, origins, *passed, beginnings), contacts);
         let body = postcard::to_stdvec(&parts).expect("a frame holds only numbers and lists");
         let record = seal(FRAME, &body);
         let start = self.store.bytes();
@@ -115,7 +118,7 @@ impl StoreWriter {
         let written = self.file.seek(SeekFrom::Start(start)).and_then(|_| self.file.write_all(&record));
         written.map_err(|error| WriteError::new(&self.store.path, error))?;
         let (length, grains) = (record.len() as u64, frame.particles.len() as u32);
-        self.store.entries.push(Entry { start, length, time: frame.time, grains });
+        self.store.entries.push(Entry { start, length, time: frame.time, stage: frame.stage, grains });
         Ok(())
     }
 
@@ -250,14 +253,18 @@ impl Store {
     }
 }
 
-/// First part of a frame record: time, grains, dynamic walls, identities, grains that came and went. The contacts follow.
-type Grains<P, W, O> = (f64, P, W, O, [Passed; 2]);
+/// First part of a frame record: time, stage, grains, dynamic walls, identities, grains that came and went, beginnings of motions. The
+/// contacts follow.
+type Grains<P, W, O, B> = (f64, Option<FrameStage>, P, W, O, [Passed; 2], B);
+
+/// First part of a frame record, read.
+type OwnGrains = Grains<Vec<Particle>, Vec<DrivenWall>, Vec<Origin>, Vec<(u32, Beginning)>>;
 
 fn frame_of(
-    (time, particles, driven_walls, origins, passed): Grains<Vec<Particle>, Vec<DrivenWall>, Vec<Origin>>,
+    (time, stage, particles, driven_walls, origins, passed, beginnings): OwnGrains,
     contacts: Vec<Contact>,
 ) -> Snapshot {
-    Snapshot { time, particles, contacts, driven_walls, origins, passed }
+    Snapshot { time, particles, contacts, driven_walls, origins, passed, stage, beginnings }
 }
 
 fn unfit(error: postcard::Error) -> String {
@@ -271,12 +278,12 @@ fn unread(error: Error) -> String {
 /// Reads the position, time and grain count of the frame at a byte; `None` if the file ends before the frame does.
 fn read_entry(file: &mut File, start: u64, size: u64) -> Result<Option<Entry>, String> {
     let Some(length) = record_length(file, start, size, FRAME)? else { return Ok(None) };
-    // A snapshot begins with its time (8 bytes) and its number of grains (at most 5).
-    let mut bytes = vec![0; 13.min((length - HEAD) as usize)];
+    // A snapshot begins with its time (8 bytes), its stage (at most 24) and its number of grains (at most 5).
+    let mut bytes = vec![0; 37.min((length - HEAD) as usize)];
     file.read_exact(&mut bytes).map_err(unread)?;
-    let begin: Result<((f64, u32), _), _> = postcard::take_from_bytes(&bytes);
-    let ((time, grains), _) = begin.map_err(unfit)?;
-    Ok(Some(Entry { start, length, time, grains }))
+    let begin: Result<((f64, Option<FrameStage>, u32), _), _> = postcard::take_from_bytes(&bytes);
+    let ((time, stage, grains), _) = begin.map_err(unfit)?;
+    Ok(Some(Entry { start, length, time, stage, grains }))
 }
 
 /// Reads the length of the record at a byte from its head; `None` if the file ends before the record does.

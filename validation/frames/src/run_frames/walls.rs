@@ -4,7 +4,7 @@ use super::columns::{Column, DOUBLES, Number, Part, VECTOR, WHOLE};
 use super::frame::FrameTables;
 use crate::output::mesh::{DRAWN, wall_mesh};
 use makadam::scene::{Domain, Motion, Shape, Wall};
-use makadam::snapshot::DrivenWall;
+use makadam::snapshot::Snapshot;
 use makadam::wall::PlacedWalls;
 use nalgebra::Vector3;
 use std::collections::HashMap;
@@ -55,10 +55,11 @@ impl Triangles {
 }
 
 impl FrameTables {
-    /// Returns the walls at a time (s), with the given poses of the dynamic walls.
-    pub(super) fn walls_at(&self, time: f64, driven: &[DrivenWall]) -> Walls {
-        let (walls, domain) = (&self.scene.wall, &self.scene.domain);
-        let placed = PlacedWalls::at(walls, domain, time, driven);
+    /// Returns the walls at the time of a frame.
+    pub(super) fn walls_at(&self, frame: &Snapshot) -> Walls {
+        let scene = self.scene_of(frame);
+        let (walls, domain) = (&scene.wall, &scene.domain);
+        let placed = PlacedWalls::begun(walls, domain, frame.time, &frame.driven_walls, &frame.beginnings);
         let mut all = Walls {
             names: walls.iter().map(|wall| wall.name.clone()).collect(),
             shapes: walls.iter().map(|wall| wall.shape.kind()).collect(),
@@ -90,16 +91,16 @@ impl FrameTables {
         all
     }
 
-    /// Returns the walls at a time (s) as a part of a frame.
-    pub fn walls_part(&self, time: f64, driven: &[DrivenWall]) -> Part {
-        let Walls { points, triangles, wall, names, shapes, axes, velocities } = self.walls_at(time, driven);
+    /// Returns the walls at the time of a frame as a part of it.
+    pub fn walls_part(&self, frame: &Snapshot) -> Part {
+        let Walls { points, triangles, wall, names, shapes, axes, velocities } = self.walls_at(frame);
         let diagonal = (Vector::from(self.scene.domain.max) - Vector::from(self.scene.domain.min)).norm();
         let material = |wall: &Wall| self.scene.material.keys().position(|name| *name == wall.material).unwrap_or(0);
         let numbers: Vec<usize> = self.scene.wall.iter().map(material).collect();
         let materials = wall.iter().map(|wall| numbers[*wall as usize] as f64);
         Part {
             corners_per_cell: 3,
-            time,
+            time: frame.time,
             points: Column::coordinates("Points", points.into_flattened(), 1e-3 * diagonal),
             corners: Some(triangles.into_flattened()),
             of_points: vec![Column::new("velocity", VECTOR, velocities.into_flattened())],

@@ -166,7 +166,7 @@ pub fn measure<F: Frames + ?Sized>(
         frames.visit_grains(0..frames.count(), &mut |frame| passed.push([frame.time, frame.passed[1].mass]))?;
         return Ok(Ok(measurements(&passed)));
     }
-    let Some(outlet) = Outlet::find(properties.scene) else { return Ok(Ok(Vec::new())) };
+    let Some(outlet) = Outlet::find(&properties.scene) else { return Ok(Ok(Vec::new())) };
     let mut grains: HashMap<u64, Known> = HashMap::new();
     let mut passed: Vec<[f64; 2]> = Vec::new();
     let mut side = None;

@@ -330,12 +330,13 @@ pub fn counts(scene: &MeasuredScene, grains: usize) -> bool {
     grains > 0 || !scene.remove.is_empty()
 }
 
-/// Returns the measured frames: the frames from `scene.measure.from` on, none if the run ended before; without `from`,
+/// Returns the measured frames: the frames of the measured stage from `scene.measure.from` on, none if the run ended before; without `from`,
 /// the last frame.
 pub fn measured_frames<'a>(scene: &MeasuredScene, recording: &'a Recording) -> Vec<&'a Snapshot> {
-    let filled: Vec<&Snapshot> = recording.frames.iter().filter(|frame| counts(scene, frame.particles.len())).collect();
+    let is_filled = |frame: &&Snapshot| counts(scene, frame.particles.len()) && scene.is_of_measured_stage(frame.stage);
+    let filled: Vec<&Snapshot> = recording.frames.iter().filter(is_filled).collect();
     let first = match scene.measure.from {
-        Some(_) => filled.iter().position(|frame| scene.measure.covers(frame.time)).unwrap_or(filled.len()),
+        Some(_) => filled.iter().position(|frame| scene.covers(frame.time, frame.stage)).unwrap_or(filled.len()),
         None => filled.len().saturating_sub(1),
     };
     filled[first..].to_vec()
