@@ -121,7 +121,7 @@ pub use simulation::intervention::{InterventionError, States};
 #[doc(hidden)]
 pub use simulation::intervention::{KeptContact, PairsInList};
 pub use simulation::ledger::Balance;
-pub use simulation::stages::{Overdue, PresentStage, StageReport};
+pub use simulation::stages::{PresentStage, StageReport};
 pub use simulation::swept::{Crossing, Passage};
 pub use simulation::{PhaseSeconds, Simulation, StepReport, checkpoint};
 pub use snapshot::{Contact, Frame, Partner, Snapshot};

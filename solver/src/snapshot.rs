@@ -21,6 +21,7 @@ use crate::effects::spring::SpringLanes;
 use crate::groups::ContactLanes;
 use crate::lanes::Eight;
 pub use crate::simulation::flow::Passed;
+pub use crate::simulation::stages::PresentStage;
 use crate::simulation::swept::Struck;
 pub use crate::wall::{Beginning, DrivenWall};
 use crate::world::Roll;
@@ -112,20 +113,9 @@ pub struct Snapshot {
     /// Grains that have come from sources and gone into sinks.
     pub passed: [Passed; 2],
     /// Stage of the last step; absent for a scene without stages.
-    pub stage: Option<FrameStage>,
+    pub stage: Option<PresentStage>,
     /// Beginnings of the motions that stages have given to walls, by the number of the wall in the scene.
     pub beginnings: Vec<(u32, Beginning)>,
-}
-
-/// Stage of a frame.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct FrameStage {
-    /// Number in the scene, from 0.
-    pub number: u32,
-    /// Time of its start, s.
-    pub start: f64,
-    /// Steps taken before the frame.
-    pub steps: u64,
 }
 
 impl Simulation {
@@ -156,11 +146,7 @@ impl Simulation {
             driven_walls: driven.collect(),
             origins: self.origins(),
             passed: self.passed(),
-            stage: self.stage().map(|stage| FrameStage {
-                number: stage.number as u32,
-                start: stage.start,
-                steps: self.steps,
-            }),
+            stage: self.stage(),
             beginnings: self.beginnings(),
         }
     }

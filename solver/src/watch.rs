@@ -20,7 +20,7 @@ use crate::simulation::StepReport;
 use crate::simulation::energy::ContactEnergy;
 use crate::simulation::ledger::work_of_changing_gravity;
 use crate::solve::{StopReason, residual_text, residual_unit, residual_unit_name};
-use crate::{Crossing, Overdue, Passage, Simulation};
+use crate::{Crossing, Passage, Simulation};
 use nalgebra::Vector3;
 use std::fmt;
 
@@ -88,7 +88,12 @@ pub enum Trouble {
         unit: &'static str,
     },
     /// A stage has not ended within its longest time.
-    Overdue(Overdue),
+    Overdue {
+        /// Number of the stage in the scene, from 0.
+        stage: u32,
+        /// Value of its condition, and the value that ends it: J per grain, N or kg.
+        condition: [f64; 2],
+    },
 }
 
 impl Trouble {
@@ -103,13 +108,13 @@ impl Trouble {
             Trouble::Crossing { .. } => "crossing",
             Trouble::Passage { .. } => "passage",
             Trouble::Stagnation { .. } => "stagnation",
-            Trouble::Overdue(_) => "overdue stage",
+            Trouble::Overdue { .. } => "overdue stage",
         }
     }
 
     /// Returns true if the violation invalidates the results of a run, for any requested reaction.
     pub fn is_fatal(&self) -> bool {
-        !matches!(self, Trouble::Overlap { .. } | Trouble::Stagnation { .. } | Trouble::Overdue(_))
+        !matches!(self, Trouble::Overlap { .. } | Trouble::Stagnation { .. } | Trouble::Overdue { .. })
     }
 }
 
@@ -168,10 +173,10 @@ impl fmt::Display for Alarm {
                 residual_text(residual, unit),
                 residual_text(bound, unit)
             ),
-            Trouble::Overdue(Overdue { stage, key, value, bound, unit, at_most }) => write!(
+            Trouble::Overdue { stage, condition: [value, bound] } => write!(
                 out,
-                "stage[{stage}] has not ended within at_most = {at_most} s: {key} is {value:.3e} {unit}, and it ends at {bound:e}; \
-                 raise stage[{stage}].at_most, or change its until"
+                "stage[{stage}] has not ended within at_most: its until is at {value:.3e}, and ends it at {bound:e}; raise \
+                 stage[{stage}].at_most, or change stage[{stage}].until"
             ),
         }?;
         write!(out, " (step {}, {:.6} s)", self.step, self.time)
@@ -234,7 +239,8 @@ impl Watchdog {
     pub fn observe(&mut self, simulation: &Simulation, report: &StepReport) -> Vec<Alarm> {
         let crossing = simulation.crossing().map(|Crossing { grain, wall }| Trouble::Crossing { grain, wall });
         let passage = || simulation.passage().map(|Passage { grains }| Trouble::Passage { grains });
-        let overdue = || simulation.overdue().map(Trouble::Overdue);
+        let stage = || simulation.stage().map_or(0, |stage| stage.number);
+        let overdue = || simulation.overdue().map(|condition| Trouble::Overdue { stage: stage(), condition });
         if let Some(trouble) = crossing.or_else(passage).or_else(overdue) {
             let (step, time) = (simulation.steps, simulation.world.time);
             return vec![Alarm { trouble, reaction: Reaction::Stop, step, time }];

@@ -68,7 +68,13 @@ fn finish(simulation: &mut Simulation) {
 fn lid_force(simulation: &Simulation) -> f64 {
     let on_lid = |contact: &&makadam::Contact| contact.second == makadam::Partner::Wall(1);
     let frame = simulation.frame();
-    frame.contacts().iter().filter(on_lid).map(|contact| contact.force_on_partner()).sum::<nalgebra::Vector3<f64>>().norm()
+    frame
+        .contacts()
+        .iter()
+        .filter(on_lid)
+        .map(|contact| contact.force_on_partner())
+        .sum::<nalgebra::Vector3<f64>>()
+        .norm()
 }
 
 #[test]
@@ -97,7 +103,10 @@ fn a_process_goes_through_its_stages() {
             _ => {}
         }
         let balance = simulation.balance().unwrap();
-        assert!(balance.closure.abs() <= 1e-9 * balance.exchanged() + 1e-14 * balance.start.potential, "{stage:?}: {balance:#?}");
+        assert!(
+            balance.closure.abs() <= 1e-9 * balance.exchanged() + 1e-14 * balance.start.potential,
+            "{stage:?}: {balance:#?}"
+        );
         let scale = 1e-10 * balance.gravity_impulse[2].abs();
         assert!(balance.momentum_closure.iter().all(|error| error.abs() <= scale), "{stage:?}: {balance:#?}");
     }
@@ -151,7 +160,8 @@ fn a_process_has_the_same_bits_everywhere() {
 #[test]
 fn stages_without_changes_are_one_run() {
     let whole = read(&text("duration = 0.2", ""));
-    let parted = read(&text("", "[[stage]]\nname = 'one'\nduration = 0.08\n[[stage]]\nname = 'two'\nduration = 0.12\n"));
+    let parted =
+        read(&text("", "[[stage]]\nname = 'one'\nduration = 0.08\n[[stage]]\nname = 'two'\nduration = 0.12\n"));
     let (mut one, mut other) = (start(&whole), start(&parted));
     steps(&mut one, 500);
     finish(&mut other);
@@ -172,7 +182,7 @@ fn a_turned_wall_goes_on_from_its_pose() {
     finish(&mut simulation);
     let frame = simulation.snapshot();
     let own = scene.in_stage(2, &[]);
-    let walls = makadam::wall::PlacedWalls::begun(&own.wall, &own.domain, frame.time, &[], &frame.beginnings);
+    let walls = makadam::wall::PlacedWalls::at(&own.wall, &own.domain, frame.time, &[], &frame.beginnings);
     let centre = walls.point_of(2, &[0.02, 0.0, 0.25].into());
     let angle: f64 = 0.1 * 2.0 + 0.1 * 5.0;
     assert_relative_eq!(centre.x, 0.02 * angle.cos(), epsilon = 1e-12);
@@ -222,9 +232,9 @@ fn an_end_that_does_not_come_is_an_alarm() {
         let alarms = watchdog.observe(&simulation, &report);
         assert_eq!(alarms.is_empty(), step < 250, "step {step}: {alarms:?}");
         if let Some(alarm) = alarms.first() {
-            assert!(matches!(alarm.trouble, Trouble::Overdue(late) if late.stage == 0 && late.value == 0.0));
+            assert_eq!(alarm.trouble, Trouble::Overdue { stage: 0, condition: [0.0, 1e3] });
             let message = alarm.to_string();
-            assert!(message.contains("stage[0] has not ended within at_most = 0.1 s: wall_force is"), "{message}");
+            assert!(message.contains("stage[0] has not ended within at_most: its until is at 0"), "{message}");
         }
     }
     // A longer limit lets the same state go on.
@@ -237,25 +247,46 @@ fn an_end_that_does_not_come_is_an_alarm() {
 #[test]
 fn errors_name_the_key_in_the_stage() {
     let cases = [
-        ("duration = 0.1\nmotion = { roof = { kind = 'fixed' } }", "stage[0].motion.roof: there is no wall 'roof'; name one of: box, lid"),
-        ("duration = 0.1\nmotion = { lid = { kind = 'rotating', point = [0, 0, 0], axis = [0, 0, 0], rate = 1.0 } }", "stage[0].motion.lid.axis: has no direction"),
-        ("duration = 0.1\nmotion = { lid = { kind = 'vibrating', amplitude = [0, 0, 1e-3], frequency = 1000.0 } }", "stage[0].motion.lid: a period of wall 'lid' lasts"),
+        (
+            "duration = 0.1\nmotion = { roof = { kind = 'fixed' } }",
+            "stage[0].motion.roof: there is no wall 'roof'; name one of: box, lid",
+        ),
+        (
+            "duration = 0.1\nmotion = { lid = { kind = 'rotating', point = [0, 0, 0], axis = [0, 0, 0], rate = 1.0 } }",
+            "stage[0].motion.lid.axis: has no direction",
+        ),
+        (
+            "duration = 0.1\nmotion = { lid = { kind = 'vibrating', amplitude = [0, 0, 1e-3], frequency = 1000.0 } }",
+            "stage[0].motion.lid: a period of wall 'lid' lasts",
+        ),
         ("until = { kinetic_energy = 1e-9 }", "stage[0].at_most: missing"),
         ("until = { kinetic_energy = 1e-9 }\nat_most = 1.0", "stage[0].until.kinetic_energy: holds at the start"),
         ("until = { removed_mass = 1.0 }\nat_most = 1.0", "stage[0].until.removed_mass: no sink"),
-        ("until = { wall_force = { wall = 'roof', force = 1.0 } }\nat_most = 1.0", "stage[0].until.wall_force.wall: there is no wall"),
-        ("until = { wall_force = { wall = 'lid', force = -1.0 } }\nat_most = 1.0", "stage[0].until.wall_force.force: -1 is out of range"),
+        (
+            "until = { wall_force = { wall = 'roof', force = 1.0 } }\nat_most = 1.0",
+            "stage[0].until.wall_force.wall: there is no wall",
+        ),
+        (
+            "until = { wall_force = { wall = 'lid', force = -1.0 } }\nat_most = 1.0",
+            "stage[0].until.wall_force.force: -1 is out of range",
+        ),
         ("duration = 0.1\nuntil = { kinetic_energy = 1e-9 }", "stage[0].until: given in addition to duration"),
         ("", "stage[0]: has no end"),
-        ("duration = 0.1\nat_least = 0.1", "stage[0].at_least: given without until"),
+        ("duration = 0.1\nat_least = 0.1", "stage[0].duration: given with limits"),
         ("duration = 1e-4", "solver.step: no step of 0.0004 s is taken in 0.0001 s"),
         ("duration = 0.1\nsolver = { step = 1.0 }", "stage[0].solver.step: 1 is out of range"),
         ("duration = 0.1\ngravity = [0, 0, nan]", "stage[0].gravity: "),
         ("duration = 0.1\n[stage.material.steel]\nfriction = 0.1", "stage[0].material.steel: there is no material"),
-        ("duration = 0.1\n[stage.material.glass]\nfriction = -0.1", "stage[0].material.glass.friction: -0.1 is out of range"),
+        (
+            "duration = 0.1\n[stage.material.glass]\nfriction = -0.1",
+            "stage[0].material.glass.friction: -0.1 is out of range",
+        ),
         ("duration = 0.1\n[[stage]]\nname = 'a'\nduration = 1.0", "stage[1].name: 'a' is the name of stage[0] too"),
         ("duration = 0.1\noutput = { interval = 0.0 }", "stage[0].output.interval: 0 is out of range"),
-        ("duration = 0.1\n[[remove]]\nstage = 'b'\nregion = { kind = 'box', min = [0, 0, 0], max = [1, 1, 1] }", "remove[0].stage: there is no stage 'b'; name one of: a"),
+        (
+            "duration = 0.1\n[[remove]]\nstage = 'b'\nregion = { kind = 'box', min = [0, 0, 0], max = [1, 1, 1] }",
+            "remove[0].stage: there is no stage 'b'; name one of: a",
+        ),
     ];
     for (body, expected) in cases {
         let error = Scene::parse(&text("", &format!("[[stage]]\nname = 'a'\n{body}"))).unwrap_err().to_string();

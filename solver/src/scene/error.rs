@@ -7,6 +7,7 @@ use super::document::{Document, DocumentPath};
 use super::suggestions::remedy;
 use std::fmt;
 use std::path::{Path, PathBuf};
+use toml::Value;
 
 /// Error of a scene.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -139,12 +140,20 @@ impl Fault {
         Fault { path, problem, remedy: remedy.into(), see: None, line: None }
     }
 
+    /// Returns true if a value has the first two keys of the path.
+    pub(super) fn is_in(&self, value: Option<&Value>) -> bool {
+        let key = |value: &'_ Value, step: &Step| value.get(label(std::slice::from_ref(step))).cloned();
+        let start = self.path.iter().take(2);
+        !self.path.is_empty() && start.fold(value.cloned(), |value, step| key(&value?, step)).is_some()
+    }
+
     /// Replaces the start of the path, if the path begins so.
-    pub(super) fn moved(mut self, from: &DocumentPath, to: &DocumentPath) -> Fault {
+    pub(super) fn moved(mut self, (from, to): (DocumentPath, DocumentPath)) -> Fault {
         let (from, old) = (from.path(), label(&self.path));
         if self.path.starts_with(&from) {
             self.path.splice(..from.len(), to.path());
-            self.problem = self.problem.strip_prefix(&old).map_or(self.problem.clone(), |rest| label(&self.path) + rest);
+            self.problem =
+                self.problem.strip_prefix(&old).map_or(self.problem.clone(), |rest| label(&self.path) + rest);
         }
         self
     }

@@ -225,8 +225,9 @@ fn rate_can_be_met(scene: &Scene, at: &DocumentPath, source: &Insertion, volume:
     };
     let (speed, gravity) = (Vector3::from(source.velocity).norm(), scene.largest_gravity());
     let stay = 0.25 * width / (speed + (speed * speed + 0.25 * gravity * width).sqrt());
-    let active =
-        source.elapsed(scene.longest_of(source)).min(source.total.map_or(f64::INFINITY, |total| total as f64 * least / solid));
+    let active = source
+        .elapsed(scene.longest_of(source))
+        .min(source.total.map_or(f64::INFINITY, |total| total as f64 * least / solid));
     let most = FULL * volume / stay.min(active);
     if solid > most {
         let problem = format!(

@@ -80,9 +80,9 @@ pub use settings::{
     MOST_MEMORY, Obstacle, Precision, Reaction, SettingError, SolverMethod, SolverSettings, Stop, TangentialLaw, Watch,
 };
 pub(crate) use settings::{method_goes_with, precision_goes_with};
+pub use stages::{Stage, StageEnd, StageMaterial, StageOutput, StageSolver};
 use std::collections::BTreeMap;
 use std::path::Path;
-pub use stages::{Stage, StageEnd, StageMaterial, StageOutput, StageSolver};
 pub use suggestions::{nearest, suggestion, wish};
 pub(crate) use types::sphere_volume;
 pub use types::{

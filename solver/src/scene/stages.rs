@@ -5,9 +5,12 @@
 
 use super::document::{Checked, DocumentPath};
 use super::error::Fault;
-use super::{Cohesion, GrainEntry, Insertion, Motion, Precision, Scene, SolverMethod, SolverSettings, Stop, check};
+use super::{
+    Cohesion, GrainEntry, Insertion, Motion, Precision, Scene, SolverMethod, SolverSettings, Stop, Wall, check,
+};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, HashMap};
+use toml::Value;
 
 /// Stage of a process: its end, and the settings that it changes.
 ///
@@ -15,36 +18,27 @@ use std::collections::{BTreeMap, HashMap};
 /// later stage names the wall.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, default)]
 pub struct Stage {
     /// Name, used in tables and files.
     pub name: String,
     /// Duration, s.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub duration: Option<f64>,
     /// Condition of its end, instead of `duration`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub until: Option<StageEnd>,
     /// Shortest time until the condition can end it, s: grains that begin at rest have no kinetic energy either.
-    #[serde(default, skip_serializing_if = "super::types::is_zero")]
     pub at_least: f64,
     /// Longest time until the condition has to hold, s: a run ends with an error if it does not. Required with `until`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub at_most: Option<f64>,
     /// Acceleration of gravity, m/s2; default: that of the scene, with its changes.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gravity: Option<[f64; 3]>,
     /// Coefficients by the name of a material. Those of a `[[pair]]` take precedence, as they do in the scene.
-    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub material: BTreeMap<String, StageMaterial>,
     /// New motions by the name of a wall, from the pose that the wall has reached. Times count from the start of the stage.
-    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub motion: BTreeMap<String, Motion>,
     /// Settings of the solver.
-    #[serde(default, skip_serializing_if = "super::settings::is_default")]
     pub solver: StageSolver,
     /// Frames on disk.
-    #[serde(default, skip_serializing_if = "super::settings::is_default")]
     pub output: StageOutput,
 }
 
@@ -69,63 +63,48 @@ pub enum StageEnd {
 /// Coefficients of a material in a stage, instead of those of the scene.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, default)]
 pub struct StageMaterial {
     /// Coulomb friction coefficient.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction: Option<f64>,
     /// Coefficient of restitution, 0 to 1.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub restitution: Option<f64>,
     /// Coefficient of rolling friction.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rolling_friction: Option<f64>,
     /// Coefficient of twisting friction.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub twisting_friction: Option<f64>,
     /// Cohesion.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cohesion: Option<Cohesion>,
 }
 
 /// Settings of the solver in a stage, instead of those of the scene.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, default)]
 pub struct StageSolver {
     /// Time step, s.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub step: Option<f64>,
     /// Stopping rule of a solve.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stop: Option<Stop>,
     /// Solution method.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub method: Option<SolverMethod>,
     /// Precision of the sweeps.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub precision: Option<Precision>,
 }
 
 /// Frames on disk in a stage; the solver ignores this table.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, default)]
 pub struct StageOutput {
     /// Time between frames on disk, s; default: that of the scene.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub interval: Option<f64>,
 }
 
 impl Stage {
     /// Returns the duration, or the limit of a stage that ends by a condition, s.
     pub fn longest(&self) -> f64 {
-        self.duration.or(self.at_most).unwrap_or(0.0)
-    }
-
-    /// Returns the limit in steps of a length (s).
-    pub(crate) fn most_steps(&self, step: f64) -> u64 {
-        (self.longest() / step).round() as u64
+        self.duration.or(self.at_most).unwrap_or(1.0)
     }
 }
 
@@ -197,27 +176,18 @@ impl Scene {
     }
 
     /// Returns a fault of the scene of a stage, with the path of the value in the stage if the stage gives it.
-    pub(super) fn fault_in_stage(&self, number: usize, mut fault: Fault) -> Fault {
+    pub(super) fn fault_in_stage(&self, number: usize, fault: Fault) -> Fault {
         let root = DocumentPath::default();
         let (at, stage) = (root.key("stage").index(number), &self.stage[number]);
+        let own = Value::try_from(stage).ok();
         let longest = if stage.duration.is_some() { "duration" } else { "at_most" };
-        fault = fault.moved(&root.key("duration"), &at.key(longest));
-        if stage.gravity.is_some() {
-            fault = fault.moved(&root.key("gravity"), &at.key("gravity"));
-        }
-        let StageSolver { step, stop, method, precision } = &stage.solver;
-        let given = [step.is_some(), stop.is_some(), method.is_some(), precision.is_some()];
-        for (key, _) in ["step", "stop", "method", "precision"].iter().zip(given).filter(|(_, given)| *given) {
-            fault = fault.moved(&root.key("solver").key(key), &at.key("solver").key(key));
-        }
-        for name in stage.material.keys() {
-            fault = fault.moved(&root.key("material").name(name), &at.key("material").name(name));
-        }
-        for (index, wall) in self.wall.iter().enumerate().filter(|(_, wall)| stage.motion.contains_key(&wall.name)) {
-            let motion = root.key("wall").index(index).key("motion");
-            fault = fault.moved(&motion, &at.key("motion").name(&wall.name));
-        }
-        fault
+        let motion = |(index, wall): (usize, &Wall)| {
+            let given = stage.motion.contains_key(&wall.name);
+            given.then(|| (root.key("wall").index(index).key("motion"), at.key("motion").name(&wall.name)))
+        };
+        let motions = self.wall.iter().enumerate().filter_map(motion);
+        let fault = [(root.key("duration"), at.key(longest))].into_iter().chain(motions).fold(fault, Fault::moved);
+        if fault.is_in(own.as_ref()) { fault.moved((root, at)) } else { fault }
     }
 
     /// Returns the longest time of all stages, s; `None` without stages.
@@ -238,7 +208,10 @@ pub(super) fn check(scene: &Scene) -> Checked {
             return Err(at.key("name").fault(problem, "give each stage a name of its own"));
         }
         end(scene, &at, stage)?;
-        stage.material.keys().try_for_each(|name| check::known_material(scene, &at.key("material").name(name), name))?;
+        stage
+            .material
+            .keys()
+            .try_for_each(|name| check::known_material(scene, &at.key("material").name(name), name))?;
         stage.motion.keys().try_for_each(|name| known_wall(scene, &at.key("motion").name(name), name))?;
         let checks = [check::gravity, check::materials, check::walls, check::solver];
         checks.iter().try_for_each(|check| check(&own)).map_err(|fault| scene.fault_in_stage(number, fault))?;
@@ -253,65 +226,55 @@ pub(super) fn check(scene: &Scene) -> Checked {
 
 /// Checks the end of a stage.
 fn end(scene: &Scene, at: &DocumentPath, stage: &Stage) -> Checked {
-    let until = at.key("until");
-    let acts = |of: &Option<String>| of.as_ref().is_none_or(|of| *of == stage.name);
-    match (stage.duration, &stage.until, stage.at_most) {
-        (None, None, _) => {
-            let remedy = "give duration (s), or until and at_most (s)";
-            return Err(at.fault("has no end".into(), remedy));
-        }
-        (Some(_), Some(_), _) => {
-            return Err(until.fault("given in addition to duration".into(), "leave one out"));
-        }
-        (None, Some(_), None) => {
-            let remedy = "give the time (s) after which a run ends with an error if the condition does not hold";
-            return Err(at.key("at_most").fault("missing where until is given".into(), remedy));
-        }
-        (Some(_), None, Some(_)) => {
-            return Err(at.key("at_most").fault("given in addition to duration".into(), "leave one out"));
-        }
-        (Some(_), None, None) if stage.at_least != 0.0 => {
-            return Err(at.key("at_least").fault("given without until".into(), "leave it out"));
-        }
-        (duration, _, at_most) => {
-            at.key("duration").range(duration.unwrap_or(1.0), 1e-15, 1e5, "s")?;
-            at.key("at_most").range(at_most.unwrap_or(1.0), 1e-15, 1e5, "s")?;
-            at.key("at_least").range(stage.at_least, 0.0, stage.longest(), "s, the longest time of the stage")?;
-        }
+    let refuse = |key: &'static str, problem: &str, remedy: &str| Err(at.key(key).fault(problem.into(), remedy));
+    at.key(if stage.duration.is_some() { "duration" } else { "at_most" }).range(stage.longest(), 1e-15, 1e5, "s")?;
+    at.key("at_least").range(stage.at_least, 0.0, stage.longest(), "s, the longest time of the stage")?;
+    let Some(until) = &stage.until else {
+        return match (stage.duration, stage.at_most.is_some() || stage.at_least != 0.0) {
+            (Some(_), false) => Ok(()),
+            (Some(_), true) => refuse("duration", "given with limits, which are those of until", "leave them out"),
+            (None, _) => Err(at.fault("has no end".into(), "give duration (s), or until and at_most (s)")),
+        };
+    };
+    if stage.duration.is_some() {
+        return refuse("until", "given in addition to duration", "leave one out, and give at_most with until");
     }
-    match &stage.until {
-        None => Ok(()),
-        Some(StageEnd::KineticEnergy(bound)) => {
-            until.key("kinetic_energy").range(*bound, 1e-30, 1e6, "J per grain")?;
-            let at = until.key("kinetic_energy");
-            let endless = |source: &Insertion| source.total.is_none() && source.until.is_none();
-            let endless = |source: &&Insertion| acts(&source.stage) && endless(source);
-            if let Some(index) = scene.insert.iter().position(|source| endless(&source)) {
+    if stage.at_most.is_none() {
+        return refuse(
+            "at_most",
+            "missing where until is given",
+            "give the time (s) after which a run ends with an error",
+        );
+    }
+    let (key, acts) = (at.key("until"), |of: &Option<String>| of.as_ref().is_none_or(|of| *of == stage.name));
+    match until {
+        StageEnd::KineticEnergy(bound) => {
+            let at = key.key("kinetic_energy");
+            at.range(*bound, 1e-30, 1e6, "J per grain")?;
+            let endless = |source: &Insertion| acts(&source.stage) && source.total.is_none() && source.until.is_none();
+            if let Some(index) = scene.insert.iter().position(endless) {
                 let problem = format!("never ends the stage: insert[{index}] gives grains without an end");
                 return Err(at.fault(problem, "give the source a total or until"));
             }
-            let is_at_rest = |grain: &GrainEntry| grain.velocity == [0.0; 3];
-            let rests = scene.grain.iter().all(is_at_rest) && scene.population.iter().all(|group| group.agitation == 0.0);
-            let is_first = scene.stage.first() == Some(stage) && scene.grain_count() > 0;
-            if is_first && rests && stage.at_least == 0.0 {
-                let remedy = "give at_least, such as the time (s) in which the grains fall to their bed";
-                return Err(at.fault("holds at the start, where all grains are at rest".into(), remedy));
+            let rests = scene.grain.iter().all(|grain: &GrainEntry| grain.velocity == [0.0; 3])
+                && scene.population.iter().all(|group| group.agitation == 0.0);
+            match rests && stage.at_least == 0.0 && scene.grain_count() > 0 && scene.stage.first() == Some(stage) {
+                true => Err(at.fault(
+                    "holds at the start, where all grains are at rest".into(),
+                    "give at_least, such as the time (s) in which the grains fall to their bed",
+                )),
+                false => Ok(()),
             }
-            Ok(())
         }
-        Some(StageEnd::WallForce { wall, force }) => {
-            let at = until.key("wall_force");
+        StageEnd::WallForce { wall, force } => {
+            let at = key.key("wall_force");
             known_wall(scene, &at.key("wall"), wall)?;
             at.key("force").range(*force, 1e-30, 1e12, "N")
         }
-        Some(StageEnd::RemovedMass(mass)) => {
-            let at = until.key("removed_mass");
-            at.range(*mass, 1e-30, 1e12, "kg")?;
-            match scene.remove.iter().any(|sink| acts(&sink.stage)) {
-                true => Ok(()),
-                false => Err(at.fault("no sink acts in this stage".into(), "add a [[remove]] with the region of one")),
-            }
-        }
+        StageEnd::RemovedMass(_) if !scene.remove.iter().any(|sink| acts(&sink.stage)) => Err(key
+            .key("removed_mass")
+            .fault("no sink acts in this stage".into(), "add a [[remove]] with the region of one")),
+        StageEnd::RemovedMass(mass) => key.key("removed_mass").range(*mass, 1e-30, 1e12, "kg"),
     }
 }
 

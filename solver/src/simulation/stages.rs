@@ -9,10 +9,9 @@ use super::checkpoint::state::State;
 use super::flow::Flow;
 use super::swept::Struck;
 use crate::lanes::plus;
-use crate::scene::{Scene, Stage, StageEnd};
-use crate::schedule::{Phase, Runs, Team};
+use crate::scene::{Scene, SolverSettings, Stage, StageEnd};
 use crate::wall::Beginning;
-use crate::world::{Body, INERTIA, chunk, chunks};
+use crate::world::MaterialTable;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -38,17 +37,17 @@ pub(crate) struct StageState {
 pub(crate) struct Stages {
     pub scene: Arc<Scene>,
     pub state: StageState,
-    /// Kinetic energy of each chunk of grains, J.
-    energies: Vec<f64>,
 }
 
-/// Present stage of a simulation.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Present stage of a simulation, or stage of a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PresentStage {
     /// Number in the scene, from 0.
-    pub number: usize,
+    pub number: u32,
     /// Time of its start, s.
     pub start: f64,
+    /// Steps taken before its start.
+    pub before: u64,
     /// Steps taken in it.
     pub steps: u64,
     /// True if it has reached its end.
@@ -70,23 +69,6 @@ pub struct StageReport {
     pub ended: bool,
 }
 
-/// Stage that has not ended within its longest time, with the value of its condition.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Overdue {
-    /// Number of the stage in the scene, from 0.
-    pub stage: u32,
-    /// Key of the condition.
-    pub key: &'static str,
-    /// Present value.
-    pub value: f64,
-    /// Value at which it ends.
-    pub bound: f64,
-    /// Unit of both.
-    pub unit: &'static str,
-    /// Longest time, s.
-    pub at_most: f64,
-}
-
 impl StageState {
     /// Returns the number of the present stage.
     pub fn number(&self) -> usize {
@@ -98,18 +80,15 @@ impl StageState {
         self.starts.iter().map(|start| start.0).collect()
     }
 
-    /// Returns true if the state is one of this scene.
-    pub fn fits(&self, scene: &Scene) -> bool {
-        let walls = self.beginnings.keys().all(|&wall| (wall as usize) < scene.wall.len());
-        (1..=scene.stage.len()).contains(&self.starts.len()) && walls
-    }
-
-    /// Returns true if a run can have this state after the given number of steps.
-    pub fn is_sound(&self, steps: u64) -> bool {
-        let rises = self.starts.windows(2).all(|pair| pair[0].0 <= pair[1].0 && pair[0].1 <= pair[1].1);
-        let last = self.starts.last().is_some_and(|last| last.1 <= steps) && self.clock.1 <= steps;
-        let poses = self.beginnings.values().all(|begun| begun.pose.is_sound() && begun.time.is_finite());
-        rises && last && poses && self.times().iter().chain([&self.clock.0, &self.removed]).all(|number| number.is_finite())
+    /// Returns true if a run of the scene can have this state after the given number of steps.
+    pub fn is_sound(&self, scene: &Scene, steps: u64) -> bool {
+        let rises = self.starts.is_sorted_by(|a, b| a.0 <= b.0 && a.1 <= b.1);
+        let walls = self.beginnings.iter().all(|(&wall, begun)| {
+            (wall as usize) < scene.wall.len() && begun.pose.is_sound() && begun.time.is_finite()
+        });
+        let numbers = self.starts.iter().copied().chain([self.clock, (self.removed, 0)]);
+        let finite = { numbers }.all(|(number, before)| number.is_finite() && before <= steps);
+        (1..=scene.stage.len()).contains(&self.starts.len()) && rises && walls && finite
     }
 }
 
@@ -117,12 +96,7 @@ impl Stages {
     /// Returns the first stage of a scene; `None` without stages.
     pub fn of(scene: &Scene) -> Option<Stages> {
         let state = StageState { starts: vec![(0.0, 0)], ..StageState::default() };
-        (!scene.stage.is_empty()).then(|| Stages::at(scene, state))
-    }
-
-    /// Returns the stages of a scene at a state.
-    pub fn at(scene: &Scene, state: StageState) -> Stages {
-        Stages { scene: Arc::new(scene.clone()), state, energies: Vec::new() }
+        (!scene.stage.is_empty()).then(|| Stages { scene: Arc::new(scene.clone()), state })
     }
 
     /// Returns the scene of the present stage. Limits of later stages have no influence on it.
@@ -132,10 +106,6 @@ impl Stages {
 
     fn stage(&self) -> &Stage {
         &self.scene.stage[self.state.number()]
-    }
-
-    fn steps(&self, taken: u64) -> u64 {
-        taken - self.state.starts[self.state.number()].1
     }
 }
 
@@ -158,10 +128,10 @@ impl Simulation {
 
     /// Returns the present stage: the stage of the last step; `None` for a scene without stages.
     pub fn stage(&self) -> Option<PresentStage> {
-        let stages = self.stages.as_ref()?;
-        let number = stages.state.number();
-        let (start, steps) = (stages.state.starts[number].0, stages.steps(self.steps));
-        Some(PresentStage { number, start, steps, ended: stages.state.ended })
+        let state = &self.stages.as_ref()?.state;
+        let (start, before) = state.starts[state.number()];
+        let (number, steps) = (state.number() as u32, self.steps - before);
+        Some(PresentStage { number, start, before, steps, ended: state.ended })
     }
 
     /// Returns the beginnings of the motions that stages have given to walls, by the number of the wall.
@@ -172,33 +142,32 @@ impl Simulation {
 
     /// Returns true once the last stage of the scene has reached its end; later steps belong to it too.
     pub fn has_ended(&self) -> bool {
-        self.stages.as_ref().is_some_and(|stages| stages.state.ended && stages.state.number() + 1 == stages.scene.stage.len())
+        self.stages
+            .as_ref()
+            .is_some_and(|stages| stages.state.ended && stages.state.number() + 1 == stages.scene.stage.len())
     }
 
-    /// Returns the present stage if its condition has not held within its longest time: a run should end then.
-    pub fn overdue(&self) -> Option<Overdue> {
-        let stages = self.stages.as_ref()?;
-        let (stage, until) = (stages.stage(), stages.stage().until.as_ref()?);
-        let is_late = !stages.state.ended && stages.steps(self.steps) >= stage.most_steps(self.settings.step);
-        let (value, (key, bound, unit)) = (self.present_value(until), match until {
-            StageEnd::KineticEnergy(bound) => ("kinetic_energy", *bound, "J per grain"),
-            StageEnd::WallForce { force, .. } => ("wall_force", *force, "N"),
-            StageEnd::RemovedMass(mass) => ("removed_mass", *mass, "kg"),
-        });
-        let number = stages.state.number() as u32;
-        is_late.then(|| Overdue { stage: number, key, value, bound, unit, at_most: stage.longest() })
+    /// Returns the value of the condition of the present stage and its bound (J per grain, N or kg), if it has not held within the longest
+    /// time of the stage: a run should end then.
+    pub fn overdue(&self) -> Option<[f64; 2]> {
+        let (stage, present) = (self.stages.as_ref()?.stage(), self.stage()?);
+        let late = !present.ended && present.steps >= steps_of(stage.longest(), self.settings.step);
+        stage.until.as_ref().filter(|_| late).map(|until| self.condition(until))
     }
 
-    /// Value of a condition: kinetic energy per grain, J, force, N, or mass, kg.
-    fn present_value(&self, until: &StageEnd) -> f64 {
-        let Some(stages) = &self.stages else { return 0.0 };
+    /// Value of a condition and its bound: kinetic energy per grain, J, force, N, or mass, kg.
+    fn condition(&self, until: &StageEnd) -> [f64; 2] {
         match until {
-            StageEnd::KineticEnergy(_) => stages.energies.iter().sum::<f64>() / self.world.grains() as f64,
-            StageEnd::WallForce { wall, .. } => {
-                let wall = stages.scene.wall.iter().position(|one| one.name == *wall);
-                self.force_on(wall.unwrap_or_default() as u32).norm()
+            StageEnd::KineticEnergy(bound) => [self.energy_of_grains().kinetic / self.grains() as f64, *bound],
+            StageEnd::WallForce { wall, force } => {
+                let walls = self.stages.iter().flat_map(|stages| &stages.scene.wall);
+                let number = walls.map(|one| &one.name).position(|name| name == wall).unwrap_or_default();
+                [self.force_on(number as u32).norm(), *force]
             }
-            StageEnd::RemovedMass(_) => self.passed()[1].mass - stages.state.removed,
+            StageEnd::RemovedMass(mass) => {
+                let before = self.stages.as_ref().map_or(0.0, |stages| stages.state.removed);
+                [self.passed()[1].mass - before, *mass]
+            }
         }
     }
 
@@ -219,46 +188,17 @@ impl Simulation {
     }
 
     /// Judges after a step whether the stage has reached its end.
-    pub(super) fn judge_stage(&mut self, team: &Team) {
-        let Some(stages) = &mut self.stages else { return };
-        if let Some(StageEnd::KineticEnergy(_)) = stages.stage().until {
-            let mut energies = std::mem::take(&mut stages.energies);
-            self.kinetic_energies(&mut energies, team);
-            self.stages.iter_mut().for_each(|stages| stages.energies = std::mem::take(&mut energies));
-        }
-        let meets = self.meets_end();
-        self.stages.iter_mut().for_each(|stages| stages.state.ended |= meets);
-    }
-
-    fn meets_end(&self) -> bool {
-        let Some(stages) = &self.stages else { return false };
-        let (stage, steps, h) = (stages.stage(), stages.steps(self.steps), self.settings.step);
-        let Some(until) = &stage.until else { return steps >= stage.most_steps(h) };
-        if steps < (stage.at_least / h).round() as u64 {
-            return false;
-        }
-        let value = self.present_value(until);
-        match until {
-            StageEnd::KineticEnergy(bound) => {
-                let to_come = self.flow.as_ref().is_some_and(Flow::has_grains_to_come);
-                value <= *bound && self.world.grains() > 0 && !to_come
-            }
-            StageEnd::WallForce { force: least, .. } | StageEnd::RemovedMass(least) => value >= *least,
-        }
-    }
-
-    /// Sums the kinetic energy of each chunk of grains, J: the same bits on any number of threads.
-    fn kinetic_energies(&self, energies: &mut Vec<f64>, team: &Team) {
-        let grains = self.world.grains();
-        energies.resize(chunks(grains), 0.0);
-        team.each_with(Phase::Integrate, chunks(grains), Runs::of(energies, 1), |number, energy| {
-            let square = |vector: &[f64; 3]| vector.iter().map(|x| x * x).sum::<f64>();
-            let bodies = self.world.bodies[chunk(number, grains)].iter();
-            let of_body = |body: &Body| {
-                0.5 / body.inverse_mass * (square(&body.velocity) + INERTIA * square(&body.scaled_spin))
-            };
-            energy[0] = bodies.map(of_body).sum();
-        });
+    pub(super) fn judge_stage(&mut self) {
+        let (Some(stages), Some(present)) = (&self.stages, self.stage()) else { return };
+        let (stage, h) = (stages.stage(), self.settings.step);
+        let limit = if stage.until.is_some() { stage.at_least } else { stage.longest() };
+        let to_come = || self.flow.as_ref().is_some_and(Flow::has_grains_to_come);
+        let holds = |until: &StageEnd| match (until, self.condition(until)) {
+            (StageEnd::KineticEnergy(_), [value, bound]) => value <= bound && !to_come(),
+            (_, [value, bound]) => value >= bound,
+        };
+        let ended = present.steps >= steps_of(limit, h) && stage.until.as_ref().is_none_or(holds);
+        self.stages.iter_mut().for_each(|stages| stages.state.ended |= ended);
     }
 
     /// Begins the next stage, if the present one has ended.
@@ -271,17 +211,14 @@ impl Simulation {
         stages.state.starts.push(now);
         let after = stages.present();
         let motions = stages.stage().motion.clone();
-        let mut settings = after.solver.clone();
+        let (own, old) = (&self.settings, &before.solver);
         // Settings of the caller hold in all stages.
-        if self.settings.stop != before.solver.stop {
-            settings.stop = self.settings.stop;
-        }
-        if self.settings.method != before.solver.method {
-            settings.method = self.settings.method;
-        }
-        if self.settings.precision != before.solver.precision {
-            settings.precision = self.settings.precision;
-        }
+        let settings = SolverSettings {
+            stop: unless_changed(own.stop, old.stop, after.solver.stop),
+            method: unless_changed(own.method, old.method, after.solver.method),
+            precision: unless_changed(own.precision, old.precision, after.solver.precision),
+            ..after.solver.clone()
+        };
         if settings.step != self.settings.step {
             stages.state.clock = now;
         }
@@ -290,8 +227,8 @@ impl Simulation {
         if !(is_same && motions.is_empty()) {
             let beginnings = &mut stages.state.beginnings;
             let mut world = self.world.without_grains();
-            world.set_scene(&after);
-            world.set_time(now.0);
+            (world.table, world.field) = (MaterialTable::new(&after), after.gravity_field());
+            world.gravity = world.field.at(now.0);
             for (number, wall) in (0..).zip(&after.wall).filter(|(_, wall)| motions.contains_key(&wall.name)) {
                 let beginning = world.walls.reached(number, now.0);
                 world.begin_motion(number, &wall.motion, &beginning);
@@ -304,4 +241,13 @@ impl Simulation {
             flow.enter(&after, &self.world);
         }
     }
+}
+
+/// Returns the value of the next stage, unless the caller has changed that of the present one.
+fn unless_changed<T: PartialEq>(own: T, before: T, after: T) -> T {
+    if own == before { after } else { own }
+}
+
+fn steps_of(time: f64, step: f64) -> u64 {
+    (time / step).round() as u64
 }

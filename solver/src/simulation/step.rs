@@ -48,7 +48,7 @@ impl Simulation {
         // Motion with the new velocities.
         self.remember_impulses(team);
         self.move_bodies(team);
-        self.judge_stage(team);
+        self.judge_stage();
         clock.lap(&mut self.phases.integrate);
         let sweeps = u64::from(solve.sweeps) * u64::from(self.settings.sweeps_per_iteration());
         self.contact_sweeps += sweeps * self.layout.contacts as u64;

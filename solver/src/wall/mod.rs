@@ -475,7 +475,7 @@ fn furthest(motion: &Motion, faces: &[Face]) -> Option<f64> {
 ///
 /// let domain = Domain { min: [-1.0; 3], max: [1.0; 3], periodic: Vec::new() };
 /// let walls = [Wall::new("box", "glass", Shape::cuboid([0.0; 3], [0.1; 3], &[Face::Top]))];
-/// let placed = PlacedWalls::at(&walls, &domain, 0.0, &[]);
+/// let placed = PlacedWalls::at(&walls, &domain, 0.0, &[], &[]);
 /// assert!((placed.distance(&[0.05, 0.05, 0.02].into()) - 0.02).abs() < 1e-12);
 /// assert!(placed.distance(&[0.05, 0.05, -0.02].into()) < 0.0, "behind the floor");
 /// ```
@@ -487,13 +487,8 @@ pub struct PlacedWalls {
 
 impl PlacedWalls {
     /// Returns the walls at a time (s) in a domain. Dynamic walls have the positions in `driven`, or those in the scene
-    /// without an entry in `driven`.
-    pub fn at(walls: &[scene::Wall], domain: &Domain, time: f64, driven: &[DrivenWall]) -> PlacedWalls {
-        PlacedWalls::begun(walls, domain, time, driven, &[])
-    }
-
-    /// Returns the walls as [`PlacedWalls::at`], with walls that begin their motion at other poses and times, by their numbers.
-    pub fn begun(
+    /// without an entry in `driven`. Walls in `beginnings` begin their motion at another pose and time.
+    pub fn at(
         walls: &[scene::Wall],
         domain: &Domain,
         time: f64,

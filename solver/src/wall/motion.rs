@@ -329,7 +329,7 @@ impl Movement {
             Motion::TorqueDriven { .. } => self.displacement,
             _ => self.angle(time - self.origin),
         };
-        match self.from_base(time - self.origin).displacement {
+        match self.at(time).displacement {
             Displacement::By(shift) => (shift.into(), angle),
             _ => ([0.0; 3], angle),
         }

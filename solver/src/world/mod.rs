@@ -230,12 +230,6 @@ impl World {
         }
     }
 
-    /// Takes over the materials and the gravity of another stage of the scene.
-    pub(crate) fn set_scene(&mut self, scene: &Scene) {
-        self.table = MaterialTable::new(scene);
-        (self.gravity, self.field) = (Vector3::from(scene.gravity), scene.gravity_field());
-    }
-
     /// Reserves memory for the padding bodies of n boxes; bodies and spheres do not move in memory from then on.
     ///
     /// # Errors

@@ -259,7 +259,6 @@ impl State {
                 let grains = state.grains.len() as u64;
                 counts.are_sound() && grains <= boxes_for.saturating_mul(2) && *boxes_for <= 2 * grains
             })
-            && state.altered.stages.as_ref().is_none_or(|stages| stages.is_sound(state.steps))
             && state.altered.moved_walls.iter().all(|(_, steered)| steered.is_sound())
             && [(&state.pairs, &state.pair_torques), (&state.walls, &state.wall_torques)]
                 .iter()
@@ -309,11 +308,12 @@ impl State {
 
     /// Returns the stages of a scene at this state.
     fn stages(&self, scene: &Scene) -> Result<Option<Stages>, String> {
-        let state = self.altered.stages.as_ref();
-        let fits = state.is_none_or(|state| state.fits(scene)) && state.is_some() != scene.stage.is_empty();
-        match fits {
-            true => Ok(state.map(|state| Stages::at(scene, state.clone()))),
-            false => Err("has other stages than the scene".into()),
+        match (Stages::of(scene), self.altered.stages.clone()) {
+            (None, None) => Ok(None),
+            (Some(Stages { scene, .. }), Some(state)) if state.is_sound(&scene, self.steps) => {
+                Ok(Some(Stages { scene, state }))
+            }
+            _ => Err("has other stages than the scene".into()),
         }
     }
 

@@ -3,7 +3,7 @@
 use super::MeasuredScene;
 use makadam::Motion;
 use makadam::scene::{GravityChange, Stage};
-use makadam::snapshot::FrameStage;
+use makadam::snapshot::PresentStage;
 
 impl MeasuredScene {
     /// Returns the time between frames on disk in a stage, s.
@@ -18,12 +18,12 @@ impl MeasuredScene {
     }
 
     /// Returns true for a frame of the stage that is measured; every frame is without `measure.stage`.
-    pub fn is_of_measured_stage(&self, stage: Option<FrameStage>) -> bool {
+    pub fn is_of_measured_stage(&self, stage: Option<PresentStage>) -> bool {
         self.measured_stage().is_none_or(|(number, _)| stage.is_some_and(|stage| stage.number as usize == number))
     }
 
     /// Returns true for a frame of the measured stage at or after `measure.from`, by its time (s) and its stage.
-    pub fn covers(&self, time: f64, stage: Option<FrameStage>) -> bool {
+    pub fn covers(&self, time: f64, stage: Option<PresentStage>) -> bool {
         let start = self.measured_stage().and(stage).map_or(0.0, |stage| stage.start);
         self.is_of_measured_stage(stage) && self.measure.covers(time - start)
     }

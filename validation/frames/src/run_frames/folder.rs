@@ -137,7 +137,7 @@ impl RunFrames {
             Source::Memory(frames) => frames[number].stage,
         };
         if let Some(stage) = stage {
-            return stage.steps;
+            return stage.before + stage.steps;
         }
         (self.time(number) / self.tables.scene.solver.step).round() as u64
     }
@@ -192,7 +192,9 @@ impl RunFrames {
             Kind::Grains => 0..count,
             Kind::Contacts => 0..if output.contacts { count } else { 0 },
             Kind::Walls if !output.walls || scene.wall.is_empty() => 0..0,
-            Kind::Walls if scene.wall.iter().all(|wall| wall.motion == Motion::Fixed) && !self.tables.stages_move() => 0..1,
+            Kind::Walls if scene.wall.iter().all(|wall| wall.motion == Motion::Fixed) && !self.tables.stages_move() => {
+                0..1
+            }
             Kind::Walls => 0..count,
         }
     }

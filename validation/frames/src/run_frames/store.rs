@@ -9,7 +9,7 @@
 use crate::output::{WriteError, open_to_grow};
 use crate::plan::MeasuredScene;
 use makadam::checkpoint::{open, seal};
-use makadam::snapshot::{Beginning, Contact, DrivenWall, FrameStage, Origin, Particle, Passed, Snapshot};
+use makadam::snapshot::{Beginning, Contact, DrivenWall, Origin, Particle, Passed, PresentStage, Snapshot};
 use serde::{Deserialize, Serialize};
 use std::fs::{File, OpenOptions};
 use std::io::{BufReader, Error, ErrorKind, Read, Seek, SeekFrom, Write};
@@ -33,7 +33,7 @@ pub struct Entry {
     /// Simulated time, s.
     pub time: f64,
     /// Stage; absent for a scene without stages.
-    pub stage: Option<FrameStage>,
+    pub stage: Option<PresentStage>,
     /// Number of grains.
     pub grains: u32,
 }
@@ -255,7 +255,7 @@ impl Store {
 
 /// First part of a frame record: time, stage, grains, dynamic walls, identities, grains that came and went, beginnings of motions. The
 /// contacts follow.
-type Grains<P, W, O, B> = (f64, Option<FrameStage>, P, W, O, [Passed; 2], B);
+type Grains<P, W, O, B> = (f64, Option<PresentStage>, P, W, O, [Passed; 2], B);
 
 /// First part of a frame record, read.
 type OwnGrains = Grains<Vec<Particle>, Vec<DrivenWall>, Vec<Origin>, Vec<(u32, Beginning)>>;
@@ -278,10 +278,10 @@ fn unread(error: Error) -> String {
 /// Reads the position, time and grain count of the frame at a byte; `None` if the file ends before the frame does.
 fn read_entry(file: &mut File, start: u64, size: u64) -> Result<Option<Entry>, String> {
     let Some(length) = record_length(file, start, size, FRAME)? else { return Ok(None) };
-    // A snapshot begins with its time (8 bytes), its stage (at most 24) and its number of grains (at most 5).
-    let mut bytes = vec![0; 37.min((length - HEAD) as usize)];
+    // A snapshot begins with its time (8 bytes), its stage (at most 35) and its number of grains (at most 5).
+    let mut bytes = vec![0; 48.min((length - HEAD) as usize)];
     file.read_exact(&mut bytes).map_err(unread)?;
-    let begin: Result<((f64, Option<FrameStage>, u32), _), _> = postcard::take_from_bytes(&bytes);
+    let begin: Result<((f64, Option<PresentStage>, u32), _), _> = postcard::take_from_bytes(&bytes);
     let ((time, stage, grains), _) = begin.map_err(unfit)?;
     Ok(Some(Entry { start, length, time, stage, grains }))
 }

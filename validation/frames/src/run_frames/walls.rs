@@ -59,7 +59,7 @@ impl FrameTables {
     pub(super) fn walls_at(&self, frame: &Snapshot) -> Walls {
         let scene = self.scene_of(frame);
         let (walls, domain) = (&scene.wall, &scene.domain);
-        let placed = PlacedWalls::begun(walls, domain, frame.time, &frame.driven_walls, &frame.beginnings);
+        let placed = PlacedWalls::at(walls, domain, frame.time, &frame.driven_walls, &frame.beginnings);
         let mut all = Walls {
             names: walls.iter().map(|wall| wall.name.clone()).collect(),
             shapes: walls.iter().map(|wall| wall.shape.kind()).collect(),

@@ -63,7 +63,7 @@ fn corners_lie_on_the_walls_and_move_with_them() {
     let scene = MeasuredScene::parse(WALLS).unwrap();
     let mesh = FrameTables::new(&scene);
     let driven = |displacement| vec![DrivenWall { wall: 3, displacement, rate: 0.25 }];
-    let (early, late) = (mesh.walls_part(0.4, &driven(0.1)), mesh.walls_part(0.5, &driven(0.2)));
+    let (early, late) = (mesh.walls_part(0.4, &driven(0.1)), mesh.walls_part(0.5, &driven(0.2), &[]));
     let triangles: Vec<[u32; 3]> = late.corners().as_chunks().0.to_vec();
     let (points, before, velocities) = (&late.points.values, &early.points.values, &late.of_points[0].values);
     let vector = |values: &[f64], place: usize| Vector::from_column_slice(&values[3 * place..3 * place + 3]);

@@ -32,7 +32,8 @@ impl<'a> Properties<'a> {
         let of_pairs = |a: &&String| names.iter().map(|b| scene.contact_coefficients(a, b, false)).collect();
         let of_walls =
             |a: &&String| scene.wall.iter().map(|wall| scene.contact_coefficients(a, &wall.material, true)).collect();
-        let (grain_contacts, wall_contacts) = (names.iter().map(of_pairs).collect(), names.iter().map(of_walls).collect());
+        let (grain_contacts, wall_contacts) =
+            (names.iter().map(of_pairs).collect(), names.iter().map(of_walls).collect());
         let (roster, density) = (Roster::new(&scene), names.iter().map(|name| scene.material[*name].density).collect());
         Self { roster, density, grain_contacts, wall_contacts, stages: Vec::new(), scene }
     }

@@ -16,7 +16,7 @@ pub struct PlacedWalls {
 impl PlacedWalls {
     /// Returns the walls of a scene at the time of a frame.
     pub fn at(scene: &MeasuredScene, frame: &Snapshot) -> Self {
-        let walls = makadam::wall::PlacedWalls::begun(
+        let walls = makadam::wall::PlacedWalls::at(
             &scene.wall,
             &scene.domain,
             frame.time,

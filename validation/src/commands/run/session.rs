@@ -141,7 +141,7 @@ impl<'a> Session<'a> {
         let due = |simulation: &Simulation, steps: u64| {
             let ends = steps == 0 || steps == last_step || simulation.has_ended();
             let is_due = |interval: f64| ends || due_after(simulation, steps, interval);
-            let stage = simulation.stage().map(|stage| stage.number);
+            let stage = simulation.stage().map(|stage| stage.number as usize);
             Due { measured: is_due(scene.measure.interval), written: is_due(scene.output_interval_in(stage)) }
         };
         if self.progress.framed_at.is_none() {
@@ -163,11 +163,13 @@ impl<'a> Session<'a> {
             let last = self.progress.steps == last_step || self.simulation.has_ended();
             let due = due(&self.simulation, self.progress.steps);
             let mut alarms = self.watchdog.observe(&self.simulation, &report);
-            if let Some(late) = alarms.iter().find(|alarm| matches!(alarm.trouble, Trouble::Overdue(_))) {
+            if let Some(late) = alarms.iter().find(|alarm| matches!(alarm.trouble, Trouble::Overdue { .. })) {
                 self.write_checkpoint()?;
                 self.progress.count(late);
                 let state = self.checkpoint.path().display();
-                return Err(Failure::Running(format!("{late}; the state is in {state}: --resume goes on with another at_most")));
+                return Err(Failure::Running(format!(
+                    "{late}; the state is in {state}: --resume goes on with another at_most"
+                )));
             }
             // States of frames are checked too.
             if last || interrupted {
