@@ -28,5 +28,6 @@ mod run_command;
 mod scaling_command;
 mod see_commands;
 mod stability;
+mod stages_command;
 mod tradeoff_command;
 mod watch_command;
