@@ -122,6 +122,7 @@ pub use simulation::intervention::{InterventionError, States};
 pub use simulation::intervention::{KeptContact, PairsInList};
 pub use simulation::ledger::Balance;
 pub use simulation::swept::{Crossing, Passage};
+pub use simulation::wall_record::{FaceWear, WallLoad};
 pub use simulation::{PhaseSeconds, Simulation, StepReport, checkpoint};
 pub use snapshot::{Contact, Frame, Partner, Snapshot};
 pub use solve::{NotConverged, SolveReport, StopReason};

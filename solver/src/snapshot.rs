@@ -22,6 +22,7 @@ use crate::groups::ContactLanes;
 use crate::lanes::Eight;
 pub use crate::simulation::flow::Passed;
 use crate::simulation::swept::Struck;
+pub use crate::simulation::wall_record::{FaceWear, WallLoad};
 pub use crate::wall::DrivenWall;
 use crate::world::Roll;
 use nalgebra::Vector3;
@@ -111,6 +112,10 @@ pub struct Snapshot {
     pub origins: Vec<Origin>,
     /// Grains that have come from sources and gone into sinks.
     pub passed: [Passed; 2],
+    /// Mean load of each wall since the last measured frame; empty unless recorded ([`Simulation::record_walls`]).
+    pub wall_loads: Vec<WallLoad>,
+    /// Wear of the faces that grains have touched, and of the first face of each wall; empty unless recorded.
+    pub wear: Vec<FaceWear>,
 }
 
 impl Simulation {
@@ -141,6 +146,8 @@ impl Simulation {
             driven_walls: driven.collect(),
             origins: self.origins(),
             passed: self.passed(),
+            wall_loads: self.wall_loads(),
+            wear: self.wear(),
         }
     }
 

@@ -55,5 +55,6 @@ mod tangential_spring;
 mod turning_walls;
 mod unsafe_code;
 mod vibration;
+mod wall_record;
 mod wall_spheres;
 mod watch;

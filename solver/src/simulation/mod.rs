@@ -9,6 +9,7 @@
 //! settings.rs     threads, instruction set, precision, method, stop
 //! energy.rs       mechanical energy of a state
 //! ledger/         sources and sinks of energy and momentum
+//! wall_record.rs  loads and wear of walls
 //! checkpoint/     stored states, to resume from
 //! ```
 
@@ -20,6 +21,7 @@ pub(crate) mod ledger;
 mod settings;
 mod step;
 pub(crate) mod swept;
+pub(crate) mod wall_record;
 
 use crate::constrain::Constrainer;
 use crate::detect::Candidates;
@@ -39,6 +41,7 @@ use intervention::Interventions;
 use ledger::Ledger;
 use serde::{Deserialize, Serialize};
 use swept::Swept;
+use wall_record::WallRecord;
 
 /// Scene in motion.
 #[derive(Clone, Debug)]
@@ -60,6 +63,7 @@ pub struct Simulation {
     pub(crate) interrupt: Interrupt,
     pub(crate) interventions: Interventions,
     pub(crate) flow: Option<Flow>,
+    pub(crate) wall_record: Option<WallRecord>,
     /// Work of walls on grains in the last step that the solve does not report, J.
     pub(crate) work_outside_of_the_solve: f64,
     phases: PhaseSeconds,
@@ -127,6 +131,7 @@ impl Simulation {
             interrupt: Interrupt::new(),
             interventions: Interventions::default(),
             flow: None,
+            wall_record: None,
             work_outside_of_the_solve: 0.0,
             phases: PhaseSeconds::default(),
         }
@@ -140,7 +145,7 @@ impl Simulation {
         self.team = other.team.clone();
         (self.steps, self.contact_sweeps) = (other.steps, other.contact_sweeps);
         self.ledger = other.ledger.clone();
-        self.flow = other.flow.clone();
+        (self.flow, self.wall_record) = (other.flow.clone(), other.wall_record.clone());
         self.swept.remember_failures(&other.swept);
         self.interrupt = other.interrupt.clone();
         self.phases = other.phases;

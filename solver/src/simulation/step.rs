@@ -42,6 +42,7 @@ impl Simulation {
             ledger.note(self, self.constrainer.scheme());
             self.ledger = Some(ledger);
         }
+        self.note_wall_contacts();
         self.account_for_forces();
         // Contacts of grains that would cross walls or other grains within the step.
         self.stop_ahead(team);

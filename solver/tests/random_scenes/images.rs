@@ -122,6 +122,7 @@ impl Image {
             driven_walls: snapshot.driven_walls.clone(),
             origins: snapshot.origins.clone(),
             passed: snapshot.passed,
+            ..Snapshot::default()
         }
     }
 }

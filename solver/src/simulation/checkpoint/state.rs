@@ -10,6 +10,7 @@ use crate::schedule::Team;
 use crate::simulation::flow::{Counts, Flow};
 use crate::simulation::intervention::Booked;
 use crate::simulation::ledger::Ledger;
+use crate::simulation::wall_record::WallRecord;
 use crate::wall::Steered;
 use crate::world::{Body, Roll, Sphere, World};
 use nalgebra::Vector3;
@@ -64,6 +65,8 @@ struct Altered {
     flow: Option<(Counts, u64)>,
     /// Ids and surfaces of extra candidates, which were not near each other when the list was built.
     beyond: Vec<(u32, u32)>,
+    /// Sums of the loads and the wear of walls.
+    wall_record: Option<WallRecord>,
 }
 
 /// State of a dynamic wall.
@@ -211,6 +214,7 @@ impl State {
                 beyond: candidates.beyond().to_vec(),
                 springs: simulation.ledger.as_ref().map_or(0.0, Ledger::springs),
                 roll: world.roll.clone(),
+                wall_record: simulation.wall_record.clone(),
                 flow: simulation.flow.as_ref().map(|flow| (flow.counts.clone(), candidates.boxes_for() as u64)),
             },
         }
@@ -283,6 +287,10 @@ impl State {
         if let Some((flow, (counts, _))) = simulation.flow.as_mut().zip(self.altered.flow.as_ref()) {
             flow.continue_from(counts)?;
         }
+        if self.altered.wall_record.as_ref().is_some_and(|record| !record.fits(&simulation.world)) {
+            return Err("has loads of other walls than those of the scene".into());
+        }
+        simulation.wall_record = self.altered.wall_record.clone();
         simulation.interventions.booked = self.altered.booked;
         simulation.interventions.disturbed = self.altered.disturbed;
         simulation.steps = self.steps;

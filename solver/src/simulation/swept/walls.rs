@@ -265,6 +265,8 @@ impl Simulation {
     ) {
         let body = &self.world.bodies[place];
         self.book_wall_impulse(&WallImpulse {
+            surface,
+            velocity: body.velocity,
             mass: 1.0 / body.inverse_mass,
             normal: normal.into(),
             before: before.into(),

@@ -9,7 +9,7 @@
 use crate::output::{WriteError, open_to_grow};
 use crate::plan::MeasuredScene;
 use makadam::checkpoint::{open, seal};
-use makadam::snapshot::{Contact, DrivenWall, Origin, Particle, Passed, Snapshot};
+use makadam::snapshot::{Contact, DrivenWall, FaceWear, Origin, Particle, Passed, Snapshot, WallLoad};
 use serde::{Deserialize, Serialize};
 use std::fs::{File, OpenOptions};
 use std::io::{BufReader, Error, ErrorKind, Read, Seek, SeekFrom, Write};
@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 /// Magic bytes of the scene record; the last byte is the format version.
 const SCENE: [u8; 8] = *b"mkd-scn\x02";
 /// Magic bytes of a frame record; the last byte is the format version.
-const FRAME: [u8; 8] = *b"mkd-frm\x06";
+const FRAME: [u8; 8] = *b"mkd-frm\x07";
 
 /// Bytes before the body of a record.
 const HEAD: u64 = 24;
@@ -106,8 +106,9 @@ impl StoreWriter {
     /// # Errors
     /// [`WriteError`] if the system refuses; the frames before it stay readable.
     pub fn append(&mut self, frame: &Snapshot) -> Result<(), WriteError> {
-        let Snapshot { time, particles, contacts, driven_walls, origins, passed } = frame;
-        let parts: (Grains<_, _, _>, _) = ((*time, particles, driven_walls, origins, *passed), contacts);
+        let Snapshot { time, particles, contacts, driven_walls, origins, passed, wall_loads, wear } = frame;
+        let parts: (Grains<_, _, _>, _) =
+            ((*time, particles, driven_walls, origins, *passed), (contacts, wall_loads, wear));
         let body = postcard::to_stdvec(&parts).expect("a frame holds only numbers and lists");
         let record = seal(FRAME, &body);
         let start = self.store.bytes();
@@ -220,7 +221,7 @@ impl Store {
         numbers.into_iter().try_for_each(|number| {
             let bytes = self.bytes_of(&mut file, number)?;
             let (grains, _) = postcard::take_from_bytes(open(FRAME, &bytes)?).map_err(unfit)?;
-            look(&frame_of(grains, Vec::new()));
+            look(&frame_of(grains, Default::default()));
             Ok(())
         })
     }
@@ -231,8 +232,8 @@ impl Store {
 
     fn read_from(&self, file: &mut BufReader<File>, number: usize) -> Result<Snapshot, String> {
         let bytes = self.bytes_of(file, number)?;
-        let (grains, contacts) = postcard::from_bytes(open(FRAME, &bytes)?).map_err(unfit)?;
-        Ok(frame_of(grains, contacts))
+        let (grains, loads) = postcard::from_bytes(open(FRAME, &bytes)?).map_err(unfit)?;
+        Ok(frame_of(grains, loads))
     }
 
     /// Reads the record of a frame.
@@ -250,14 +251,15 @@ impl Store {
     }
 }
 
-/// First part of a frame record: time, grains, dynamic walls, identities, grains that came and went. The contacts follow.
+/// First part of a frame record: time, grains, dynamic walls, identities, grains that came and went. The contacts, and the loads and the wear of
+/// walls follow.
 type Grains<P, W, O> = (f64, P, W, O, [Passed; 2]);
 
 fn frame_of(
     (time, particles, driven_walls, origins, passed): Grains<Vec<Particle>, Vec<DrivenWall>, Vec<Origin>>,
-    contacts: Vec<Contact>,
+    (contacts, wall_loads, wear): (Vec<Contact>, Vec<WallLoad>, Vec<FaceWear>),
 ) -> Snapshot {
-    Snapshot { time, particles, contacts, driven_walls, origins, passed }
+    Snapshot { time, particles, contacts, driven_walls, origins, passed, wall_loads, wear }
 }
 
 fn unfit(error: postcard::Error) -> String {

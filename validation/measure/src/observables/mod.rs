@@ -64,6 +64,7 @@ pub mod setting;
 pub mod sphere_volume;
 pub mod static_angle;
 mod view;
+mod wall_loads;
 pub mod walls;
 
 pub use force_distribution::{ForceDistribution, ForcePool, force_distribution};

@@ -77,7 +77,8 @@ pub(super) struct Session<'a> {
 
 impl<'a> Session<'a> {
     /// Begins a run; removes the checkpoint of an earlier run in the folder first, then its other files.
-    pub fn begin(plan: Plan<'a>, simulation: Simulation) -> Result<Session<'a>, Failure> {
+    pub fn begin(plan: Plan<'a>, mut simulation: Simulation) -> Result<Session<'a>, Failure> {
+        plan.scene.record_walls(&mut simulation);
         let progress = Progress {
             started: simulation.time(),
             contact_sweeps_before: simulation.contact_sweeps(),
@@ -251,6 +252,9 @@ impl<'a> Session<'a> {
             )));
         }
         let row = due.measured.then(|| self.row(&frame));
+        if due.measured {
+            self.simulation.restart_wall_means();
+        }
         (self.progress.particles, self.progress.contacts) = (frame.particles.len(), frame.contacts.len());
         self.progress.framed_at = Some(self.progress.steps);
         self.writer.write(FrameToWrite { frame, written: due.written, row })?;
