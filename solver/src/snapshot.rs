@@ -21,6 +21,7 @@ use crate::effects::spring::SpringLanes;
 use crate::groups::ContactLanes;
 use crate::lanes::Eight;
 pub use crate::simulation::flow::Passed;
+pub use crate::simulation::gauge::Passages;
 use crate::simulation::swept::Struck;
 pub use crate::simulation::wall_record::{FaceWear, WallLoad};
 pub use crate::wall::DrivenWall;
@@ -112,6 +113,8 @@ pub struct Snapshot {
     pub origins: Vec<Origin>,
     /// Grains that have come from sources and gone into sinks.
     pub passed: [Passed; 2],
+    /// Passages forward and backward of each gauge since the start.
+    pub gauges: Vec<[Passages; 2]>,
     /// Mean load of each wall since the last measured frame; empty unless recorded ([`Simulation::record_walls`]).
     pub wall_loads: Vec<WallLoad>,
     /// Wear of the faces that grains have touched, and of the first face of each wall; empty unless recorded.
@@ -146,6 +149,7 @@ impl Simulation {
             driven_walls: driven.collect(),
             origins: self.origins(),
             passed: self.passed(),
+            gauges: self.gauges().to_vec(),
             wall_loads: self.wall_loads(),
             wear: self.wear(),
         }

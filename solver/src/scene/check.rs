@@ -7,7 +7,7 @@ use super::settings::{Obstacle, SettingError};
 use super::types::SPACING;
 use super::{
     ContactCoefficients, MOST_MEMORY, Motion, NormalLaw, Placement, Scene, Shape, SolverMethod, SolverSettings, Stop,
-    TangentialLaw, flow, periodic,
+    TangentialLaw, flow, gauge, periodic,
 };
 use std::collections::HashMap;
 
@@ -33,6 +33,7 @@ pub(super) fn check(scene: &Scene) -> Checked {
     walls(scene)?;
     grains(scene)?;
     flow::check(scene)?;
+    gauge::check(scene)?;
     accuracy(scene)?;
     solver(scene)?;
     watch(scene)
@@ -441,7 +442,7 @@ fn names(scene: &Scene) -> Checked {
 }
 
 /// Checks that a name is printable and valid in a table and as a file name.
-fn fit(at: &DocumentPath, whose: &str, name: &str) -> Checked {
+pub(super) fn fit(at: &DocumentPath, whose: &str, name: &str) -> Checked {
     let refuse = |what: String, remedy: &str| Err(at.fault(format!("{whose} {what}"), remedy));
     if name.trim().is_empty() {
         return refuse("is empty".into(), "give a name");

@@ -6,6 +6,7 @@
 //! interrupted.rs  abandoned steps
 //! intervention/   actions of the caller between steps: forces, written states, inserted and removed grains, kinematic walls
 //! flow.rs         grains that come and go by the scene
+//! gauge.rs        grains that pass surfaces in space
 //! settings.rs     threads, instruction set, precision, method, stop
 //! energy.rs       mechanical energy of a state
 //! ledger/         sources and sinks of energy and momentum
@@ -16,6 +17,7 @@
 pub mod checkpoint;
 pub(crate) mod energy;
 pub(crate) mod flow;
+pub(crate) mod gauge;
 pub(crate) mod intervention;
 pub(crate) mod ledger;
 mod settings;
@@ -37,6 +39,7 @@ use crate::sweep::Relaxation;
 use crate::world::{Body, Sphere, World};
 use checkpoint::checksum;
 use flow::Flow;
+use gauge::Gauges;
 use intervention::Interventions;
 use ledger::Ledger;
 use serde::{Deserialize, Serialize};
@@ -63,6 +66,7 @@ pub struct Simulation {
     pub(crate) interrupt: Interrupt,
     pub(crate) interventions: Interventions,
     pub(crate) flow: Option<Flow>,
+    pub(crate) gauges: Gauges,
     pub(crate) wall_record: Option<WallRecord>,
     /// Work of walls on grains in the last step that the solve does not report, J.
     pub(crate) work_outside_of_the_solve: f64,
@@ -102,6 +106,7 @@ impl Simulation {
         let grains = populate(scene, seed)?;
         let mut simulation = Simulation::of_world(&scene.solver, World::new(scene, &grains), grains.len());
         simulation.flow = Flow::of(scene, seed, &simulation.world);
+        simulation.gauges = Gauges::of(scene);
         Ok(simulation)
     }
 
@@ -131,6 +136,7 @@ impl Simulation {
             interrupt: Interrupt::new(),
             interventions: Interventions::default(),
             flow: None,
+            gauges: Gauges::default(),
             wall_record: None,
             work_outside_of_the_solve: 0.0,
             phases: PhaseSeconds::default(),
@@ -146,6 +152,7 @@ impl Simulation {
         (self.steps, self.contact_sweeps) = (other.steps, other.contact_sweeps);
         self.ledger = other.ledger.clone();
         (self.flow, self.wall_record) = (other.flow.clone(), other.wall_record.clone());
+        self.gauges = other.gauges.clone();
         self.swept.remember_failures(&other.swept);
         self.interrupt = other.interrupt.clone();
         self.phases = other.phases;

@@ -140,6 +140,7 @@ impl Simulation {
 
     fn move_bodies(&mut self, team: &Team) {
         let h = self.settings.step;
+        self.note_passages(team);
         self.move_grains(team);
         self.world.drives.iter_mut().for_each(|drive| drive.advance(h));
         self.world.place_driven_walls();

@@ -55,69 +55,38 @@ pub struct FaceWear {
 pub(crate) struct WallRecord {
     /// Time at which the sums of the loads begin, s.
     since: f64,
-    /// Sums by wall, with impulse, angular impulse and work.
+    /// Impulse, angular impulse and work by wall.
     loads: Vec<WallLoad>,
-    /// Sums by face, with normal impulses; empty without wear.
-    faces: Vec<FaceWear>,
-}
-
-/// One impulse of a grain on a wall.
-struct OnWall {
-    surface: u32,
-    point: [f64; 3],
-    impulse: [f64; 3],
-    angular_impulse: [f64; 3],
-    /// Work of the wall on the grain, J.
-    work: f64,
-    normal: [f64; 3],
-    /// Normal impulse with that of cohesion, N s.
-    along: f64,
-    /// Velocity of the grain's surface relative to the wall, m/s.
-    slip: [f64; 3],
-    /// Mass (kg) of the grain and its velocity relative to the wall before an impact, m/s.
-    impact: Option<(f64, [f64; 3])>,
+    /// Normal impulse, Archard's and Finnie's sum by face; empty without wear.
+    faces: Vec<[f64; 3]>,
 }
 
 impl WallRecord {
-    /// Begins without sums.
-    fn new(world: &World, wear: bool) -> WallRecord {
-        let mut faces = vec![FaceWear::default(); if wear { world.walls.faces() } else { 0 }];
-        let mut before = None;
-        for number in 0..faces.len() {
-            let wall = world.walls.wall_of(number as u32);
-            let face = if before == Some(wall) { faces[number - 1].face + 1 } else { 0 };
-            (faces[number].wall, faces[number].face) = (wall, face);
-            before = Some(wall);
-        }
-        WallRecord { since: world.time, loads: vec![WallLoad::default(); world.walls.count()], faces }
-    }
-
-    /// Returns true if the sums are possible and belong to these walls.
+    /// Returns true if the sums are possible and belong to the walls of a world.
     pub fn fits(&self, world: &World) -> bool {
-        let own = WallRecord::new(world, !self.faces.is_empty());
-        let places = |record: &WallRecord| record.faces.iter().map(|one| (one.wall, one.face)).collect::<Vec<_>>();
         let loads = self.loads.iter().flat_map(|load| [load.force, load.torque, [load.power; 3]]);
-        let wear = self.faces.iter().map(|one| [one.normal_force, one.archard, one.finnie]);
-        self.loads.len() == own.loads.len()
-            && places(self) == places(&own)
+        self.loads.len() == world.walls.count()
+            && (self.faces.is_empty() || self.faces.len() == world.walls.faces())
             && self.since.is_finite()
-            && loads.chain(wear).flatten().all(f64::is_finite)
+            && loads.chain(self.faces.iter().copied()).flatten().all(f64::is_finite)
     }
 
-    fn add(&mut self, world: &World, one: &OnWall) {
+    /// Adds an impulse on a grain, its normal part `along` with that of cohesion (N s), the angular impulse on the wall (N m s) and the
+    /// work of the wall (J); `begins` for a new contact.
+    fn add(&mut self, world: &World, one: &WallImpulse, along: f64, angular: [f64; 3], work: f64, begins: bool) {
         let wall = world.walls.wall_of(one.surface);
-        let load = &mut self.loads[wall as usize];
-        let point: [f64; 3] = world.wrapped(&one.point.into()).into();
-        let arm = minus(point, world.walls.pivot(wall));
-        load.force = plus(load.force, one.impulse);
-        load.torque = plus(load.torque, plus(cross(arm, one.impulse), one.angular_impulse));
-        load.power += one.work;
-        let Some(face) = self.faces.get_mut(one.surface as usize) else { return };
-        let slip = minus(one.slip, times(one.normal, dot(one.normal, one.slip)));
-        face.normal_force += one.along;
-        face.archard += one.along * dot(slip, slip).sqrt();
-        if let Some((mass, velocity)) = one.impact {
-            face.finnie += mass * finnie(dot(velocity, velocity), dot(one.normal, velocity));
+        let (load, impulse) = (&mut self.loads[wall as usize], times(one.impulse, -1.0));
+        let point: [f64; 3] = world.wrapped(&plus(one.centre, one.arm).into()).into();
+        load.force = plus(load.force, impulse);
+        load.torque = plus(load.torque, plus(cross(minus(point, world.walls.pivot(wall)), impulse), angular));
+        load.power += work;
+        let Some([normal, archard, wear]) = self.faces.get_mut(one.surface as usize) else { return };
+        let slip = minus(one.after, times(one.normal, dot(one.normal, one.after)));
+        *normal += along;
+        *archard += along * dot(slip, slip).sqrt();
+        if begins {
+            let velocity = minus(one.velocity, one.wall_velocity);
+            *wear += one.mass * finnie(dot(velocity, velocity), dot(one.normal, velocity));
         }
     }
 }
@@ -134,8 +103,10 @@ fn finnie(square: f64, towards: f64) -> f64 {
 impl Simulation {
     /// Records loads of the walls from the next step on, and with `wear` the wear of their faces. A record in progress continues.
     pub fn record_walls(&mut self, wear: bool) {
+        let walls = &self.world.walls;
         if self.wall_record.as_ref().is_none_or(|record| wear && record.faces.is_empty()) {
-            self.wall_record = Some(WallRecord::new(&self.world, wear));
+            let (loads, faces) = (vec![WallLoad::default(); walls.count()], if wear { walls.faces() } else { 0 });
+            self.wall_record = Some(WallRecord { since: self.world.time, loads, faces: vec![[0.0; 3]; faces] });
         }
     }
 
@@ -144,7 +115,7 @@ impl Simulation {
         let Some(record) = &mut self.wall_record else { return };
         record.since = self.world.time;
         record.loads.fill(WallLoad::default());
-        record.faces.iter_mut().for_each(|face| face.normal_force = 0.0);
+        record.faces.iter_mut().for_each(|face| face[0] = 0.0);
     }
 
     /// Returns the load of each wall since the means were restarted; empty without a record, and before the first step of the means.
@@ -163,10 +134,12 @@ impl Simulation {
     pub fn wear(&self) -> Vec<FaceWear> {
         let Some(record) = &self.wall_record else { return Vec::new() };
         let time = self.world.time - record.since;
-        let mean = |impulse: f64| if time > 0.0 { impulse / time } else { 0.0 };
-        let touched =
-            record.faces.iter().filter(|face| face.face == 0 || face.archard + face.finnie + face.normal_force > 0.0);
-        touched.map(|face| FaceWear { normal_force: mean(face.normal_force), ..*face }).collect()
+        let faces = (0..).zip(&record.faces).map(|(number, &[impulse, archard, finnie])| {
+            let (wall, face) = self.world.walls.place_of(number);
+            let normal_force = if time > 0.0 { impulse / time } else { 0.0 };
+            FaceWear { wall, face, normal_force, archard, finnie }
+        });
+        faces.filter(|face| face.face == 0 || face.archard + face.finnie + face.normal_force > 0.0).collect()
     }
 
     /// Adds the solved contacts of the step, before the grains move.
@@ -174,48 +147,34 @@ impl Simulation {
         let Some(mut record) = self.wall_record.take() else { return };
         let (world, memory) = (&self.world, &self.candidates.impulses.walls);
         self.for_each_wall_contact(|one| {
-            let WallContact { group, lane, candidate, .. } = *one;
+            let WallContact { group, lane, candidate, velocities: [wall_velocity, after], .. } = *one;
             let (place, normal) = (candidate.body as usize, group.contacts.normal(lane));
             let (sphere, body, [x, y, z, _]) = (&world.spheres[place], &world.bodies[place], world.before[place].0);
-            let [before, after] = one.velocities;
+            let impulse = WallImpulse {
+                surface: candidate.surface,
+                mass: 1.0 / body.inverse_mass,
+                velocity: [x, y, z],
+                normal,
+                before: [0.0; 3],
+                after: minus(minus(after, body.velocity), cross(body.scaled_spin, normal)),
+                impulse: times(one.impulse(), -1.0),
+                wall_velocity,
+                centre: sphere.centre.into(),
+                arm: times(normal, sphere.radius),
+                shift: [0.0; 3],
+            };
             let along = group.contacts.normal_impulse(lane);
-            let surface = plus(body.velocity, cross(body.scaled_spin, normal));
             let begins = along > 0.0 && !memory.is_known(one.source);
-            record.add(
-                world,
-                &OnWall {
-                    surface: candidate.surface,
-                    point: plus(sphere.centre.into(), times(normal, sphere.radius)),
-                    impulse: one.impulse(),
-                    angular_impulse: one.angular_impulse,
-                    work: one.work(),
-                    normal,
-                    along,
-                    slip: minus(surface, after),
-                    impact: begins.then(|| (1.0 / body.inverse_mass, minus([x, y, z], before))),
-                },
-            );
+            record.add(world, &impulse, along, one.angular_impulse, one.work(), begins);
         });
         self.wall_record = Some(record);
     }
 
     /// Adds an impulse outside of the solve.
     pub(super) fn note_wall_impulse(&mut self, one: &WallImpulse) {
-        let Some(record) = &mut self.wall_record else { return };
-        let before = minus(one.velocity, times(one.impulse, 1.0 / one.mass));
-        record.add(
-            &self.world,
-            &OnWall {
-                surface: one.surface,
-                point: plus(one.centre, one.arm),
-                impulse: times(one.impulse, -1.0),
-                angular_impulse: [0.0; 3],
-                work: dot(one.impulse, one.wall_velocity),
-                normal: one.normal,
-                along: -dot(one.normal, one.impulse),
-                slip: times(one.after, -1.0),
-                impact: Some((one.mass, minus(before, one.wall_velocity))),
-            },
-        );
+        if let Some(record) = &mut self.wall_record {
+            let (along, work) = (-dot(one.normal, one.impulse), dot(one.impulse, one.wall_velocity));
+            record.add(&self.world, one, along, [0.0; 3], work, true);
+        }
     }
 }

@@ -25,7 +25,7 @@ pub use motion::{DrivenWall, Pose};
 pub(crate) use steered::Steered;
 pub use steered::WallMotion;
 
-use crate::scene::{self, Domain, Motion};
+use crate::scene::{self, Domain};
 use crate::surface::{Face, FaceIndex};
 use motion::{Movement, keeps_in_place};
 use nalgebra::Vector3;
@@ -128,6 +128,12 @@ impl Walls {
     /// Returns true if at least one wall does work at any time.
     pub fn any_works(&self) -> bool {
         self.walls.iter().any(|wall| wall.movement.works())
+    }
+
+    /// Returns the index in the scene of the wall of a face, and the index of the face in the wall.
+    pub(crate) fn place_of(&self, face: u32) -> (u32, u32) {
+        let wall = self.wall_of(face);
+        (wall, face - self.walls[wall as usize].faces.start)
     }
 
     /// Returns the point (m) of a wall about which torques are stated: on the axis of its rotation, or the origin without an axis.
@@ -449,11 +455,9 @@ pub fn jumps_back(wall: &scene::Wall, domain: &Domain, time: f64) -> bool {
 
 /// Returns the distance (m) of the furthest point of a wall from the axis about which it turns in its scene.
 fn furthest(wall: &scene::Wall) -> Option<f64> {
-    let (Motion::Rotating { point, axis, .. } | Motion::TorqueDriven { point, axis, .. }) = &wall.motion else {
-        return None;
-    };
-    let axis = Vector::from(*axis).normalize();
-    Some(wall.shape.furthest(|corner| (corner - Vector::from(*point)).cross(&axis).norm()))
+    let (point, axis) = wall.motion.axis()?;
+    let axis = Vector::from(axis).normalize();
+    Some(wall.shape.furthest(|corner| (corner - Vector::from(point)).cross(&axis).norm()))
 }
 
 /// Walls of a scene at their positions at a time.

@@ -8,6 +8,7 @@ use crate::partition::{Layout, Plan};
 use crate::scene::{GrainEntry, Scene, sphere_volume};
 use crate::schedule::Team;
 use crate::simulation::flow::{Counts, Flow};
+use crate::simulation::gauge::{Gauges, Passages};
 use crate::simulation::intervention::Booked;
 use crate::simulation::ledger::Ledger;
 use crate::simulation::wall_record::WallRecord;
@@ -67,6 +68,8 @@ struct Altered {
     beyond: Vec<(u32, u32)>,
     /// Sums of the loads and the wear of walls.
     wall_record: Option<WallRecord>,
+    /// Passages of the gauges.
+    gauges: Vec<[Passages; 2]>,
 }
 
 /// State of a dynamic wall.
@@ -215,6 +218,7 @@ impl State {
                 springs: simulation.ledger.as_ref().map_or(0.0, Ledger::springs),
                 roll: world.roll.clone(),
                 wall_record: simulation.wall_record.clone(),
+                gauges: simulation.gauges.passed.clone(),
                 flow: simulation.flow.as_ref().map(|flow| (flow.counts.clone(), candidates.boxes_for() as u64)),
             },
         }
@@ -287,6 +291,7 @@ impl State {
         if let Some((flow, (counts, _))) = simulation.flow.as_mut().zip(self.altered.flow.as_ref()) {
             flow.continue_from(counts)?;
         }
+        simulation.gauges.continue_from(&self.altered.gauges)?;
         if self.altered.wall_record.as_ref().is_some_and(|record| !record.fits(&simulation.world)) {
             return Err("has loads of other walls than those of the scene".into());
         }
@@ -306,6 +311,7 @@ impl State {
         let boxes_for = self.altered.flow.as_ref().map_or(self.grains.len(), |(_, grains)| *grains as usize);
         let mut simulation = Simulation::of_world(&scene.solver, self.world(scene)?, boxes_for);
         simulation.flow = Flow::of(scene, seed, &simulation.world);
+        simulation.gauges = Gauges::of(scene);
         // If the scene has other dynamic walls than the source of the grains, its walls start at their initial positions.
         if self.driven_walls.len() == simulation.world.drives.len() {
             self.put_driven_walls(&mut simulation.world, |wall| wall.displacement);

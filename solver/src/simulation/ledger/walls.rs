@@ -57,7 +57,7 @@ pub(crate) struct WallImpulse {
     pub surface: u32,
     /// Mass of the grain, kg.
     pub mass: f64,
-    /// Velocity of its centre after the impulse, m/s.
+    /// Velocity of its centre before the impulse, m/s.
     pub velocity: [f64; 3],
     /// Unit normal from the grain to the wall.
     pub normal: [f64; 3],
