@@ -18,6 +18,7 @@ mod effects_catalogue;
 mod empty_domain;
 mod flow;
 mod front_door;
+mod gauges;
 mod golden;
 mod gravity;
 mod impact;

@@ -93,7 +93,7 @@ impl JsonSchema for MeasuredScene {
         }
         // Keys with their default value are omitted.
         let is_left_out = |key: &serde_json::Value| {
-            ["gravity_changes", "largest_start_overlap", "unusual_values", "watch", "insert", "remove"]
+            ["gravity_changes", "largest_start_overlap", "unusual_values", "watch", "insert", "remove", "gauge"]
                 .iter()
                 .any(|known| key == known)
         };
@@ -320,6 +320,8 @@ pub enum Observable {
     Wear,
     /// Mass that goes into the sinks or, without sinks, passes through the hole of a disc, such as the floor of a silo.
     Discharge,
+    /// Mass and grains through each gauge per time.
+    Gauges,
     /// Height and speed of the first listed grain, such as a projectile.
     Intruder,
 }

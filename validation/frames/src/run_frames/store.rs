@@ -9,7 +9,7 @@
 use crate::output::{WriteError, open_to_grow};
 use crate::plan::MeasuredScene;
 use makadam::checkpoint::{open, seal};
-use makadam::snapshot::{Contact, DrivenWall, FaceWear, Origin, Particle, Passed, Snapshot, WallLoad};
+use makadam::snapshot::{Contact, DrivenWall, FaceWear, Origin, Particle, Passages, Passed, Snapshot, WallLoad};
 use serde::{Deserialize, Serialize};
 use std::fs::{File, OpenOptions};
 use std::io::{BufReader, Error, ErrorKind, Read, Seek, SeekFrom, Write};
@@ -106,9 +106,9 @@ impl StoreWriter {
     /// # Errors
     /// [`WriteError`] if the system refuses; the frames before it stay readable.
     pub fn append(&mut self, frame: &Snapshot) -> Result<(), WriteError> {
-        let Snapshot { time, particles, contacts, driven_walls, origins, passed, wall_loads, wear } = frame;
-        let parts: (Grains<_, _, _>, _) =
-            ((*time, particles, driven_walls, origins, *passed), (contacts, wall_loads, wear));
+        let Snapshot { time, particles, contacts, driven_walls, origins, passed, gauges, wall_loads, wear } = frame;
+        let parts: (Grains<_, _, _, _>, _) =
+            ((*time, particles, driven_walls, origins, *passed, gauges), (contacts, wall_loads, wear));
         let body = postcard::to_stdvec(&parts).expect("a frame holds only numbers and lists");
         let record = seal(FRAME, &body);
         let start = self.store.bytes();
@@ -251,15 +251,18 @@ impl Store {
     }
 }
 
-/// First part of a frame record: time, grains, dynamic walls, identities, grains that came and went. The contacts, and the loads and the wear of
-/// walls follow.
-type Grains<P, W, O> = (f64, P, W, O, [Passed; 2]);
+/// First part of a frame record: time, grains, dynamic walls, identities, grains that came and went,
+/// passages of gauges. The contacts, and the loads and the wear of walls follow.
+type Grains<P, W, O, G> = (f64, P, W, O, [Passed; 2], G);
+
+/// First part of a frame record, read.
+type OwnGrains = Grains<Vec<Particle>, Vec<DrivenWall>, Vec<Origin>, Vec<[Passages; 2]>>;
 
 fn frame_of(
-    (time, particles, driven_walls, origins, passed): Grains<Vec<Particle>, Vec<DrivenWall>, Vec<Origin>>,
+    (time, particles, driven_walls, origins, passed, gauges): OwnGrains,
     (contacts, wall_loads, wear): (Vec<Contact>, Vec<WallLoad>, Vec<FaceWear>),
 ) -> Snapshot {
-    Snapshot { time, particles, contacts, driven_walls, origins, passed, wall_loads, wear }
+    Snapshot { time, particles, contacts, driven_walls, origins, passed, gauges, wall_loads, wear }
 }
 
 fn unfit(error: postcard::Error) -> String {

@@ -3,7 +3,7 @@
 use super::measurement::Readings;
 use super::view::View;
 use super::{
-    balances, contact_forces, coordination, discharge, driven_wall, drum_flow, dynamic_angle, intruder, mixing,
+    balances, contact_forces, coordination, discharge, driven_wall, drum_flow, dynamic_angle, gauges, intruder, mixing,
     packing_fraction, static_angle, wall_loads,
 };
 use makadam::scene::{Motion, SceneFileError, Shape, Wall, line_of, suggestion};
@@ -13,7 +13,7 @@ use serde::Serialize;
 use std::path::Path;
 
 /// All groups, in the order of the page.
-pub(super) const GROUPS: [Group; 13] = [
+pub(super) const GROUPS: [Group; 14] = [
     dynamic_angle::GROUP,
     static_angle::GROUP,
     packing_fraction::GROUP,
@@ -26,6 +26,7 @@ pub(super) const GROUPS: [Group; 13] = [
     wall_loads::LOADS,
     wall_loads::WEAR,
     discharge::GROUP,
+    gauges::GROUP,
     intruder::GROUP,
 ];
 
@@ -47,7 +48,7 @@ pub(super) fn nothing_of_a_frame(_: &View<'_>, _: &mut Readings) -> Result<(), S
 /// Definition of a measurable number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Definition {
-    /// Name in `[[compare]]`, tables and documents; `(wall)` at its end stands for the name of a wall.
+    /// Name in `[[compare]]`, tables and documents; `(wall)` or `(gauge)` at its end stands for the name of one.
     pub name: &'static str,
     /// Symbol in formulas.
     pub symbol: &'static str,
@@ -210,10 +211,14 @@ pub fn check(scene: &MeasuredScene, text: &str, file: &Path) -> Result<(), Scene
                 );
             }
             Some(_) => {
-                let walls = || scene.wall.iter().map(|wall| wall.name.as_str());
-                if let Some((base, wall)) = parts(name).filter(|(_, wall)| walls().all(|known| known != *wall)) {
-                    let remedy = suggestion(wall, walls(), &format!("give {base} the name of a wall"));
-                    return invalid(format!("'{name}' is of the wall '{wall}', which the scene does not have"), remedy);
+                let kind = definition(name).and_then(|definition| Some(parts(definition.name)?.1)).unwrap_or_default();
+                let names: Vec<&str> = match kind {
+                    "gauge" => scene.gauge.iter().map(|gauge| gauge.name.as_str()).collect(),
+                    _ => scene.wall.iter().map(|wall| wall.name.as_str()).collect(),
+                };
+                if let Some((_, own)) = parts(name).filter(|(_, own)| !names.contains(own)) {
+                    let remedy = suggestion(own, names.into_iter(), &format!("give the name of a {kind} of the scene"));
+                    return invalid(format!("'{name}': the scene has no {kind} '{own}'"), remedy);
                 }
             }
         }

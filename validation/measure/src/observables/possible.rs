@@ -47,6 +47,7 @@ fn lack(scene: &MeasuredScene, group: Observable) -> Option<(&'static str, &'sta
             (scene.wall.iter().any(|wall| wall.motion.is_driven()), "no wall is driven by a force or a torque")
         }
         Observable::Walls | Observable::Wear => (!scene.wall.is_empty(), "there are no walls"),
+        Observable::Gauges => (!scene.gauge.is_empty(), "there is no [[gauge]]"),
         Observable::Intruder => (!scene.grain.is_empty(), "no grain is listed by itself under [[grain]]"),
         Observable::StaticAngleOfRepose => {
             (scene.gravity != [0.0; 3] || !scene.gravity_changes.is_empty(), "there is no gravity")
