@@ -14,11 +14,10 @@ pub(super) const GROUP: Group = Group {
     definitions: &[
         define(
             ["flux(gauge)", "W", "kg/s"],
-            "mass through a gauge from the first to the last measured frame over the time between them, forward minus backward; standard \
-             error over blocks of time",
+            "mass through a gauge, forward minus backward, over the time between the first and the last measured frame",
         )
         .of_span(),
-        define(["grain_flux(gauge)", "Q", "1/s"], "number of grains through a gauge, like flux").of_span(),
+        define(["grain_flux(gauge)", "Q", "1/s"], "as W, of the number of grains").of_span(),
     ],
 };
 

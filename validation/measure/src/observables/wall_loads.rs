@@ -10,29 +10,25 @@ use makadam::snapshot::{Partner, WallLoad};
 use makadam_frames::plan::Observable;
 use nalgebra::Vector3;
 
-const FORCE: &str = "component of the mean force of the grains on a wall";
-const TORQUE: &str = "component of the mean torque of the grains on a wall, about the point of the axis of its rotation, or about the \
-                      origin if it does not rotate";
-
 pub(super) const LOADS: Group = Group {
     observable: Observable::Walls,
     name: "walls",
     read: read_loads,
     definitions: &[
-        define(["force_x(wall)", "F_x", "N"], FORCE).needs(WALL_CONTACTS),
-        define(["force_y(wall)", "F_y", "N"], FORCE).needs(WALL_CONTACTS),
-        define(["force_z(wall)", "F_z", "N"], FORCE).needs(WALL_CONTACTS),
-        define(["torque_x(wall)", "M_x", "N m"], TORQUE).needs(WALL_CONTACTS),
-        define(["torque_y(wall)", "M_y", "N m"], TORQUE).needs(WALL_CONTACTS),
-        define(["torque_z(wall)", "M_z", "N m"], TORQUE).needs(WALL_CONTACTS),
+        define(["force_x(wall)", "F_x", "N"], "mean force of the grains on a wall along x").needs(WALL_CONTACTS),
+        define(["force_y(wall)", "F_y", "N"], "mean force of the grains on a wall along y").needs(WALL_CONTACTS),
+        define(["force_z(wall)", "F_z", "N"], "mean force of the grains on a wall along z").needs(WALL_CONTACTS),
+        define(["torque_x(wall)", "M_x", "N m"], "mean torque of the grains on a wall about the point of its axis of rotation, or about the origin without one").needs(WALL_CONTACTS),
+        define(["torque_y(wall)", "M_y", "N m"], "as M_x").needs(WALL_CONTACTS),
+        define(["torque_z(wall)", "M_z", "N m"], "as M_x").needs(WALL_CONTACTS),
         define(
             ["torque(wall)", "M", "N m"],
-            "component of the torque along the axis of rotation, by the right-hand rule; for walls that rotate",
+            "torque along the axis of rotation, by the right-hand rule",
         )
         .needs(WALL_CONTACTS),
         define(
             ["power(wall)", "P", "W"],
-            "mean power of a wall on the grains, −Σ f·v with its velocity v at the contacts",
+            "mean power of a wall on the grains, −Σ f·v",
         )
         .needs(WALL_CONTACTS),
     ],
@@ -45,13 +41,13 @@ pub(super) const WEAR: Group = Group {
     definitions: &[
         define(
             ["archard(wall)", "W_A", "J"],
-            "Σ f_n |s| over the slip s of all contacts with a wall by the last measured frame; the worn volume is K/H times it",
+            "Σ f_n |s| over the slip s at a wall by the last frame; the worn volume is K/H times it",
         )
         .source("Archard, J. Appl. Phys. 24, 981 (1953)")
         .largest(),
         define(
             ["finnie(wall)", "W_F", "J"],
-            "Σ m u² f(α) over the impacts on a wall by the last measured frame, with f = sin 2α − 3 sin²α if tan α < 1/3, else cos²α/3",
+            "Σ m u² f(α) over impacts by the last frame, f = sin 2α − 3 sin²α if tan α < 1/3, else cos²α/3",
         )
         .source("Finnie, Wear 3, 87 (1960)")
         .largest(),
