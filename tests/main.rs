@@ -29,4 +29,5 @@ mod scaling_command;
 mod see_commands;
 mod stability;
 mod tradeoff_command;
+mod wall_loads_command;
 mod watch_command;
