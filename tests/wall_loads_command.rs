@@ -27,6 +27,7 @@ name = "half way"
 shape = { kind = "rectangle", corner = [0, -0.05, 0], edges = [[0, 0.1, 0], [0, 0, 0.05]] }
 [solver]
 step = 1e-4
+normal_law = { kind = "rigid" }
 [measure]
 interval = 0.01
 from = 0.01
