@@ -98,8 +98,8 @@ fn means_restart_and_wear_goes_on() {
         let force = contact.force_on_partner();
         [0, 1, 2].map(|axis| sum[axis] + force[axis])
     });
-    for axis in 0..3 {
-        assert_relative_eq!(load.force[axis], force[axis], epsilon = 1e-9);
+    for (recorded, expected) in load.force.iter().zip(force) {
+        assert_relative_eq!(*recorded, expected, epsilon = 1e-9);
     }
     assert!(sums(&simulation.wear())[0] > before[0] && frame.wall_loads[0] == load);
 }

@@ -217,7 +217,7 @@ pub fn check(scene: &MeasuredScene, text: &str, file: &Path) -> Result<(), Scene
                     _ => scene.wall.iter().map(|wall| wall.name.as_str()).collect(),
                 };
                 if let Some((_, own)) = parts(name).filter(|(_, own)| !names.contains(own)) {
-                    let remedy = suggestion(own, names.into_iter(), &format!("give the name of a {kind} of the scene"));
+                    let remedy = suggestion(own, names, &format!("give the name of a {kind} of the scene"));
                     return invalid(format!("'{name}': the scene has no {kind} '{own}'"), remedy);
                 }
             }
