@@ -30,4 +30,5 @@ mod see_commands;
 mod stability;
 mod stages_command;
 mod tradeoff_command;
+mod wall_loads_command;
 mod watch_command;

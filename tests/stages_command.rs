@@ -138,9 +138,7 @@ fn a_run_is_resumed_in_any_stage() {
 fn a_stage_that_does_not_end_leaves_a_state() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    let limit = |time: &str| {
-        [("force = 5.0 } }, at_most = 2.0", format!("force = 5.0 }} }}, at_most = {time}"))]
-    };
+    let limit = |time: &str| [("force = 5.0 } }, at_most = 2.0", format!("force = 5.0 }} }}, at_most = {time}"))];
     let given = |time: &str| cell(folder, &limit(time).each_ref().map(|(from, to)| (*from, to.as_str())));
     given("0.01");
     let (_, told) = carried_out(folder, &["run", "cell.toml", "--output", "out"], false);

@@ -21,8 +21,10 @@ use crate::effects::spring::SpringLanes;
 use crate::groups::ContactLanes;
 use crate::lanes::Eight;
 pub use crate::simulation::flow::Passed;
+pub use crate::simulation::gauge::Passages;
 pub use crate::simulation::stages::PresentStage;
 use crate::simulation::swept::Struck;
+pub use crate::simulation::wall_record::{FaceWear, WallLoad};
 pub use crate::wall::{Beginning, DrivenWall};
 use crate::world::Roll;
 use nalgebra::Vector3;
@@ -116,6 +118,12 @@ pub struct Snapshot {
     pub stage: Option<PresentStage>,
     /// Beginnings of the motions that stages have given to walls, by the number of the wall in the scene.
     pub beginnings: Vec<(u32, Beginning)>,
+    /// Passages forward and backward of each gauge since the start.
+    pub gauges: Vec<[Passages; 2]>,
+    /// Mean load of each wall since the last measured frame; empty unless recorded ([`Simulation::record_walls`]).
+    pub wall_loads: Vec<WallLoad>,
+    /// Wear of the faces that grains have touched, and of the first face of each wall; empty unless recorded.
+    pub wear: Vec<FaceWear>,
 }
 
 impl Simulation {
@@ -148,6 +156,9 @@ impl Simulation {
             passed: self.passed(),
             stage: self.stage(),
             beginnings: self.beginnings(),
+            gauges: self.gauges().to_vec(),
+            wall_loads: self.wall_loads(),
+            wear: self.wear(),
         }
     }
 

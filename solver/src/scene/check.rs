@@ -7,7 +7,7 @@ use super::settings::{Obstacle, SettingError};
 use super::types::SPACING;
 use super::{
     ContactCoefficients, MOST_MEMORY, Motion, NormalLaw, Placement, Scene, Shape, SolverMethod, SolverSettings, Stop,
-    TangentialLaw, flow, periodic, stages,
+    TangentialLaw, flow, gauge, periodic, stages,
 };
 use std::collections::HashMap;
 
@@ -33,6 +33,7 @@ pub(super) fn check(scene: &Scene) -> Checked {
     walls(scene)?;
     grains(scene)?;
     flow::check(scene)?;
+    gauge::check(scene)?;
     accuracy(scene)?;
     solver(scene)?;
     stages::check(scene)?;

@@ -49,6 +49,7 @@ pub(crate) mod coefficients;
 mod document;
 mod error;
 mod flow;
+mod gauge;
 mod periodic;
 mod populate;
 mod preflight;
@@ -68,6 +69,7 @@ use coefficients::Meeting;
 pub use coefficients::{ContactCoefficients, Material, PairRule};
 pub use document::{Checked, Document, DocumentPath};
 pub use error::{Fault, SceneError, SceneFileError, line_of};
+pub use gauge::{Gauge, GaugeShape};
 use nalgebra::Vector3;
 pub(crate) use periodic::REACHES;
 pub(crate) use populate::Neighbours;
@@ -154,6 +156,10 @@ pub struct Scene {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[cfg_attr(feature = "schema", schemars(!skip_serializing_if))]
     pub stage: Vec<Stage>,
+    /// Gauges: surfaces that count the grains that pass.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(feature = "schema", schemars(!skip_serializing_if))]
+    pub gauge: Vec<Gauge>,
     #[serde(default, rename = "prepare", skip_serializing)]
     #[cfg_attr(feature = "schema", schemars(skip))]
     #[doc(hidden)]

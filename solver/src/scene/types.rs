@@ -196,6 +196,14 @@ impl Motion {
     pub fn is_driven(&self) -> bool {
         matches!(self, Motion::ForceDriven { .. } | Motion::TorqueDriven { .. })
     }
+
+    /// Returns a point (m) and the direction of the axis of a rotation; `None` for other motions.
+    pub fn axis(&self) -> Option<([f64; 3], [f64; 3])> {
+        match self {
+            Motion::Rotating { point, axis, .. } | Motion::TorqueDriven { point, axis, .. } => Some((*point, *axis)),
+            _ => None,
+        }
+    }
 }
 
 /// Group of grains placed by rule: on the lowest sites of a jittered lattice, or at random.

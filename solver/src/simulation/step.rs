@@ -42,6 +42,7 @@ impl Simulation {
             ledger.note(self, self.constrainer.scheme());
             self.ledger = Some(ledger);
         }
+        self.note_wall_contacts();
         self.account_for_forces();
         // Contacts of grains that would cross walls or other grains within the step.
         self.stop_ahead(team);
@@ -141,6 +142,7 @@ impl Simulation {
 
     fn move_bodies(&mut self, team: &Team) {
         let h = self.settings.step;
+        self.note_passages(team);
         self.move_grains(team);
         self.world.drives.iter_mut().for_each(|drive| drive.advance(h));
         self.world.place_driven_walls();

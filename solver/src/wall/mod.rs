@@ -132,6 +132,19 @@ impl Walls {
         self.walls.iter().any(|wall| wall.movement.works())
     }
 
+    /// Returns the index in the scene of the wall of a face, and the index of the face in the wall.
+    pub(crate) fn place_of(&self, face: u32) -> (u32, u32) {
+        let wall = self.wall_of(face);
+        (wall, face - self.walls[wall as usize].faces.start)
+    }
+
+    /// Returns the point (m) of a wall about which torques are stated: on the axis of its rotation, or the origin without an axis.
+    pub(crate) fn pivot(&self, wall: u32) -> [f64; 3] {
+        let Movement { motion, steered, .. } = &self.walls[wall as usize].movement;
+        let about = steered.as_ref().and_then(Steered::about).or_else(|| motion.axis());
+        about.map_or([0.0; 3], |(point, _)| point)
+    }
+
     /// Returns the indices of the walls that move at any time.
     pub(crate) fn moving(&self) -> impl Iterator<Item = u32> + '_ {
         let moves = |wall: &Wall| wall.movement.moves() && !wall.faces.is_empty();
@@ -461,10 +474,8 @@ pub fn jumps_back(wall: &scene::Wall, domain: &Domain, time: f64) -> bool {
 
 /// Returns the distance (m) of the furthest corner of a mesh from the axis about which its motion turns it.
 fn furthest(motion: &Motion, faces: &[Face]) -> Option<f64> {
-    let (Motion::Rotating { point, axis, .. } | Motion::TorqueDriven { point, axis, .. }) = motion else {
-        return None;
-    };
-    let (point, axis) = (Vector::from(*point), Vector::from(*axis).normalize());
+    let (point, axis) = motion.axis()?;
+    let (point, axis) = (Vector::from(point), Vector::from(axis).normalize());
     Some(faces.iter().flat_map(Face::corners).map(|corner| (corner - point).cross(&axis).norm()).fold(0.0, f64::max))
 }
 
@@ -540,6 +551,11 @@ impl PlacedWalls {
 
     fn meshes(&self) -> impl Iterator<Item = u32> {
         (0..self.walls.count() as u32).filter(|&wall| self.walls.is_mesh(wall))
+    }
+
+    /// Returns the velocity of the surface of a wall at a contact at a point (m) with a unit normal, m/s.
+    pub fn velocity_at(&self, wall: usize, point: &Vector, normal: &Vector) -> Vector {
+        self.poses[wall].velocity_at(point, false) + self.poses[wall].slides_at(normal)
     }
 
     /// Returns the present position of a point (m) of a wall, given in the scene.

@@ -156,6 +156,11 @@ impl Steered {
         (self.shift_in_list, self.angle_in_list) = (self.shift, self.angle);
     }
 
+    /// Returns a point (m) and the unit vector of the axis of a rotation.
+    pub(crate) fn about(&self) -> Option<([f64; 3], [f64; 3])> {
+        self.about
+    }
+
     /// Returns the displacement, m, and the angle, rad.
     pub(crate) fn place(&self) -> ([f64; 3], f64) {
         (self.shift, self.angle)

@@ -124,6 +124,7 @@ impl Image {
             passed: snapshot.passed,
             stage: snapshot.stage,
             beginnings: snapshot.beginnings.clone(),
+            ..Snapshot::default()
         }
     }
 }

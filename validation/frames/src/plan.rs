@@ -10,6 +10,7 @@ mod stages;
 pub use hashes::{physics_hash, scene_hash, setup_hash};
 pub use roster::{Alike, Kind, Roster, lasting_number};
 
+use makadam::Simulation;
 use makadam::scene::{Beforehand, Checked, Document, DocumentPath, Finding, Motion, SceneError, SceneFileError};
 use makadam::wall::jumps_back;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
@@ -93,9 +94,18 @@ impl JsonSchema for MeasuredScene {
         }
         // Keys with their default value are omitted.
         let is_left_out = |key: &serde_json::Value| {
-            ["gravity_changes", "largest_start_overlap", "unusual_values", "watch", "insert", "remove", "stage"]
-                .iter()
-                .any(|known| key == known)
+            [
+                "gravity_changes",
+                "largest_start_overlap",
+                "unusual_values",
+                "watch",
+                "insert",
+                "remove",
+                "stage",
+                "gauge",
+            ]
+            .iter()
+            .any(|known| key == known)
         };
         if let Some(required) = scene.get_mut("required").and_then(|required| required.as_array_mut()) {
             required.retain(|key| !is_left_out(key));
@@ -156,6 +166,14 @@ impl MeasuredScene {
     /// Returns the scene with every Young's modulus multiplied by `factor`.
     pub fn with_stiffness_factor(&self, factor: f64) -> MeasuredScene {
         MeasuredScene { simulated: self.simulated.with_stiffness_factor(factor), ..self.clone() }
+    }
+
+    /// Lets a simulation record the loads and the wear of walls, if they are measured.
+    pub fn record_walls(&self, simulation: &mut Simulation) {
+        let asks = |group: Observable| self.measure.observables.contains(&group);
+        if asks(Observable::Walls) || asks(Observable::Wear) {
+            simulation.record_walls(asks(Observable::Wear));
+        }
     }
 
     /// Returns the time between frames on disk, s.
@@ -334,8 +352,14 @@ pub enum Observable {
     /// Displacement of the first dynamic wall.
     #[serde(alias = "driven_wall")]
     DrivenWall,
+    /// Force, torque and power of each wall.
+    Walls,
+    /// Wear of each wall by sliding and by impacts, which the solver sums while the scene measures it.
+    Wear,
     /// Mass that goes into the sinks or, without sinks, passes through the hole of a disc, such as the floor of a silo.
     Discharge,
+    /// Mass and grains through each gauge per time.
+    Gauges,
     /// Height and speed of the first listed grain, such as a projectile.
     Intruder,
 }
@@ -353,7 +377,13 @@ pub struct Expectation {
 
 /// Reads a name; hyphens become underscores.
 fn underscored<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<String, D::Error> {
-    Ok(String::deserialize(deserializer)?.replace('-', "_"))
+    Ok(observable_name(&String::deserialize(deserializer)?))
+}
+
+/// Returns the name of an observable with underscores instead of hyphens, except in its argument, such as `torque(blade-1)`.
+pub fn observable_name(text: &str) -> String {
+    let (base, argument) = text.split_at(text.find('(').unwrap_or(text.len()));
+    base.replace('-', "_") + argument
 }
 
 /// Simulation before the run, as the start instead of the jittered lattice. The clock of the run then starts at zero. Prescribed walls

@@ -90,6 +90,9 @@ impl<'a> Stepping<'a> {
                 return Err(Halt::InvalidState(alarm));
             }
             each(simulation, &Taken { report, seconds: took.as_secs_f64(), number, framed });
+            if framed {
+                simulation.restart_wall_means();
+            }
             let share = number as f64 / steps as f64;
             progress(share);
             if crate::interrupt::requested() {

@@ -8,9 +8,11 @@ use crate::partition::{Layout, Plan};
 use crate::scene::{GrainEntry, Scene, sphere_volume};
 use crate::schedule::Team;
 use crate::simulation::flow::{Counts, Flow};
+use crate::simulation::gauge::{Gauges, Passages};
 use crate::simulation::intervention::Booked;
 use crate::simulation::ledger::Ledger;
 use crate::simulation::stages::{StageState, Stages};
+use crate::simulation::wall_record::WallRecord;
 use crate::wall::Steered;
 use crate::world::{Body, Roll, Sphere, World};
 use nalgebra::Vector3;
@@ -67,6 +69,10 @@ struct Altered {
     stages: Option<StageState>,
     /// Ids and surfaces of extra candidates, which were not near each other when the list was built.
     beyond: Vec<(u32, u32)>,
+    /// Sums of the loads and the wear of walls.
+    wall_record: Option<WallRecord>,
+    /// Passages of the gauges.
+    gauges: Vec<[Passages; 2]>,
 }
 
 /// State of a dynamic wall.
@@ -215,6 +221,8 @@ impl State {
                 springs: simulation.ledger.as_ref().map_or(0.0, Ledger::springs),
                 roll: world.roll.clone(),
                 stages: simulation.stages.as_ref().map(|stages| stages.state.clone()),
+                wall_record: simulation.wall_record.clone(),
+                gauges: simulation.gauges.passed.clone(),
                 flow: simulation.flow.as_ref().map(|flow| (flow.counts.clone(), candidates.boxes_for() as u64)),
             },
         }
@@ -290,6 +298,11 @@ impl State {
         if let Some((flow, (counts, _))) = simulation.flow.as_mut().zip(self.altered.flow.as_ref()) {
             flow.continue_from(counts)?;
         }
+        simulation.gauges.continue_from(&self.altered.gauges)?;
+        if self.altered.wall_record.as_ref().is_some_and(|record| !record.fits(&simulation.world)) {
+            return Err("has loads of other walls than those of the scene".into());
+        }
+        simulation.wall_record = self.altered.wall_record.clone();
         simulation.interventions.booked = self.altered.booked;
         simulation.interventions.disturbed = self.altered.disturbed;
         simulation.steps = self.steps;
@@ -337,6 +350,7 @@ impl State {
         }
         let mut simulation = Simulation::of_world(&scene.solver, self.populate(world)?, boxes_for);
         (simulation.flow, simulation.stages) = (Flow::of(scene, seed, &simulation.world), stages);
+        simulation.gauges = Gauges::of(scene);
         // If the scene has other dynamic walls than the source of the grains, its walls start at their initial positions.
         if self.driven_walls.len() == simulation.world.drives.len() {
             self.put_driven_walls(&mut simulation.world, |wall| wall.displacement);

@@ -28,6 +28,7 @@ impl Code for Makadam {
     fn simulate(&self, job: &Job<'_>) -> Result<Recording, CodeError> {
         let scene = job.scene;
         let mut simulation = started(job)?;
+        scene.record_walls(&mut simulation);
         let (beginning, step_seconds) = (simulation.time(), simulation.time_step());
         let steps = scene.most_steps();
         let mut frames = vec![simulation.snapshot()];

@@ -4,7 +4,7 @@ use super::columns::{Kind, Part};
 use super::frame::{FrameTables, Quantity, RunFrame};
 use super::store::Store;
 use crate::output::RunFiles;
-use crate::plan::{MeasuredScene, setup_hash};
+use crate::plan::{MeasuredScene, Observable, setup_hash};
 use crate::provenance::VERSION;
 use crate::recording::{Content, Recording};
 use makadam::scene::Motion;
@@ -184,7 +184,7 @@ impl RunFrames {
         })
     }
 
-    /// Returns the numbers of the frames that have a part: walls at rest are in the first frame alone.
+    /// Returns the numbers of the frames that have a part: walls at rest without wear are in the first frame alone.
     pub(crate) fn numbers(&self, kind: Kind) -> std::ops::Range<usize> {
         let (scene, count) = (&self.tables.scene, self.count());
         let output = scene.output.clone().unwrap_or_default();
@@ -192,6 +192,7 @@ impl RunFrames {
             Kind::Grains => 0..count,
             Kind::Contacts => 0..if output.contacts { count } else { 0 },
             Kind::Walls if !output.walls || scene.wall.is_empty() => 0..0,
+            Kind::Walls if scene.measure.observables.contains(&Observable::Wear) => 0..count,
             Kind::Walls if scene.wall.iter().all(|wall| wall.motion == Motion::Fixed) && !self.tables.stages_move() => {
                 0..1
             }

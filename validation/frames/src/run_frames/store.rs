@@ -9,7 +9,9 @@
 use crate::output::{WriteError, open_to_grow};
 use crate::plan::MeasuredScene;
 use makadam::checkpoint::{open, seal};
-use makadam::snapshot::{Beginning, Contact, DrivenWall, Origin, Particle, Passed, PresentStage, Snapshot};
+use makadam::snapshot::{
+    Beginning, Contact, DrivenWall, FaceWear, Origin, Particle, Passages, Passed, PresentStage, Snapshot, WallLoad,
+};
 use serde::{Deserialize, Serialize};
 use std::fs::{File, OpenOptions};
 use std::io::{BufReader, Error, ErrorKind, Read, Seek, SeekFrom, Write};
@@ -108,9 +110,23 @@ impl StoreWriter {
     /// # Errors
     /// [`WriteError`] if the system refuses; the frames before it stay readable.
     pub fn append(&mut self, frame: &Snapshot) -> Result<(), WriteError> {
-        let Snapshot { time, particles, contacts, driven_walls, origins, passed, stage, beginnings } = frame;
-        let parts: (Grains<_, _, _, _>, _) =
-            ((*time, *stage, particles, driven_walls, origins, *passed, beginnings), contacts);
+        let Snapshot {
+            time,
+            particles,
+            contacts,
+            driven_walls,
+            origins,
+            passed,
+            stage,
+            beginnings,
+            gauges,
+            wall_loads,
+            wear,
+        } = frame;
+        let parts: (Grains<_, _, _, _, _>, _) = (
+            (*time, *stage, particles, driven_walls, origins, *passed, beginnings, gauges),
+            (contacts, wall_loads, wear),
+        );
         let body = postcard::to_stdvec(&parts).expect("a frame holds only numbers and lists");
         let record = seal(FRAME, &body);
         let start = self.store.bytes();
@@ -223,7 +239,7 @@ impl Store {
         numbers.into_iter().try_for_each(|number| {
             let bytes = self.bytes_of(&mut file, number)?;
             let (grains, _) = postcard::take_from_bytes(open(FRAME, &bytes)?).map_err(unfit)?;
-            look(&frame_of(grains, Vec::new()));
+            look(&frame_of(grains, Default::default()));
             Ok(())
         })
     }
@@ -234,8 +250,8 @@ impl Store {
 
     fn read_from(&self, file: &mut BufReader<File>, number: usize) -> Result<Snapshot, String> {
         let bytes = self.bytes_of(file, number)?;
-        let (grains, contacts) = postcard::from_bytes(open(FRAME, &bytes)?).map_err(unfit)?;
-        Ok(frame_of(grains, contacts))
+        let (grains, loads) = postcard::from_bytes(open(FRAME, &bytes)?).map_err(unfit)?;
+        Ok(frame_of(grains, loads))
     }
 
     /// Reads the record of a frame.
@@ -253,18 +269,18 @@ impl Store {
     }
 }
 
-/// First part of a frame record: time, stage, grains, dynamic walls, identities, grains that came and went, beginnings of motions. The
-/// contacts follow.
-type Grains<P, W, O, B> = (f64, Option<PresentStage>, P, W, O, [Passed; 2], B);
+/// First part of a frame record: time, stage, grains, dynamic walls, identities, grains that came and went, beginnings of motions,
+/// passages of gauges. The contacts, and the loads and the wear of walls follow.
+type Grains<P, W, O, B, G> = (f64, Option<PresentStage>, P, W, O, [Passed; 2], B, G);
 
 /// First part of a frame record, read.
-type OwnGrains = Grains<Vec<Particle>, Vec<DrivenWall>, Vec<Origin>, Vec<(u32, Beginning)>>;
+type OwnGrains = Grains<Vec<Particle>, Vec<DrivenWall>, Vec<Origin>, Vec<(u32, Beginning)>, Vec<[Passages; 2]>>;
 
 fn frame_of(
-    (time, stage, particles, driven_walls, origins, passed, beginnings): OwnGrains,
-    contacts: Vec<Contact>,
+    (time, stage, particles, driven_walls, origins, passed, beginnings, gauges): OwnGrains,
+    (contacts, wall_loads, wear): (Vec<Contact>, Vec<WallLoad>, Vec<FaceWear>),
 ) -> Snapshot {
-    Snapshot { time, particles, contacts, driven_walls, origins, passed, stage, beginnings }
+    Snapshot { time, particles, contacts, driven_walls, origins, passed, stage, beginnings, gauges, wall_loads, wear }
 }
 
 fn unfit(error: postcard::Error) -> String {

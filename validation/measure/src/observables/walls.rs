@@ -43,6 +43,11 @@ impl PlacedWalls {
         self.walls.point_of(wall, point)
     }
 
+    /// Returns the velocity of a wall's surface at a contact at a point (m) with a unit normal, m/s.
+    pub fn velocity_at(&self, wall: usize, point: &Vector3<f64>, normal: &Vector3<f64>) -> Vector3<f64> {
+        self.walls.velocity_at(wall, point, normal)
+    }
+
     /// Returns the angular velocity of a wall, rad/s; zero without rotation at the time.
     pub fn spin_of(&self, wall: usize) -> Vector3<f64> {
         let of_wall = self.walls.faces().find(|(number, _)| *number == wall);

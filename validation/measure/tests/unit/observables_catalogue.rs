@@ -8,7 +8,7 @@ fn names_in(source: &str) -> BTreeSet<&str> {
     let after = |mark: &'static str| source.split(mark).skip(1).filter_map(|rest| rest.trim_start().split('"').nth(1));
     let starts = |mark: &'static str| source.split(mark).skip(1).map(|rest| rest.trim_start().starts_with('"'));
     let named = |mark| after(mark).zip(starts(mark)).filter_map(|(name, is_text)| is_text.then_some(name));
-    ["readings.add(", "readings.add_in(", "Measurement::of("].into_iter().flat_map(named).collect()
+    ["readings.add(", "readings.add_in(", "readings.add_of(", "Measurement::of("].into_iter().flat_map(named).collect()
 }
 
 #[test]
@@ -20,6 +20,7 @@ fn each_file_measures_what_it_registers() {
             Observable::StaticAngleOfRepose => "static_angle".into(),
             Observable::CoordinationNumber => "coordination".into(),
             Observable::SizeMixing => "mixing".into(),
+            Observable::Walls | Observable::Wear => "wall_loads".into(),
             _ => name.replace('-', "_"),
         };
         let source = std::fs::read_to_string(folder.join(format!("{file}.rs"))).unwrap();

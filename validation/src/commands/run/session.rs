@@ -12,7 +12,7 @@ use super::writer::{FrameToWrite, Marks, MarksToCome, Outputs, Writer};
 use crate::commands::{Console, Failure, json};
 use makadam::Simulation;
 use makadam::scene::Reaction;
-use makadam::snapshot::Snapshot;
+use makadam::snapshot::{Passages, Snapshot};
 use makadam::solve::StopReason;
 use makadam::watch::{Alarm, Trouble, Watchdog};
 use makadam_frames::output::{RunFiles, TimeTable, WriteError, create_folder, write_durably};
@@ -80,7 +80,8 @@ pub(super) struct Session<'a> {
 
 impl<'a> Session<'a> {
     /// Begins a run; removes the checkpoint of an earlier run in the folder first, then its other files.
-    pub fn begin(plan: Plan<'a>, simulation: Simulation) -> Result<Session<'a>, Failure> {
+    pub fn begin(plan: Plan<'a>, mut simulation: Simulation) -> Result<Session<'a>, Failure> {
+        plan.scene.record_walls(&mut simulation);
         let progress = Progress {
             started: simulation.time(),
             contact_sweeps_before: simulation.contact_sweeps(),
@@ -265,6 +266,9 @@ impl<'a> Session<'a> {
             )));
         }
         let row = due.measured.then(|| self.row(&frame));
+        if due.measured {
+            self.simulation.restart_wall_means();
+        }
         (self.progress.particles, self.progress.contacts) = (frame.particles.len(), frame.contacts.len());
         self.progress.framed_at = Some(self.progress.steps);
         self.writer.write(FrameToWrite { frame, written: due.written, row })?;
@@ -293,7 +297,9 @@ impl<'a> Session<'a> {
         let flow = [grains, came.grains as f64, came.mass, went.grains as f64, went.mass];
         let flow = FLOW_COLUMNS.iter().zip(flow).filter(|_| self.plan.scene.flows());
         let stage = frame.stage.map(|stage| (&STAGE_COLUMN, f64::from(stage.number)));
-        COLUMNS.iter().zip(values).chain(flow).chain(stage).map(|(name, value)| (name.to_string(), value)).collect()
+        let cells = COLUMNS.iter().zip(values).chain(flow).chain(stage).map(|(name, value)| (name.to_string(), value));
+        let gauges = self.plan.scene.gauge.iter().zip(&frame.gauges);
+        cells.chain(gauges.flat_map(|(gauge, passed)| passages(&gauge.name, passed))).collect()
     }
 
     /// Ends the run: writes waiting frames and the summary to the disk, and removes the checkpoint of a complete run.
@@ -333,6 +339,17 @@ impl<'a> Session<'a> {
         }
         (summary, ended)
     }
+}
+
+/// Returns the cells of a gauge: what has passed it forward and backward.
+fn passages(gauge: &str, passed: &[Passages; 2]) -> Vec<(String, f64)> {
+    let cells = ["forward", "backward"].into_iter().zip(passed).flat_map(|(way, passed)| {
+        let Passages { grains, mass, momentum: [x, y, z] } = *passed;
+        let values =
+            [("grains", grains as f64), ("mass", mass), ("momentum_x", x), ("momentum_y", y), ("momentum_z", z)];
+        values.map(|(name, value)| (format!("{name}_{way}({gauge})"), value))
+    });
+    cells.collect()
 }
 
 /// Writes the summary of an incomplete run to the disk.
