@@ -26,7 +26,7 @@ fn file_of(group: &Group) -> String {
 #[test]
 fn each_file_measures_what_it_registers() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/observables");
-    for file in GROUPS.iter().map(|group| file_of(group)).collect::<BTreeSet<String>>() {
+    for file in GROUPS.iter().map(file_of).collect::<BTreeSet<String>>() {
         let source = std::fs::read_to_string(folder.join(format!("{file}.rs"))).unwrap();
         let own = GROUPS.iter().filter(|group| file_of(group) == file);
         let defined: BTreeSet<&str> = own.flat_map(|group| group.definitions).map(|one| one.name).collect();
