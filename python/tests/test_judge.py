@@ -63,7 +63,7 @@ def test_frames_and_recordings_are_pickled(recording):
         assert np.array_equal(again.contacts()["normal_force"], frame.contacts()["normal_force"])
         assert duplicate(recording).measure() == recording.measure() and duplicate(recording).scene == recording.scene
     damaged = pickle.dumps(recording.frames[-1]).replace(b"mkd-frm\x04", b"mkd-frm\x05")
-    with pytest.raises(makadam.JudgeError, match="version 4"):
+    with pytest.raises(makadam.JudgeError, match="version 5"):
         pickle.loads(damaged)
 
 
