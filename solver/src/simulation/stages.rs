@@ -116,12 +116,10 @@ impl Simulation {
         let now = (self.world.time, self.steps);
         let ends = state.starts.iter().skip(1).chain([&now]);
         let each = scene.stage.iter().zip(&state.starts).zip(ends).enumerate();
-        let report = |(number, ((stage, start), end)): (usize, ((&Stage, &(f64, u64)), &(f64, u64)))| StageReport {
-            name: stage.name.clone(),
-            start: start.0,
-            end: end.0,
-            steps: end.1 - start.1,
-            ended: number < state.number() || state.ended,
+        let report = |(number, ((stage, start), end))| {
+            let (stage, &(start, before), &(end, steps)): (&Stage, &(f64, u64), &(f64, u64)) = (stage, start, end);
+            let ended = number < state.number() || state.ended;
+            StageReport { name: stage.name.clone(), start, end, steps: steps - before, ended }
         };
         each.map(report).collect()
     }

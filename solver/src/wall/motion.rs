@@ -235,7 +235,7 @@ impl Movement {
 
     /// Returns the pose of the wall at a time (s), with the velocity at that time; for a dynamic wall, the last state of its drive.
     pub fn at(&self, time: f64) -> Pose {
-        let mut pose = self.from_base(time - self.origin);
+        let mut pose = self.relative_pose(time - self.origin);
         if let Some(base) = &self.base {
             pose.base = Displacement::of(base);
             pose.displacement = match pose.displacement {
@@ -247,7 +247,7 @@ impl Movement {
     }
 
     /// Returns the pose relative to that at the beginning of the motion, at a time (s) since its origin.
-    pub(super) fn from_base(&self, time: f64) -> Pose {
+    pub(super) fn relative_pose(&self, time: f64) -> Pose {
         let zero = Vector::zeros();
         let rest = Turning::about(zero, zero);
         let (displacement, base) = (Displacement::Nowhere, Displacement::Nowhere);

@@ -198,7 +198,7 @@ impl Movement {
             Some(steered) => steered,
             None => {
                 let angles = [now, listed].map(|time| self.angle(time - self.origin));
-                let poses = [now, listed].map(|time| self.from_base(time - self.origin));
+                let poses = [now, listed].map(|time| self.relative_pose(time - self.origin));
                 Steered::begin(&self.motion, asked, poses.each_ref(), angles)?
             }
         };
