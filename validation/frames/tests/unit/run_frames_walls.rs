@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::plan::MeasuredScene;
+use makadam::snapshot::DrivenWall;
 use std::f64::consts::TAU;
 
 const WALLS: &str = r#"
@@ -70,7 +71,7 @@ fn corners_lie_on_the_walls_and_move_with_them() {
     let vector = |values: &[f64], place: usize| Vector::from_column_slice(&values[3 * place..3 * place + 3]);
     let walls = &late.of_cells[0].values;
     assert_eq!(late.of_cells[1].values.len(), triangles.len());
-    let placed = PlacedWalls::at(&scene.wall, &scene.domain, 0.5, &driven(0.2));
+    let placed = PlacedWalls::at(&scene.wall, &scene.domain, 0.5, &driven(0.2), &[]);
     let mut seen = [0; 6];
     for (triangle, wall) in triangles.iter().zip(walls) {
         for corner in triangle.map(|corner| corner as usize) {
