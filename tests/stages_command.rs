@@ -103,7 +103,7 @@ fn stages_are_in_all_that_a_run_leaves() {
     assert_eq!(run["state_hash"], all["state_hash"]);
 
     carried_out(folder, &["export", "even", "--format", "vtp", "--output", "vtp"], true);
-    let grains = std::fs::read_dir(folder.join("vtp")).unwrap().map(|entry| entry.unwrap().path());
+    let grains = std::fs::read_dir(folder.join("vtp/frames")).unwrap().map(|entry| entry.unwrap().path());
     let some = grains
         .filter(|path| path.to_string_lossy().contains("grains"))
         .find(|path| path.extension().is_some_and(|e| e == "vtp"));
