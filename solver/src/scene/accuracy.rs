@@ -12,7 +12,7 @@
 //! mu                                  largest friction of a contact, at most 1
 //! ```
 //!
-//! The slopes are the largest measured ones with two standard errors, not means, because a bound is requested
+//! The slopes are the largest measured ones, those of packing fractions and angles with two standard errors, because a bound is requested
 //! (`validation/docs/accuracy.md`). The number of sweeps is not fixed: a solve continues until its residual is small.
 
 use super::error::rounded_down;
@@ -78,7 +78,7 @@ impl Scene {
     /// `min(sqrt(5e-4 r/g), 0.1 r/v)` with
     ///
     /// - r: smallest mean radius of a population or a source, or radius of a listed grain; 5 mm in a scene without grains
-    /// - g: largest gravity, or that of the Earth in a scene without gravity
+    /// - g: largest gravity, also of the stages, or that of the Earth in a scene without gravity
     /// - v: largest speed of a listed grain or a source, or `agitation` of a population
     ///
     /// Similar scenes of other sizes have the same motion with this step. Speeds of walls and falls do not enter: the preflight checks
@@ -94,7 +94,8 @@ impl Scene {
             .chain(come)
             .fold((f64::INFINITY, 0.0), |(radius, fastest), (own, fast)| (own.min(radius), fast.max(fastest)));
         let radius = if radius > 0.0 && radius.is_finite() { radius } else { DEFAULT_RADIUS };
-        let largest = self.largest_gravity();
+        let of_stages = self.stage.iter().filter_map(|stage| stage.gravity.map(speed));
+        let largest = of_stages.fold(self.largest_gravity(), f64::max);
         let gravity = if largest > 0.0 { largest } else { speed(earth_gravity()) };
         let step = (DEFAULT_FALL * radius / gravity).sqrt().min(DEFAULT_PATH * radius / fastest).clamp(1e-9, 0.1);
         // Rounding of a quotient must not cost a digit.
