@@ -117,6 +117,11 @@ fn check_is_a_document_too_and_says_what_accuracy_decides() {
     assert!(document["solver"].as_str().unwrap().contains("a step of "), "{document}");
     assert!(document["bytes"].as_u64().unwrap() > 1_000_000 && document["wall_seconds"].as_f64().unwrap() > 0.0);
     assert!(document["threads"].as_u64().unwrap() >= 1 && document["notes"].as_array().unwrap().is_empty());
+    for (restitution, warned) in [("0.3", false), ("0.6", true)] {
+        let value = format!("material.grain.restitution={restitution}");
+        let text = said(folder.path(), &["check", "packing", "--accuracy", "1%", "--set", &value, "--json"]);
+        assert_eq!(text.contains("the accuracy is no bound"), warned, "{text}");
+    }
 }
 
 #[test]

@@ -117,7 +117,22 @@ fn notes(scene: &MeasuredScene) -> Vec<String> {
     let ignores_escapes = scene.watch.on_escape == Reaction::Ignore || scene.watch.every == 0;
     let fall = "grains that leave the domain are simulated on, and the faster they fly, the more often contacts are searched: a wall \
                 that catches them (a plane below the outlet) keeps steps cheap";
-    ignores_escapes.then(|| format!("watch.on_escape is ignored: {fall}")).into_iter().collect()
+    let escapes = ignores_escapes.then(|| format!("watch.on_escape is ignored: {fall}"));
+    escapes.into_iter().chain(outside_of_accuracy(scene)).collect()
+}
+
+/// Largest restitution of the measurements behind the bounds of an accuracy (`validation/docs/accuracy.md`).
+const MEASURED_RESTITUTION: f64 = 0.3;
+
+/// Returns a note about a scene whose accuracy is a target but no bound.
+pub fn outside_of_accuracy(scene: &MeasuredScene) -> Option<String> {
+    let restitution = scene.possible_contacts().map(|contact| contact.restitution).fold(0.0, f64::max);
+    (scene.accuracy.is_some() && restitution > MEASURED_RESTITUTION).then(|| {
+        format!(
+            "the accuracy is no bound: it is one up to a restitution of {MEASURED_RESTITUTION}, and the scene has {restitution}; \
+             compare with half of the step"
+        )
+    })
 }
 
 /// Formats step and stopping rule.

@@ -11,7 +11,7 @@ use super::arguments::{OutputArguments, SceneArguments, accuracy, one_of, second
 use super::beforehand::{begin, tell_findings};
 use super::export::export_frames;
 use super::{Console, Failure};
-use crate::forecast::chosen;
+use crate::forecast::{chosen, outside_of_accuracy};
 use clap::Args;
 use folder::{CheckpointFile, Task, task};
 use makadam::Simulation;
@@ -86,6 +86,9 @@ pub(super) fn run(arguments: &RunArguments, console: &Console) -> Result<ExitCod
     if let Some(accuracy) = arguments.accuracy {
         scene.ask(accuracy);
         console.note(&format!("--accuracy chose {}", chosen(&scene)));
+    }
+    if let Some(note) = outside_of_accuracy(&scene) {
+        console.note(&note);
     }
     let findings = tell_findings(&scene, &file, console);
     let mut start = scene.clone();
