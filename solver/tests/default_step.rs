@@ -57,7 +57,8 @@ fn the_step_follows_gravity_the_smallest_radius_and_the_largest_speed() {
     assert_eq!(under("gravity_changes = [{ time = 0.1, gravity = [0.0, 0.0, -981.0] }]"), 5e-5);
     assert_eq!(under("gravity = [0.0, 0.0, -1e-9]"), 2.5e-3, "agitation of 0.2 m/s");
     let staged = bed(1.0, "").replacen("duration = 0.2\n", "", 1);
-    let stages = "[[stage]]\nname = 'a'\nduration = 0.1\n[[stage]]\nname = 'b'\nduration = 0.1\ngravity = [0.0, 0.0, -981.0]\n";
+    let stages =
+        "[[stage]]\nname = 'a'\nduration = 0.1\n[[stage]]\nname = 'b'\nduration = 0.1\ngravity = [0.0, 0.0, -981.0]\n";
     let staged = Scene::parse(&(staged + stages)).unwrap();
     assert_eq!((staged.solver.step, staged.duration), (5e-5, 0.2));
 }
