@@ -170,7 +170,10 @@ fn write_input(job: &Job<'_>) -> Result<(Vec<Grain>, Plan), CodeError> {
         return Err(unsupported(format!("wall '{}' moves and has a surface velocity", wall.name)));
     }
     if let Some(wall) = scene.wall.iter().find(|wall| !belt_runs_along(wall, scene)) {
-        return Err(unsupported(format!("the surface velocity of wall '{}' is not along all its triangles", wall.name)));
+        return Err(unsupported(format!(
+            "the surface velocity of wall '{}' is not along all its triangles",
+            wall.name
+        )));
     }
     let plan = Plan::new(scene, job.rayleigh_fraction * scene.rayleigh_step(&grains));
     let palette = Palette::new(scene, &grains);
