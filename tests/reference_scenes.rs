@@ -219,6 +219,14 @@ fn margins_keep_to_their_rule() {
     assert!(text(&output.stdout).lines().count() > 60, "{}", text(&output.stdout));
 }
 
+/// Meshes of the scenes are those that their script writes.
+#[test]
+fn meshes_are_those_of_their_script() {
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scripts/reference-meshes");
+    let output = std::process::Command::new("python3").arg(script).arg("--check").output().expect("python3 is there");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stdout));
+}
+
 /// Grains half as stiff overlap half as much again.
 #[test]
 #[ignore = "takes long: scripts/nightly slow-tests"]

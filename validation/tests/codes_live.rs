@@ -247,7 +247,7 @@ fn grains_on_slopes(tilt: f64, codes: &[&dyn Code]) {
 fn a_surface_velocity_carries_grains() {
     let belt = wall("grain", "kind = 'disc', centre = [0, 0, 0], normal = [0, 0, 1], radius = 0.05", FIXED);
     let body = belt + "surface_velocity = [0, 0.1, 0]\n" + &grain([0.0, 0.0, RADIUS], [0.0; 3]);
-    in_these(&[&Liggghts::default()], &scene(GRAVITY, 0.1, 0.01, &body), 0.05, |code, recording| {
+    in_these(&[&Yade::default(), &Liggghts::default()], &scene(GRAVITY, 0.1, 0.01, &body), 0.05, |code, recording| {
         let last = recording.frames.last().unwrap();
         close(code, "speed on the belt", last.particles[0].velocity[1], 0.1 * 2.0 / 7.0, 0.002);
         close(code, "spin on the belt", last.particles[0].spin[0] * RADIUS, 0.1 * 5.0 / 7.0, 0.004);

@@ -77,7 +77,11 @@ struct CompareDocument<'a> {
 
 pub(super) fn compare(arguments: &CompareArguments, console: &Console) -> Result<ExitCode, Failure> {
     arguments.jobs.apply()?;
-    let (file, scene) = arguments.source.load()?;
+    let (file, mut scene) = arguments.source.load()?;
+    // The other codes know no stages, and all codes run one scene.
+    if !scene.stage.is_empty() {
+        scene = scene.without_stages().map_err(Failure::Usage)?;
+    }
     match arguments.record {
         true => record(arguments, &scene, &file, console),
         false => validate(arguments, &scene, &file, console),
@@ -137,9 +141,6 @@ fn validate(
                 .into(),
         ));
     }
-    // The other codes know no stages, and all codes run one scene.
-    let plain = (!scene.stage.is_empty()).then(|| scene.without_stages()).transpose().map_err(Failure::Usage)?;
-    let scene = plain.as_ref().unwrap_or(scene);
     let Codes { all, validated, needs_verdict } = Codes::of(arguments, file)?;
     let one_scene = OneScene {
         scene,

@@ -4,6 +4,7 @@ use super::input::{MotionPhase, Palette, Plan, Primitive, primitives};
 use super::process::{self, Program, Run, installed, io};
 use super::yade_rolling::{Rolling, rolling};
 use super::{Code, CodeError, HERTZ_MINDLIN, Job, Purpose, supported_start};
+use makadam::effects::SURFACE_VELOCITY;
 use makadam::effects::catalogue::{
     COHESION, COMPLIANCE, DRIVEN_WALLS, Effect, FRICTION, GRAVITY, RESTITUTION, ROLLING, SIZE_SPREAD, SPIN,
     TANGENTIAL_SPRING, VISCOSITY, WALL_MOTION,
@@ -11,7 +12,8 @@ use makadam::effects::catalogue::{
 use makadam::scene::{Cohesion, Grain, Material, Motion, Wall};
 use makadam::snapshot::{DrivenWall, Particle, Partner, Snapshot};
 use makadam_frames::import::{contact_from_force, measurable, merge_wall_contacts};
-use makadam_frames::output::mesh::{COARSE, FINE, Mesh, wall_mesh};
+use makadam_frames::output::mesh::{COARSE, FINE, Mesh, Triangle, wall_mesh};
+use makadam_frames::plan::MeasuredScene;
 use makadam_frames::recording::Recording;
 use nalgebra::Vector3;
 use serde::Deserialize;
@@ -21,9 +23,10 @@ use std::path::Path;
 
 const NAME: &str = "YADE";
 /// Effects that its input expresses; a scene with any other effect is refused.
-pub(super) const HAS: [&Effect; 12] = [
+pub(super) const HAS: [&Effect; 13] = [
     &GRAVITY,
     &WALL_MOTION,
+    &SURFACE_VELOCITY,
     &DRIVEN_WALLS,
     &SIZE_SPREAD,
     &COMPLIANCE,
@@ -163,6 +166,15 @@ fn write_input(job: &Job<'_>) -> Result<(Vec<Grain>, Plan), CodeError> {
     if scene.wall.iter().any(|wall| matches!(wall.motion, Motion::TorqueDriven { .. })) {
         return Err(unsupported("a wall is driven by a torque".into()));
     }
+    if let Some(wall) = scene.wall.iter().find(|wall| is_belt(wall) && wall.motion != Motion::Fixed) {
+        return Err(unsupported(format!("wall '{}' moves and has a surface velocity", wall.name)));
+    }
+    if let Some(wall) = scene.wall.iter().find(|wall| !belt_runs_along(wall, scene)) {
+        return Err(unsupported(format!(
+            "the surface velocity of wall '{}' is not along all its triangles",
+            wall.name
+        )));
+    }
     let plan = Plan::new(scene, job.rayleigh_fraction * scene.rayleigh_step(&grains));
     let palette = Palette::new(scene, &grains);
     let rolling = rolling(&palette, &grains).map_err(unsupported)?;
@@ -170,6 +182,25 @@ fn write_input(job: &Job<'_>) -> Result<(Vec<Grain>, Plan), CodeError> {
     let text = job_file(job, &grains, &plan, &palette, (rolling, cohesion)).to_string();
     super::write_files(job.work_folder, [("job.json", text.as_str()), ("yade_driver.py", DRIVER)])?;
     Ok((grains, plan))
+}
+
+/// Largest component of a surface velocity along the normal of a triangle, over its magnitude.
+const ALONG: f64 = 1e-6;
+
+fn is_belt(wall: &Wall) -> bool {
+    wall.surface_velocity != [0.0; 3]
+}
+
+/// Returns true if a surface velocity lies in the planes of all triangles of its wall. YADE takes the whole velocity, the scene its
+/// component along the surface.
+fn belt_runs_along(wall: &Wall, scene: &MeasuredScene) -> bool {
+    let velocity = Vector3::from(wall.surface_velocity);
+    let is_along = |triangle: &Triangle| {
+        let [a, b, c] = triangle.map(Vector3::from);
+        let normal = (b - a).cross(&(c - a));
+        normal.dot(&velocity).abs() <= ALONG * normal.norm() * velocity.norm()
+    };
+    !is_belt(wall) || wall_mesh(&wall.shape, &scene.domain, 1.0, COARSE).triangles.iter().all(is_along)
 }
 
 /// Finds the version in "Yade version: 2023.02a".
@@ -223,6 +254,7 @@ fn job_file(
             "curved": mesh.bend > 0.0,
             "triangles": mesh.triangles,
             "planes": planes,
+            "belt": is_belt(wall).then_some(wall.surface_velocity),
             "motions": phases.iter().filter_map(|phase| motion_entry(&wall.motion, phase)).collect::<Vec<_>>(),
             "drive": drive_entry(&wall.motion, plan),
         })

@@ -59,6 +59,7 @@ grain_count = len(job["grains"])
 
 wall_of = {}
 motions = []
+belts = []
 drives = []
 for index, wall in enumerate(job["walls"]):
     material = (curved if wall["curved"] else materials)[wall["material"]]
@@ -94,6 +95,10 @@ for index, wall in enumerate(job["walls"]):
                 dead=True,
             )
         motions.append((engine, motion["first"], motion["last"], ids))
+    if wall["belt"]:
+        belts += [(O.bodies[id].state, Vector3(O.bodies[id].state.pos)) for id in ids]
+        for id in ids:
+            O.bodies[id].state.vel = Vector3(*wall["belt"])
     if wall["drive"]:
         drives.append(dict(wall["drive"], axis=Vector3(*wall["drive"]["axis"]), ids=ids, displacement=0.0, rate=0.0))
 
@@ -109,6 +114,12 @@ def drive_walls():
         drive["displacement"] += O.dt * drive["rate"]
         for id in drive["ids"]:
             O.bodies[id].state.vel = drive["axis"] * drive["rate"]
+
+
+def hold_belts():
+    """Puts belts back: the integrator moves them, contacts need their velocity alone."""
+    for state, place in belts:
+        state.pos = place
 
 
 def set_rolling_stiffness():
@@ -155,6 +166,7 @@ O.engines = (
     + ([PyRunner(command="set_rolling_stiffness()", iterPeriod=ROLLING_INTERVAL)] if job["rolling"] else [])
     # YADE's hidden damping is 0.2 unless told otherwise.
     + [NewtonIntegrator(damping=0.0, gravity=Vector3(*job["gravity"]))]
+    + ([PyRunner(command="hold_belts()", iterPeriod=1)] if belts else [])
 )
 
 

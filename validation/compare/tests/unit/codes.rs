@@ -10,7 +10,6 @@ const REFUSED: [(&str, &[&Effect], &[&str]); 2] = [
         &yade::HAS,
         &[
             "changing gravity",
-            "surface velocity",
             "inflow",
             "outflow",
             "periodic axes",

@@ -121,7 +121,7 @@ const RELEASE_STUDIES: &[Study] = &[
 ];
 
 /// Every scene with margins and recorded references of both reference codes.
-const REFERENCE_SCENES: [&str; 12] = [
+const REFERENCE_SCENES: [&str; 16] = [
     "packing",
     "packing-low-friction",
     "packing-high-friction",
@@ -134,6 +134,10 @@ const REFERENCE_SCENES: [&str; 12] = [
     "drum-rolling",
     "heap-rolling",
     "packing-100",
+    "drum-lifters",
+    "blade-mixer",
+    "belt-heap",
+    "screw",
 ];
 
 impl Tier {

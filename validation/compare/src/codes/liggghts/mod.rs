@@ -14,11 +14,11 @@ use super::input::{AXES, Palette, Plan, Primitive, primitives, stl};
 use super::process::{Program, installed};
 use super::{Code, CodeError, HERTZ_MINDLIN, Job, Purpose, supported_start};
 use makadam::effects::SURFACE_VELOCITY;
-use makadam::scene::{Domain, Grain, Motion, Shape, TriangleMesh};
+use makadam::scene::{Domain, Grain, Motion, Shape, TriangleMesh, Wall};
 use makadam::snapshot::Snapshot;
 use makadam_frames::output::mesh::{COARSE, FINE, Mesh, wall_mesh};
 use makadam_frames::plan::MeasuredScene;
-use makadam_frames::recording::Recording;
+use makadam_frames::recording::{Content, Recording};
 use minijinja::{Value, context};
 use nalgebra::Vector3;
 
@@ -60,8 +60,19 @@ impl Code for Liggghts {
         let run = DeckRun { code: NAME, program: &self.program, log: "liggghts.log", loop_seconds };
         let mut recording = run.execute(job, version, &plan)?;
         recording.frames.iter_mut().for_each(|frame| turn.frame_back(frame));
+        if walls_move(job.scene, &plan) && !recording.lacks.contains(&Content::WallContacts) {
+            recording.lacks.push(Content::WallContacts);
+        }
         Ok(recording)
     }
+}
+
+/// Returns true if a wall moves in a measured frame. `compute wall/gran/local` then lists wrong forces: in `drum-lifters` they carry 0.62 of
+/// the weight, those that act on the grains (`fix mesh/surface/stress`) all of it.
+fn walls_move(scene: &MeasuredScene, plan: &Plan) -> bool {
+    let is_belt = |wall: &Wall| wall.surface_velocity != [0.0; 3];
+    let in_motion = |wall: &Wall| plan.phases(&wall.motion).iter().any(|phase| phase.last >= plan.fine_from);
+    scene.wall.iter().any(|wall| is_belt(wall) || in_motion(wall))
 }
 
 /// Writes deck, grains, meshes and manifest into the job's folder; returns the coordinates of deck and dumps.
