@@ -29,7 +29,7 @@ use nalgebra::Vector3;
 
 /// Dynamic walls.
 pub static DRIVEN_WALLS: Effect = Effect {
-    off: Some(Change { words: "off: fixed", apply: |scene| stop(scene, Motion::is_driven) }),
+    off: Some(Change { words: "off: fixed", apply: |scene| stop(scene, Motion::is_dynamic) }),
     ..Effect::of_scene("driven walls", |scene| {
         call_of_wall(scene, |name, motion| match motion {
             Motion::ForceDriven { .. } => Some(format!("a force drives wall '{name}'")),

@@ -49,6 +49,7 @@ pub(crate) mod coefficients;
 mod document;
 mod error;
 mod flow;
+mod motion;
 mod periodic;
 mod populate;
 mod preflight;
@@ -67,6 +68,7 @@ use coefficients::Meeting;
 pub use coefficients::{ContactCoefficients, Material, PairRule};
 pub use document::{Checked, Document, DocumentPath};
 pub use error::{Fault, SceneError, SceneFileError, line_of};
+pub use motion::{Motion, PoseTable};
 use nalgebra::Vector3;
 pub(crate) use periodic::REACHES;
 pub(crate) use populate::Neighbours;
@@ -83,9 +85,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 pub use suggestions::{nearest, suggestion, wish};
 pub(crate) use types::sphere_volume;
-pub use types::{
-    Axis, Domain, GrainEntry, GravityChange, Insertion, Motion, Placement, Population, Region, Removal, Wall,
-};
+pub use types::{Axis, Domain, GrainEntry, GravityChange, Insertion, Placement, Population, Region, Removal, Wall};
 
 /// Tables of a scene file that describe measurements; the solver ignores these tables.
 pub const TABLES_OF_WHO_MEASURES: [&str; 4] = ["prepare", "measure", "output", "compare"];
@@ -200,7 +200,7 @@ impl Scene {
     pub fn read(document: &Document<'_>) -> Result<Scene, SceneError> {
         let mut scene: Scene = document.read()?;
         document.first_unread(&scene).map_or(Ok(()), Err)?;
-        scene.read_meshes(document)?;
+        scene.read_files(document)?;
         check::check(&scene)?;
         if let Some(accuracy) = scene.accuracy {
             check::chosen_twice(document)?;
@@ -210,9 +210,10 @@ impl Scene {
         Ok(scene)
     }
 
-    /// Reads the files of meshes, unless the scene holds their triangles.
-    fn read_meshes(&mut self, document: &Document<'_>) -> Checked {
+    /// Reads the files of meshes and of tables of poses, unless the scene holds their content.
+    fn read_files(&mut self, document: &Document<'_>) -> Checked {
         for (index, wall) in self.wall.iter_mut().enumerate() {
+            wall.motion.read_tables(&DocumentPath::default().key("wall").index(index).key("motion"), document)?;
             let Shape::Mesh { file, content, .. } = &mut wall.shape else { continue };
             if content.is_empty() {
                 let at = || DocumentPath::default().key("wall").index(index).key("shape").key("file");
@@ -249,7 +250,7 @@ impl Scene {
     /// Returns the setting or effect that requires Gauss-Seidel in double precision, if the scene has one.
     fn obstacle(&self) -> Option<Obstacle> {
         let torques = self.possible_contacts().any(|contact| contact.transmits_torque());
-        let driven = self.wall.iter().any(|wall| wall.motion.is_driven());
+        let driven = self.wall.iter().any(|wall| wall.motion.is_dynamic());
         let spring = self.solver.tangential_law != TangentialLaw::Rigid;
         Obstacle::of_scene(torques, driven, spring)
     }

@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! motion.rs   Pose       position of the wall at a time, and its velocity field: one per wall and step
+//! composed.rs            lists of motions, tables of poses, walls that carry others
 //! rigid.rs    Rigid      rotation and translation
 //! steered.rs  WallMotion motion of a wall by the caller, instead of the scene
 //! contacts.rs            contacts of grains with meshes
@@ -16,6 +17,7 @@
 //! Other modules contain friction and the remaining contact laws (materials and solve) and the forces on dynamic walls
 //! ([`drive`](crate::effects::drive)).
 
+mod composed;
 mod contacts;
 mod motion;
 mod rigid;
@@ -29,8 +31,10 @@ pub use steered::WallMotion;
 
 use crate::scene::{self, Domain, Motion};
 use crate::surface::{Face, FaceIndex};
+use composed::Extent;
 use motion::{Movement, keeps_in_place};
 use nalgebra::Vector3;
+use rigid::Rigid;
 use std::ops::Range;
 
 type Vector = Vector3<f64>;
@@ -57,6 +61,9 @@ struct Wall {
     seam: Option<f64>,
     /// Distance of the furthest point of a mesh from the axis of its rotation in the scene, m.
     furthest: Option<f64>,
+    extent: Extent,
+    /// True if the wall carries another one.
+    carries: bool,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -94,12 +101,17 @@ impl Walls {
         let mut faces: Vec<WallFace> = Vec::new();
         let place = |(number, wall): (u32, &scene::Wall)| {
             let (shapes, first) = (wall.shape.faces(domain.period()), faces.len() as u32);
-            let (material, in_place) = (material(&wall.material), |face: &Face| keeps_in_place(face, &wall.motion));
+            let carrier = wall.parent_in(walls).map(|parent| parent as u32);
+            let movement = Movement::new(wall, carrier, &shapes);
+            let (material, moves) = (material(&wall.material), movement.is_composed());
+            let in_place = |face: &Face| !moves && keeps_in_place(face, &wall.motion);
             let face = |shape: &Face| WallFace { shape: *shape, wall: number, material, in_place: in_place(shape) };
             faces.extend(shapes.iter().map(face));
             Wall {
                 faces: first..faces.len() as u32,
-                movement: Movement::new(wall, &shapes),
+                movement,
+                extent: Extent::of(&shapes, (Vector::from(domain.min), Vector::from(domain.max))),
+                carries: walls.iter().any(|other| other.parent.as_ref() == Some(&wall.name)),
                 index: FaceIndex::new(&shapes, first, domain.period()),
                 seam: wall.shape.seam(),
                 furthest: wall.shape.seam().and_then(|_| furthest(&wall.motion, &shapes)),
@@ -138,9 +150,10 @@ impl Walls {
         (0..).zip(&self.walls).filter(move |(_, wall)| moves(wall)).map(|(number, _)| number)
     }
 
-    /// Sets the displacement (m or rad) and the rate (m/s or rad/s) of a dynamic wall; no effect on a wall without a drive.
-    pub fn put(&mut self, wall: u32, displacement: f64, rate: f64) {
-        self.walls[wall as usize].movement.put(displacement, rate);
+    /// Sets the displacement (m or rad) of a driven wall, its velocity (m/s or rad/s), and the change of velocity that grains at rest follow;
+    /// no effect on another wall.
+    pub fn put(&mut self, wall: u32, displacement: f64, rates: [f64; 2]) {
+        self.walls[wall as usize].movement.put(displacement, rates);
     }
 
     /// Prescribes a motion of a wall from the next step on; `times` are the present time and that of the last build of the candidate list, s.
@@ -148,6 +161,12 @@ impl Walls {
     /// # Errors
     /// Reason why the wall cannot have this motion, as text that follows its name.
     pub(crate) fn steer(&mut self, wall: u32, motion: &WallMotion, times: [f64; 2]) -> Result<(), String> {
+        let Wall { movement, carries, .. } = &self.walls[wall as usize];
+        if movement.is_composed() || *carries {
+            return Err(
+                "the scene composes its motion, or it carries another wall; steer a wall that stands alone".into()
+            );
+        }
         self.with_faces(wall, |movement, faces| movement.steer(motion, faces, times))
     }
 
@@ -170,7 +189,13 @@ impl Walls {
 
     /// Returns the beginning of a motion at the pose that a wall has at a time (s).
     pub(crate) fn reached(&self, wall: u32, time: f64) -> Beginning {
-        self.walls[wall as usize].movement.reached(time)
+        let place = |wall: u32| self.material_pose(wall as usize, time);
+        let Wall { movement, carries, .. } = &self.walls[wall as usize];
+        // Faces that their motion maps onto themselves have not moved.
+        let geometric = || self.pose(wall as usize, time).displacement.rigid();
+        let pose = if movement.is_composed() || *carries { place(wall) } else { geometric() };
+        let carrier = movement.carrier.map_or_else(Rigid::default, |(carrier, _)| place(carrier));
+        Beginning { pose, time, carrier }
     }
 
     /// Begins another motion of a wall. The candidate list must be built again before the next step.
@@ -179,10 +204,12 @@ impl Walls {
             movement.begin(motion, faces, beginning);
             faces.iter().map(|face| movement.based(face)).collect::<Vec<Face>>()
         });
-        let Wall { faces, furthest: arm, seam, .. } = &mut self.walls[wall as usize];
+        let Wall { faces, movement, furthest: arm, seam, .. } = &mut self.walls[wall as usize];
         *arm = seam.and_then(|_| furthest(motion, &shapes));
         let own = &mut self.faces[faces.start as usize..faces.end as usize];
-        own.iter_mut().zip(&shapes).for_each(|(face, shape)| face.in_place = keeps_in_place(shape, motion));
+        let composed = movement.is_composed();
+        let keeps = |shape: &Face| !composed && keeps_in_place(shape, motion);
+        own.iter_mut().zip(&shapes).for_each(|(face, shape)| face.in_place = keeps(shape));
     }
 
     /// Returns the kinematic walls under control of the caller, each with its state.
@@ -192,7 +219,12 @@ impl Walls {
 
     /// Returns the displacement (m) and the angle (rad) of a wall at a time (s) from its position in the scene.
     pub(crate) fn displacement(&self, wall: u32, time: f64) -> ([f64; 3], f64) {
-        self.walls[wall as usize].movement.place(time)
+        let movement = &self.walls[wall as usize].movement;
+        if !movement.is_composed() {
+            return movement.place(time);
+        }
+        let (place, middle) = (self.material_pose(wall as usize, time), self.walls[wall as usize].extent.middle());
+        ((place.place(&middle) - middle).into(), place.vector().norm())
     }
 
     /// Moves the walls under control of the caller for a step of length `h`, s.
@@ -213,30 +245,44 @@ impl Walls {
     /// Returns an upper bound of the displacement (m) between two times (s) of a point of a wall within `radius` (m) of
     /// the centre of its motion. The displacement of a dynamic wall is that since the build of the list.
     pub(crate) fn largest_shift(&self, from: f64, to: f64, radius: f64) -> f64 {
-        let walls = self.walls.iter().filter(|wall| !wall.faces.is_empty());
+        let walls = self.walls.iter().enumerate().filter(|(_, wall)| !wall.faces.is_empty());
         let arm = |wall: &Wall| wall.furthest.map_or(radius, |furthest| furthest.min(radius));
-        walls.map(|wall| wall.movement.largest_shift(from, to, arm(wall))).fold(0.0, f64::max)
+        let shift = |(number, wall): (usize, &Wall)| match wall.movement.is_composed() {
+            true => self.composed_shift(number, from, to),
+            false => wall.movement.largest_shift(from, to, arm(wall)),
+        };
+        walls.map(shift).fold(0.0, f64::max)
     }
 
     /// Returns the poses of the walls at a time (s), with the velocities at that time; for dynamic walls, the last state of their drives.
     pub fn poses(&self, time: f64) -> impl Iterator<Item = Pose> + '_ {
-        self.walls.iter().map(move |wall| wall.movement.at(time))
+        (0..self.walls.len()).map(move |wall| self.pose(wall, time))
+    }
+
+    fn pose(&self, wall: usize, time: f64) -> Pose {
+        let movement = &self.walls[wall].movement;
+        if movement.is_composed() { self.composed_at(wall, time) } else { movement.at(time) }
     }
 
     /// Returns the poses at the start of a step of length `step` (s), with the effective velocities of the step: the mean velocity of a vibration.
     pub(crate) fn poses_over(&self, time: f64, step: f64) -> impl Iterator<Item = Pose> + '_ {
-        self.walls.iter().map(move |wall| wall.movement.over(time, step))
+        (0..self.walls.len() as u32).map(move |wall| self.pose_over(wall, time, step))
     }
 
     /// Returns the pose of one wall, as [`Walls::poses_over`] does.
     pub(crate) fn pose_over(&self, wall: u32, time: f64, step: f64) -> Pose {
-        self.walls[wall as usize].movement.over(time, step)
+        let movement = &self.walls[wall as usize].movement;
+        if movement.is_composed() { self.composed_over(wall as usize, time, step) } else { movement.over(time, step) }
     }
 
     /// Returns the pose of a wall at the start of a step of length `step` (s), with the velocity that leads to its
     /// position at the end. A dynamic wall moves at `rate` (m/s or rad/s).
     pub(crate) fn pose_through(&self, wall: u32, time: f64, step: f64, rate: f64) -> Pose {
-        self.walls[wall as usize].movement.through(time, step, rate)
+        let movement = &self.walls[wall as usize].movement;
+        match movement.is_composed() {
+            true => self.composed_through(wall as usize, time, step),
+            false => movement.through(time, step, rate),
+        }
     }
 
     /// Returns the walls at these poses.
@@ -328,7 +374,7 @@ impl<'a> WallsAt<'a> {
                 None => face.nearest(centre, || velocity + falling - pose.velocity_at(centre, in_place)),
             };
             let velocity_at_contact = pose.velocity_at(&(centre + normal * distance), in_place);
-            let (mean, gain) = (velocity_at_contact + pose.slides_at(&normal), pose.gain());
+            let (mean, gain) = (velocity_at_contact + pose.slides_at(&normal), pose.gain_at(centre));
             let velocities = match pose.drifts() {
                 true => {
                     let drift = pose.drift(centre, &normal, in_place);
@@ -440,9 +486,9 @@ impl PlacedFace<'_> {
     }
 
     /// Returns the change of the wall's velocity since the last step, without a jump and without the drift, m/s; no
-    /// part of the approach speed of a resting grain.
-    pub(crate) fn gain(&self) -> Vector {
-        self.pose.gain()
+    /// part of the approach speed of a resting grain with this centre, m.
+    pub(crate) fn gain_at(&self, centre: &Vector) -> Vector {
+        self.pose.gain_at(centre)
     }
 
     /// Returns the angular velocity of the wall, rad/s.
@@ -451,12 +497,20 @@ impl PlacedFace<'_> {
     }
 }
 
-/// Returns true if a wall would jump, or a vibration change its phase, on a reset of the time from the given time (s) to zero. This is the
-/// case if its prescribed motion begins earlier and does not lead back to the same surface. Displacements by a drive remain.
-pub fn jumps_back(wall: &scene::Wall, domain: &Domain, time: f64) -> bool {
-    let faces = wall.shape.faces(domain.period());
+/// Returns the index of the first wall that would jump, or whose vibration would change its phase, on a reset of the time from the given time
+/// (s) to zero. This is the case if its prescribed motion begins earlier and does not lead back to the same surface. Displacements by a
+/// drive remain.
+pub fn first_that_jumps_back(walls: &[scene::Wall], domain: &Domain, time: f64) -> Option<usize> {
     let extent = (Vector::from(domain.max) - Vector::from(domain.min)).norm();
-    Movement::new(wall, &faces).jumps_back(time, &faces, extent)
+    let all = Walls::new(walls, domain, |_| 0);
+    all.walls.iter().enumerate().position(|(number, wall)| {
+        let own = &all.faces[wall.faces.start as usize..wall.faces.end as usize];
+        let faces: Vec<Face> = own.iter().map(|face| face.shape).collect();
+        match wall.movement.is_composed() {
+            true => all.composed_jumps_back(number, time, &faces, extent),
+            false => wall.movement.jumps_back(time, &faces, extent),
+        }
+    })
 }
 
 /// Returns the distance (m) of the furthest corner of a mesh from the axis about which its motion turns it.
@@ -491,7 +545,7 @@ impl PlacedWalls {
     pub fn at(walls: &[scene::Wall], domain: &Domain, time: f64, driven: &[DrivenWall]) -> PlacedWalls {
         let mut placed = Walls::new(walls, domain, |_| 0);
         for one in driven.iter().filter(|one| (one.wall as usize) < walls.len()) {
-            placed.put(one.wall, one.displacement, one.rate);
+            placed.put(one.wall, one.displacement, [one.rate, 0.0]);
         }
         let poses = placed.poses(time).collect();
         PlacedWalls { walls: placed, poses }

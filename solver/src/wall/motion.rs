@@ -41,9 +41,11 @@ const ROUNDING: f64 = 1e-9;
 pub(super) struct Movement {
     pub(super) motion: Motion,
     /// Pose from which the motion begins, if not that of the scene.
-    base: Option<Rigid>,
+    pub(super) base: Option<Rigid>,
     /// Time from which the times of the motion count, s.
     pub(super) origin: f64,
+    /// Index of the wall that carries this one, and its pose at the beginning.
+    pub(super) carrier: Option<(u32, Rigid)>,
     /// Velocity of the surface along itself, m/s.
     surface_velocity: Vector,
     /// True if a rotation moves at least one face, instead of mapping all faces onto themselves.
@@ -53,8 +55,9 @@ pub(super) struct Movement {
     /// Displacement by a drive, m or rad, at present and at the last build of the candidate list; zero without a drive.
     displacement: f64,
     displacement_in_list: f64,
-    /// Velocity by a drive, m/s or rad/s.
+    /// Velocity by a drive, m/s or rad/s, and its change since the last step, if grains at rest follow it.
     rate: f64,
+    gain: f64,
 }
 
 /// Beginning of a motion that continues an earlier one of the same wall. Points and axes of the motion are those of the scene
@@ -65,6 +68,8 @@ pub(crate) struct Beginning {
     pub pose: Rigid,
     /// Time from which the times of the motion count, s.
     pub time: f64,
+    /// Pose of the wall that carries this one.
+    pub carrier: Rigid,
 }
 
 /// Wall at a time: its position and its velocity field.
@@ -76,8 +81,9 @@ pub struct Pose {
     pub(super) velocity: Vector,
     /// Velocity of the surface along itself, in addition to that of the wall.
     surface_velocity: Vector,
-    /// Change of velocity since the last step.
+    /// Change of velocity since the last step, and of the angular velocity about the centre of `turning`.
     pub(super) gain: Vector,
+    gain_of_spin: Vector,
     /// Rotation for faces that the rotation moves.
     pub(super) turning: Turning,
     /// Rotation for faces that the rotation maps onto themselves.
@@ -116,9 +122,9 @@ impl Displacement {
         }
     }
 
-    fn rigid(&self) -> Rigid {
+    pub(super) fn rigid(&self) -> Rigid {
         match self {
-            Displacement::Nowhere => Rigid::by(Vector::zeros()),
+            Displacement::Nowhere => Rigid::default(),
             Displacement::By(shift) => Rigid::by(*shift),
             Displacement::About(centre, rotation) => Rigid::about(*centre, rotation.vector()),
             Displacement::Rigid(rotation, shift) => {
@@ -179,32 +185,35 @@ impl Turning {
 
 impl Movement {
     /// Creates the motion of a wall at time zero from its faces.
-    pub fn new(Wall { motion, surface_velocity, .. }: &Wall, faces: &[Face]) -> Movement {
+    pub fn new(Wall { motion, surface_velocity, .. }: &Wall, carrier: Option<u32>, faces: &[Face]) -> Movement {
         let turns = rotates(motion) && !faces.iter().all(|face| keeps_in_place(face, motion));
-        let [displacement, displacement_in_list, rate] = [0.0; 3];
+        let [displacement, displacement_in_list, rate, gain] = [0.0; 4];
         let surface_velocity = Vector::from(*surface_velocity);
         Movement {
             motion: motion.clone(),
             base: None,
             origin: 0.0,
+            carrier: carrier.map(|wall| (wall, Rigid::default())),
             surface_velocity,
             turns,
             steered: None,
             displacement,
             displacement_in_list,
             rate,
+            gain,
         }
     }
 
     /// Begins another motion of the wall, with its faces in the scene.
     pub fn begin(&mut self, motion: &Motion, faces: &[Face], beginning: &Beginning) {
-        let still = beginning.pose == Rigid::by(Vector::zeros());
+        let still = beginning.pose == Rigid::default();
         self.base = (!still).then_some(beginning.pose);
         self.origin = beginning.time;
+        self.carrier = self.carrier.map(|(wall, _)| (wall, beginning.carrier));
         self.turns = rotates(motion) && !faces.iter().all(|face| keeps_in_place(&self.based(face), motion));
         self.motion = motion.clone();
         self.steered = None;
-        [self.displacement, self.displacement_in_list, self.rate] = [0.0; 3];
+        [self.displacement, self.displacement_in_list, self.rate, self.gain] = [0.0; 4];
     }
 
     /// Returns a face at the pose from which the motion begins.
@@ -212,14 +221,38 @@ impl Movement {
         self.base.and_then(|base| Displacement::of(&base).moved(face)).unwrap_or(*face)
     }
 
-    /// Returns the beginning of a motion at the present pose.
-    pub fn reached(&self, time: f64) -> Beginning {
-        Beginning { pose: self.at(time).displacement.rigid(), time }
+    /// Returns true if several motions, or a table, or those of another wall make up the motion: see [`composed`](super::composed).
+    pub fn is_composed(&self) -> bool {
+        self.carrier.is_some() || matches!(self.motion, Motion::List(_) | Motion::Table { .. })
     }
 
-    /// Sets displacement (m or rad) and velocity (m/s or rad/s) of a dynamic wall; no effect on a wall without a drive.
-    pub fn put(&mut self, displacement: f64, rate: f64) {
-        (self.displacement, self.rate) = (displacement, rate);
+    /// Returns a pose of a composed motion, with the velocity and the angular velocity about a centre.
+    pub fn composed(&self, place: &Rigid, centre: Vector, [velocity, spin]: [Vector; 2]) -> Pose {
+        let turning = Turning::about(centre, spin);
+        let displacement = Displacement::of(place);
+        Pose { displacement, velocity, turning, in_place: turning, turns: true, ..self.rest() }
+    }
+
+    /// Returns the pose in the scene, at rest.
+    fn rest(&self) -> Pose {
+        let zero = Vector::zeros();
+        let rest = Turning::about(zero, zero);
+        Pose {
+            displacement: Displacement::Nowhere,
+            base: Displacement::Nowhere,
+            velocity: zero,
+            surface_velocity: self.surface_velocity,
+            gain: zero,
+            gain_of_spin: zero,
+            turning: rest,
+            in_place: rest,
+            turns: self.turns,
+        }
+    }
+
+    /// Sets displacement (m or rad), velocity (m/s or rad/s) and change of velocity of a driven wall; no effect on another wall.
+    pub fn put(&mut self, displacement: f64, [rate, gain]: [f64; 2]) {
+        (self.displacement, self.rate, self.gain) = (displacement, rate, gain);
     }
 
     /// Stores the displacement by a drive when the candidate list is built.
@@ -248,19 +281,13 @@ impl Movement {
 
     /// Returns the pose relative to that at the beginning of the motion, at a time (s) since its origin.
     pub(super) fn from_base(&self, time: f64) -> Pose {
-        let zero = Vector::zeros();
-        let rest = Turning::about(zero, zero);
-        let (displacement, base) = (Displacement::Nowhere, Displacement::Nowhere);
-        let surface_velocity = self.surface_velocity;
-        let (turning, in_place, turns) = (rest, rest, self.turns);
-        let mut pose =
-            Pose { displacement, base, velocity: zero, surface_velocity, gain: zero, turning, in_place, turns };
+        let mut pose = self.rest();
         if let Some(steered) = &self.steered {
             steered.pose(&mut pose, |centre, axis, angle| self.turned(centre, axis, angle));
             return pose;
         }
         match &self.motion {
-            Motion::Fixed => {}
+            Motion::Fixed | Motion::Table { .. } | Motion::List(_) => {}
             Motion::Translating { velocity, start, stop } => {
                 let velocity = Vector::from(*velocity);
                 pose.displacement = Displacement::By(velocity * active_time(time, *start, *stop));
@@ -283,10 +310,11 @@ impl Movement {
                     pose.velocity = vibration.velocity(time).into();
                 }
             }
-            Motion::ForceDriven { axis, .. } => {
+            Motion::ForceDriven { axis, .. } | Motion::Servo { axis, .. } => {
                 let axis = Vector::from(*axis).normalize();
                 pose.displacement = Displacement::By(axis * self.displacement);
                 pose.velocity = axis * self.rate;
+                pose.gain = axis * self.gain;
             }
             Motion::TorqueDriven { point, axis, .. } => {
                 let (centre, axis) = (Vector::from(*point), Vector::from(*axis).normalize());
@@ -354,9 +382,8 @@ impl Movement {
     /// Returns the pose at the start of a step of length `step` (s), with the effective velocity of the step: the mean
     /// velocity of a vibration, the velocity along the chord of a rotation.
     pub fn over(&self, time: f64, step: f64) -> Pose {
-        let mut pose = self.at(time);
+        let mut pose = self.at(time).along_chord(step);
         let time = time - self.origin;
-        (pose.turning, pose.in_place) = (pose.turning.over(step), pose.in_place.over(step));
         if let Some(vibration) = self.motion.vibration().filter(|_| self.steered.is_none()) {
             pose.velocity = vibration.mean_velocity(time, time + step).into();
             if vibration.is_smooth(time - step, time + step) {
@@ -390,14 +417,14 @@ impl Movement {
                 pose.turning.spin = Vector::from(*axis).normalize() * rate;
                 pose.in_place = pose.turning;
             }
-            Motion::Fixed => {}
+            Motion::Fixed | Motion::Servo { .. } | Motion::Table { .. } | Motion::List(_) => {}
         }
         pose
     }
 
     /// Returns true if the wall moves at any time.
     pub fn moves(&self) -> bool {
-        self.steered.is_some() || !matches!(self.motion, Motion::Fixed)
+        self.steered.is_some() || self.carrier.is_some() || !matches!(self.motion, Motion::Fixed)
     }
 
     /// Returns true if the wall does work at any time: it moves, or its surface does.
@@ -413,14 +440,14 @@ impl Movement {
         }
         let (from, to) = (from - self.origin, to - self.origin);
         match &self.motion {
-            Motion::Fixed => 0.0,
+            Motion::Fixed | Motion::Table { .. } | Motion::List(_) => 0.0,
             Motion::Translating { velocity, start, stop } => {
                 Vector::from(*velocity).norm() * (active_time(to, *start, *stop) - active_time(from, *start, *stop))
             }
             Motion::Vibrating { .. } => self.motion.vibration().map_or(0.0, |vibration| {
                 (Vector::from(vibration.displacement(to)) - Vector::from(vibration.displacement(from))).norm()
             }),
-            Motion::ForceDriven { .. } => (self.displacement - self.displacement_in_list).abs(),
+            Motion::ForceDriven { .. } | Motion::Servo { .. } => (self.displacement - self.displacement_in_list).abs(),
             _ if !self.turns => 0.0,
             Motion::Rotating { rate, start, stop, .. } => {
                 rate.abs() * radius * (active_time(to, *start, *stop) - active_time(from, *start, *stop))
@@ -445,17 +472,17 @@ pub(crate) fn drive_of(motion: &Motion, number: u32, origin: f64) -> Option<Driv
 }
 
 /// Returns the time in motion up to `time`, s.
-fn active_time(time: f64, start: f64, stop: Option<f64>) -> f64 {
+pub(super) fn active_time(time: f64, start: f64, stop: Option<f64>) -> f64 {
     (stop.map_or(time, |stop| time.min(stop)) - start).max(0.0)
 }
 
 /// Returns the time of rotation up to `time`, minus that of reverse rotation, s.
-fn turning_time(time: f64, start: f64, stop: Option<f64>, reverse: Option<f64>) -> f64 {
+pub(super) fn turning_time(time: f64, start: f64, stop: Option<f64>, reverse: Option<f64>) -> f64 {
     let back = reverse.map_or(0.0, |reverse| active_time(time, reverse, stop));
     active_time(time, start, stop) - 2.0 * back
 }
 
-fn is_active(time: f64, start: f64, stop: Option<f64>) -> bool {
+pub(super) fn is_active(time: f64, start: f64, stop: Option<f64>) -> bool {
     time >= start && stop.is_none_or(|stop| time < stop)
 }
 
@@ -531,10 +558,25 @@ impl Pose {
         self.turning.chord[1] != 0.0 || self.in_place.chord[1] != 0.0
     }
 
-    /// Returns the change of the wall's velocity since the last step without a jump, m/s; no part of the approach speed of a resting grain.
+    /// Returns the change of the wall's velocity at a point (m) since the last step without a jump, m/s; no part of the approach speed of a
+    /// resting grain.
     #[inline]
-    pub(crate) fn gain(&self) -> Vector {
-        self.gain
+    pub(crate) fn gain_at(&self, point: &Vector) -> Vector {
+        match self.gain_of_spin == Vector::zeros() {
+            true => self.gain,
+            false => self.gain + self.gain_of_spin.cross(&(point - self.turning.centre)),
+        }
+    }
+
+    /// Returns the pose with the velocity along the chord of a step, s.
+    pub(super) fn along_chord(self, step: f64) -> Pose {
+        Pose { turning: self.turning.over(step), in_place: self.in_place.over(step), ..self }
+    }
+
+    /// Sets the change of velocity since the pose of the last step.
+    pub(super) fn gain_since(&mut self, before: &Pose) {
+        self.gain = self.velocity - before.velocity;
+        self.gain_of_spin = self.spin(false) - before.spin(false);
     }
 
     /// Returns the angular velocity, rad/s; in a step, that of grains that stick to the wall.
@@ -597,7 +639,8 @@ impl Pose {
         let Turning { spin, centre, .. } = self.turning;
         if !in_place && spin != Vector::zeros() {
             let turn = spin.norm();
-            return (centre + Rotation::new(spin / turn, turn * step).turn(point - centre) - point) / step;
+            return (centre + Rotation::new(spin / turn, turn * step).turn(point - centre) - point) / step
+                + self.velocity;
         }
         self.velocity_at(point, in_place)
     }

@@ -12,6 +12,12 @@ pub(crate) struct Rigid {
     shift: Vector,
 }
 
+impl Default for Rigid {
+    fn default() -> Rigid {
+        Rigid::by(Vector::zeros())
+    }
+}
+
 impl Rigid {
     /// Returns a translation, m.
     pub fn by(shift: Vector) -> Rigid {

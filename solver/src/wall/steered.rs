@@ -57,7 +57,14 @@ impl Steered {
             _ => [0.0; 3],
         };
         let about = match (scene, asked) {
-            (Motion::ForceDriven { .. } | Motion::TorqueDriven { .. }, _) => {
+            (
+                Motion::ForceDriven { .. }
+                | Motion::TorqueDriven { .. }
+                | Motion::Servo { .. }
+                | Motion::Table { .. }
+                | Motion::List(_),
+                _,
+            ) => {
                 return Err("a force or a torque drives it; steer a wall that the scene holds fixed".into());
             }
             (Motion::Fixed | Motion::Translating { .. } | Motion::Vibrating { .. }, WallMotion::Translation { .. }) => {
