@@ -20,7 +20,7 @@ pub static WALL_MOTION: Effect = Effect {
     off: Some(Change { words: "off", apply: |scene| stop(scene, |motion| !motion.is_driven()) }),
     ..Effect::of_scene("wall motion", |scene| {
         call_of_wall(scene, |name, motion| match motion {
-            Motion::Fixed | Motion::Servo { .. } | Motion::ForceDriven { .. } | Motion::TorqueDriven { .. } => None,
+            Motion::Fixed | Motion::ForceDriven { .. } | Motion::TorqueDriven { .. } => None,
             Motion::Table { .. } => Some(format!("wall '{name}' moves by a table")),
             Motion::List(parts) => Some(format!("wall '{name}' has {} motions", parts.len())),
             Motion::Translating { .. } => Some(format!("wall '{name}' translates")),

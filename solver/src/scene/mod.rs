@@ -49,12 +49,14 @@ pub(crate) mod coefficients;
 mod document;
 mod error;
 mod flow;
+mod gauge;
 mod motion;
 mod periodic;
 mod populate;
 mod preflight;
 mod radii;
 mod settings;
+mod stages;
 mod suggestions;
 mod types;
 
@@ -68,6 +70,8 @@ use coefficients::Meeting;
 pub use coefficients::{ContactCoefficients, Material, PairRule};
 pub use document::{Checked, Document, DocumentPath};
 pub use error::{Fault, SceneError, SceneFileError, line_of};
+pub use gauge::{Gauge, GaugeShape};
+pub(crate) use motion::course;
 pub use motion::{Motion, PoseTable};
 use nalgebra::Vector3;
 pub(crate) use periodic::REACHES;
@@ -81,6 +85,7 @@ pub use settings::{
     MOST_MEMORY, Obstacle, Precision, Reaction, SettingError, SolverMethod, SolverSettings, Stop, TangentialLaw, Watch,
 };
 pub(crate) use settings::{method_goes_with, precision_goes_with};
+pub use stages::{Stage, StageEnd, StageMaterial, StageOutput, StageSolver};
 use std::collections::BTreeMap;
 use std::path::Path;
 pub use suggestions::{nearest, suggestion, wish};
@@ -102,7 +107,8 @@ pub struct Scene {
     /// One-sentence description; empty if absent.
     #[serde(default)]
     pub description: String,
-    /// Simulated time, seconds.
+    /// Simulated time, seconds; required without stages, which give it.
+    #[serde(default = "types::not_given")]
     pub duration: f64,
     /// Acceleration of gravity, m/s2.
     #[serde(default = "types::earth_gravity")]
@@ -147,6 +153,14 @@ pub struct Scene {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[cfg_attr(feature = "schema", schemars(!skip_serializing_if))]
     pub remove: Vec<Removal>,
+    /// Stages of a process, one after another; their longest times give `duration`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(feature = "schema", schemars(!skip_serializing_if))]
+    pub stage: Vec<Stage>,
+    /// Gauges: surfaces that count the grains that pass.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(feature = "schema", schemars(!skip_serializing_if))]
+    pub gauge: Vec<Gauge>,
     #[serde(default, rename = "prepare", skip_serializing)]
     #[cfg_attr(feature = "schema", schemars(skip))]
     #[doc(hidden)]
@@ -199,6 +213,11 @@ impl Scene {
     /// [`SceneError`] as [`Scene::parse`].
     pub fn read(document: &Document<'_>) -> Result<Scene, SceneError> {
         let mut scene: Scene = document.read()?;
+        if scene.duration.is_nan() {
+            let remedy = "give the simulated time, s, or stages with theirs";
+            let missing = || Fault::new(Vec::new(), "missing field `duration`".into(), remedy);
+            scene.duration = scene.longest_of_stages().ok_or_else(missing)?;
+        }
         document.first_unread(&scene).map_or(Ok(()), Err)?;
         scene.read_files(document)?;
         check::check(&scene)?;
@@ -234,7 +253,9 @@ impl Scene {
     /// Requests an accuracy, which sets the step and stop of the solver by the law of [`Accuracy`].
     pub fn ask(&mut self, accuracy: Accuracy) {
         self.accuracy = Some(accuracy);
-        (self.solver.step, self.solver.stop) = accuracy.settings(self);
+        let of_stages = self.stage_scenes().into_iter().map(|scene| accuracy.settings(&scene));
+        let shortest = of_stages.min_by(|a, b| a.0.total_cmp(&b.0));
+        (self.solver.step, self.solver.stop) = shortest.expect("a scene has at least one stage, itself");
     }
 
     /// Checks that the scene can be solved with a method and a precision. Most methods, and single precision, have no
@@ -250,7 +271,7 @@ impl Scene {
     /// Returns the setting or effect that requires Gauss-Seidel in double precision, if the scene has one.
     fn obstacle(&self) -> Option<Obstacle> {
         let torques = self.possible_contacts().any(|contact| contact.transmits_torque());
-        let driven = self.wall.iter().any(|wall| wall.motion.is_dynamic());
+        let driven = self.wall.iter().any(|wall| wall.motion.is_driven());
         let spring = self.solver.tangential_law != TangentialLaw::Rigid;
         Obstacle::of_scene(torques, driven, spring)
     }

@@ -1,4 +1,4 @@
-//! Motions of walls: prescribed, controlled by a force, or driven by one.
+//! Motions of walls: prescribed, or driven by a force or a torque.
 
 use super::check::interval;
 use super::document::{Checked, Document, DocumentPath};
@@ -8,9 +8,10 @@ use crate::surface::is_nowhere;
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use std::collections::BTreeMap;
 use std::fmt;
 
-/// Motion of a wall: prescribed, controlled by a force, or driven by a force or a torque. A list of prescribed motions is composed in
+/// Motion of a wall: prescribed, or driven by a force or a torque. A list of prescribed motions is composed in
 /// its order: the first acts on the wall first, and each later one carries it along. Points and axes are those of the scene.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -75,28 +76,6 @@ pub enum Motion {
         #[serde(default)]
         content: PoseTable,
     },
-    /// Motion along an axis, with the velocity `gain (force - F)` in each step: F is the force along the axis that the wall exerted on grains
-    /// in the last step.
-    Servo {
-        /// Direction in which the wall presses; need not be of unit length.
-        axis: [f64; 3],
-        /// Target force on the grains along the axis, N; or give `pressure` and `area`.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        force: Option<f64>,
-        /// Target pressure, Pa.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        pressure: Option<f64>,
-        /// Area of the pressure, m2.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        area: Option<f64>,
-        /// Velocity per difference from the target, m/(N s). Steady where the product of gain, step and stiffness of the bed (N/m) is below 1.
-        gain: f64,
-        /// Largest velocity, m/s.
-        largest_velocity: f64,
-        /// Time at which it begins, s.
-        #[serde(default)]
-        start: f64,
-    },
     /// Motion along an axis under a force, its weight and contact forces.
     ForceDriven {
         /// Direction of motion; need not be of unit length.
@@ -105,6 +84,9 @@ pub enum Motion {
         force: f64,
         /// Mass, kg; gravity acts on it.
         mass: f64,
+        /// Largest speed, m/s, as that of a press; default: none.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        largest_speed: Option<f64>,
         /// Time of release, s; fixed until then.
         #[serde(default)]
         start: f64,
@@ -119,6 +101,9 @@ pub enum Motion {
         torque: f64,
         /// Moment of inertia about the axis, kg m2.
         moment_of_inertia: f64,
+        /// Largest angular speed, rad/s; default: none.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        largest_speed: Option<f64>,
         /// Time of release, s; fixed until then.
         #[serde(default)]
         start: f64,
@@ -171,14 +156,17 @@ impl Motion {
         self.parts().iter().enumerate().map(move |(index, part)| (of(index), part))
     }
 
-    /// Returns true if contact forces move the wall: frames hold its position.
+    /// Returns true if a force or a torque drives the wall.
     pub fn is_driven(&self) -> bool {
-        self.is_dynamic() || matches!(self, Motion::Servo { .. })
+        matches!(self, Motion::ForceDriven { .. } | Motion::TorqueDriven { .. })
     }
 
-    /// Returns true if a force or a torque drives the wall, so that its velocity is an unknown of the solve.
-    pub fn is_dynamic(&self) -> bool {
-        matches!(self, Motion::ForceDriven { .. } | Motion::TorqueDriven { .. })
+    /// Returns a point (m) and the direction of the axis of a rotation; `None` for other motions.
+    pub fn axis(&self) -> Option<([f64; 3], [f64; 3])> {
+        match self {
+            Motion::Rotating { point, axis, .. } | Motion::TorqueDriven { point, axis, .. } => Some((*point, *axis)),
+            _ => None,
+        }
     }
 
     /// Returns the times at which a prescribed or driven motion begins and ends, s.
@@ -192,17 +180,7 @@ impl Motion {
                 let [first, last] = content.ends().map(|time| start + time);
                 (first, Some(stop.map_or(last, |stop| stop.min(last))))
             }
-            Motion::Servo { start, .. } | Motion::ForceDriven { start, .. } | Motion::TorqueDriven { start, .. } => {
-                (*start, None)
-            }
-        }
-    }
-
-    /// Returns the target force of a servo, N.
-    pub fn target(&self) -> Option<f64> {
-        match self {
-            Motion::Servo { force, pressure, area, .. } => force.or(pressure.zip(*area).map(|(p, a)| p * a)),
-            _ => None,
+            Motion::ForceDriven { start, .. } | Motion::TorqueDriven { start, .. } => (*start, None),
         }
     }
 
@@ -234,26 +212,15 @@ impl Motion {
                     None => Ok(()),
                 }
             }
-            Motion::Servo { axis, force, pressure, area, gain, largest_velocity, start } => {
-                motion.key("axis").direction(axis)?;
-                if force.is_some() == (pressure.is_some() && area.is_some()) || pressure.is_some() != area.is_some() {
-                    let problem = "force, or pressure and area, must be given".into();
-                    return Err(motion.fault(problem, "give force (N), or both of pressure (Pa) and area (m2)"));
-                }
-                motion.key("force").range(force.unwrap_or(0.0), -1e12, 1e12, "N")?;
-                motion.key("pressure").range(pressure.unwrap_or(0.0), -1e12, 1e12, "Pa")?;
-                motion.key("area").range(area.unwrap_or(1.0), 1e-18, 1e12, "m2")?;
-                motion.key("gain").range(*gain, 1e-15, 1e15, "m/(N s)")?;
-                motion.key("largest_velocity").range(*largest_velocity, 1e-12, 1e4, "m/s")?;
-                interval(motion, *start, None)
-            }
-            Motion::ForceDriven { axis, force, mass, start } => {
+            Motion::ForceDriven { axis, force, mass, largest_speed, start } => {
+                motion.key("largest_speed").range(largest_speed.unwrap_or(1.0), 1e-12, 1e4, "m/s")?;
                 motion.key("axis").direction(axis)?;
                 motion.key("force").range(*force, -1e12, 1e12, "N")?;
                 motion.key("mass").range(*mass, 1e-12, 1e12, "kg")?;
                 interval(motion, *start, None)
             }
-            Motion::TorqueDriven { point, axis, torque, moment_of_inertia, start } => {
+            Motion::TorqueDriven { point, axis, torque, moment_of_inertia, largest_speed, start } => {
+                motion.key("largest_speed").range(largest_speed.unwrap_or(1.0), 1e-12, 1e5, "rad/s")?;
                 motion.key("point").finite(point)?;
                 motion.key("axis").direction(axis)?;
                 motion.key("torque").range(*torque, -1e12, 1e12, "N m")?;
@@ -404,49 +371,58 @@ fn fault_of_last(rows: &[[f64; 7]]) -> Option<(String, &'static str)> {
     })
 }
 
-impl Wall {
-    /// Returns the index of the wall that carries this one, among the walls of its scene.
-    pub fn parent_in(&self, walls: &[Wall]) -> Option<usize> {
-        let parent = self.parent.as_ref()?;
-        walls.iter().position(|wall| wall.name == *parent)
-    }
-}
-
 impl Scene {
-    /// Returns the motions that move a wall, by its index: its own in their order, then those of the walls that carry it.
-    pub fn motions_of(&self, wall: usize) -> impl Iterator<Item = &Motion> {
-        let chain = std::iter::successors(self.wall.get(wall), |wall| {
-            wall.parent_in(&self.wall).map(|parent| &self.wall[parent])
-        });
-        // A chain without a cycle has at most all walls.
-        chain.take(self.wall.len()).flat_map(|wall| wall.motion.parts())
+    /// Returns the motion of a wall by its index: its own, followed by those of the walls that carry it.
+    pub fn course(&self, wall: usize) -> Motion {
+        course(&self.wall, wall)
     }
 }
 
-/// Checks the walls that carry a wall: their motions are prescribed, and none carries itself.
+/// Returns the motion of a wall among the walls of its scene, as [`Scene::course`] does.
+pub(crate) fn course(walls: &[Wall], wall: usize) -> Motion {
+    let moving = |wall: &Wall| wall.motion.parts().iter().filter(|part| **part != Motion::Fixed).cloned().collect();
+    let mut parts: Vec<Motion> = carriers(walls, wall).flat_map(|wall| -> Vec<Motion> { moving(wall) }).collect();
+    match parts.len() {
+        0 => Motion::Fixed,
+        1 => parts.remove(0),
+        _ => Motion::List(parts),
+    }
+}
+
+/// Returns a wall and those that carry it, from the inside out; of a cycle, each wall once or more.
+fn carriers(walls: &[Wall], wall: usize) -> impl Iterator<Item = &Wall> {
+    let parent = |wall: &&Wall| wall.parent.as_ref().and_then(|parent| walls.iter().find(|one| one.name == *parent));
+    std::iter::successors(walls.get(wall), parent).take(walls.len() + 1)
+}
+
+/// Checks the walls that carry others: they exist, no force moves a wall of the chain, and none carries itself.
 pub(super) fn check_parents(scene: &Scene) -> Checked {
     for (index, wall) in scene.wall.iter().enumerate() {
         let Some(parent) = &wall.parent else { continue };
         let at = DocumentPath::default().key("wall").index(index).key("parent");
-        let mut next = wall.parent_in(&scene.wall);
-        if next.is_none() {
+        if scene.wall.iter().all(|one| one.name != *parent) {
             return Err(at.fault(format!("there is no wall '{parent}'"), "name another wall of the scene"));
         }
-        if wall.motion.is_driven() {
-            let problem = format!("a force moves wall '{}', and '{parent}' would move it too", wall.name);
-            return Err(at.fault(problem, "leave parent out, or prescribe the motion of the wall"));
+        let chain: Vec<&Wall> = carriers(&scene.wall, index).collect();
+        if chain.len() > scene.wall.len() {
+            return Err(at.fault(format!("wall '{}' would carry itself", wall.name), "leave one parent out"));
         }
-        for _ in 0..=scene.wall.len() {
-            let Some(carrier) = next else { break };
-            if carrier == index {
-                return Err(at.fault(format!("wall '{}' would carry itself", wall.name), "leave one parent out"));
-            }
-            if scene.wall[carrier].motion.is_driven() {
-                let problem =
-                    format!("a force moves wall '{}', so that it carries no other wall", scene.wall[carrier].name);
-                return Err(at.fault(problem, "name a wall with a prescribed motion"));
-            }
-            next = scene.wall[carrier].parent_in(&scene.wall);
+        if let Some(driven) = chain.iter().find(|wall| wall.motion.is_driven()) {
+            let problem = format!("a force or a torque moves wall '{}'", driven.name);
+            return Err(at.fault(problem, "leave parent out, or prescribe the motion of this wall"));
+        }
+    }
+    Ok(())
+}
+
+/// Checks the motions of a stage: times and points of walls that move together count from the same stage.
+pub(super) fn check_parents_in_stage(scene: &Scene, at: &DocumentPath, given: &BTreeMap<String, Motion>) -> Checked {
+    let is_given = |wall: &&Wall| given.contains_key(&wall.name);
+    for index in 0..scene.wall.len() {
+        let chain: Vec<&Wall> = carriers(&scene.wall, index).collect();
+        if let (Some(one), Some(other)) = (chain.iter().find(|wall| is_given(wall)), chain.iter().find(|wall| !is_given(wall))) {
+            let problem = format!("wall '{}' moves together with '{}', which has no motion here", one.name, other.name);
+            return Err(at.name(&one.name).fault(problem, "give each of them its motion in this stage"));
         }
     }
     Ok(())

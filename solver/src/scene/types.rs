@@ -10,6 +10,10 @@ pub(super) fn earth_gravity() -> [f64; 3] {
     [0.0, 0.0, -9.81]
 }
 
+pub(super) fn not_given() -> f64 {
+    f64::NAN
+}
+
 pub(super) fn first_seed() -> u64 {
     1
 }
@@ -212,6 +216,9 @@ pub struct Insertion {
     /// Largest number of grains; default: no limit. Without a rate, all are due at once.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub total: Option<u64>,
+    /// Name of the stage in which alone it acts; times then count from its start. Default: all stages.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stage: Option<String>,
     /// Time at which it begins, s.
     #[serde(default)]
     pub from: f64,
@@ -232,6 +239,9 @@ pub struct Insertion {
 pub struct Removal {
     /// Region.
     pub region: Region,
+    /// Name of the stage in which alone it acts; times then count from its start. Default: all stages.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stage: Option<String>,
     /// Time at which it begins, s.
     #[serde(default)]
     pub from: f64,

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! motion.rs   Pose       position of the wall at a time, and its velocity field: one per wall and step
-//! composed.rs            lists of motions, tables of poses, walls that carry others
+//! composed.rs            lists of motions, tables of poses
 //! rigid.rs    Rigid      rotation and translation
 //! steered.rs  WallMotion motion of a wall by the caller, instead of the scene
 //! contacts.rs            contacts of grains with meshes
@@ -24,17 +24,15 @@ mod rigid;
 mod steered;
 
 pub(crate) use crate::surface::Impact;
-pub(crate) use motion::{Beginning, drive_of};
-pub use motion::{DrivenWall, Pose};
+pub(crate) use motion::drive_of;
+pub use motion::{Beginning, DrivenWall, Pose};
 pub(crate) use steered::Steered;
 pub use steered::WallMotion;
 
 use crate::scene::{self, Domain, Motion};
 use crate::surface::{Face, FaceIndex};
-use composed::Extent;
 use motion::{Movement, keeps_in_place};
 use nalgebra::Vector3;
-use rigid::Rigid;
 use std::ops::Range;
 
 type Vector = Vector3<f64>;
@@ -61,9 +59,6 @@ struct Wall {
     seam: Option<f64>,
     /// Distance of the furthest point of a mesh from the axis of its rotation in the scene, m.
     furthest: Option<f64>,
-    extent: Extent,
-    /// True if the wall carries another one.
-    carries: bool,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -101,20 +96,16 @@ impl Walls {
         let mut faces: Vec<WallFace> = Vec::new();
         let place = |(number, wall): (u32, &scene::Wall)| {
             let (shapes, first) = (wall.shape.faces(domain.period()), faces.len() as u32);
-            let carrier = wall.parent_in(walls).map(|parent| parent as u32);
-            let movement = Movement::new(wall, carrier, &shapes);
-            let (material, moves) = (material(&wall.material), movement.is_composed());
-            let in_place = |face: &Face| !moves && keeps_in_place(face, &wall.motion);
+            let motion = scene::course(walls, number as usize);
+            let (material, in_place) = (material(&wall.material), |face: &Face| keeps_in_place(face, &motion));
             let face = |shape: &Face| WallFace { shape: *shape, wall: number, material, in_place: in_place(shape) };
             faces.extend(shapes.iter().map(face));
             Wall {
                 faces: first..faces.len() as u32,
-                movement,
-                extent: Extent::of(&shapes, (Vector::from(domain.min), Vector::from(domain.max))),
-                carries: walls.iter().any(|other| other.parent.as_ref() == Some(&wall.name)),
+                movement: Movement::new(&motion, wall.surface_velocity, &shapes, domain),
                 index: FaceIndex::new(&shapes, first, domain.period()),
                 seam: wall.shape.seam(),
-                furthest: wall.shape.seam().and_then(|_| furthest(&wall.motion, &shapes)),
+                furthest: wall.shape.seam().and_then(|_| furthest(&motion, &shapes)),
             }
         };
         let walls: Vec<Wall> = (0..).zip(walls).map(place).collect();
@@ -144,16 +135,28 @@ impl Walls {
         self.walls.iter().any(|wall| wall.movement.works())
     }
 
+    /// Returns the index in the scene of the wall of a face, and the index of the face in the wall.
+    pub(crate) fn place_of(&self, face: u32) -> (u32, u32) {
+        let wall = self.wall_of(face);
+        (wall, face - self.walls[wall as usize].faces.start)
+    }
+
+    /// Returns the point (m) of a wall about which torques are stated: on the axis of its rotation, or the origin without an axis.
+    pub(crate) fn pivot(&self, wall: u32) -> [f64; 3] {
+        let Movement { motion, steered, .. } = &self.walls[wall as usize].movement;
+        let about = steered.as_ref().and_then(Steered::about).or_else(|| motion.axis());
+        about.map_or([0.0; 3], |(point, _)| point)
+    }
+
     /// Returns the indices of the walls that move at any time.
     pub(crate) fn moving(&self) -> impl Iterator<Item = u32> + '_ {
         let moves = |wall: &Wall| wall.movement.moves() && !wall.faces.is_empty();
         (0..).zip(&self.walls).filter(move |(_, wall)| moves(wall)).map(|(number, _)| number)
     }
 
-    /// Sets the displacement (m or rad) of a driven wall, its velocity (m/s or rad/s), and the change of velocity that grains at rest follow;
-    /// no effect on another wall.
-    pub fn put(&mut self, wall: u32, displacement: f64, rates: [f64; 2]) {
-        self.walls[wall as usize].movement.put(displacement, rates);
+    /// Sets the displacement (m or rad) and the rate (m/s or rad/s) of a dynamic wall; no effect on a wall without a drive.
+    pub fn put(&mut self, wall: u32, displacement: f64, rate: f64) {
+        self.walls[wall as usize].movement.put(displacement, rate);
     }
 
     /// Prescribes a motion of a wall from the next step on; `times` are the present time and that of the last build of the candidate list, s.
@@ -161,12 +164,6 @@ impl Walls {
     /// # Errors
     /// Reason why the wall cannot have this motion, as text that follows its name.
     pub(crate) fn steer(&mut self, wall: u32, motion: &WallMotion, times: [f64; 2]) -> Result<(), String> {
-        let Wall { movement, carries, .. } = &self.walls[wall as usize];
-        if movement.is_composed() || *carries {
-            return Err(
-                "the scene composes its motion, or it carries another wall; steer a wall that stands alone".into()
-            );
-        }
         self.with_faces(wall, |movement, faces| movement.steer(motion, faces, times))
     }
 
@@ -189,13 +186,7 @@ impl Walls {
 
     /// Returns the beginning of a motion at the pose that a wall has at a time (s).
     pub(crate) fn reached(&self, wall: u32, time: f64) -> Beginning {
-        let place = |wall: u32| self.material_pose(wall as usize, time);
-        let Wall { movement, carries, .. } = &self.walls[wall as usize];
-        // Faces that their motion maps onto themselves have not moved.
-        let geometric = || self.pose(wall as usize, time).displacement.rigid();
-        let pose = if movement.is_composed() || *carries { place(wall) } else { geometric() };
-        let carrier = movement.carrier.map_or_else(Rigid::default, |(carrier, _)| place(carrier));
-        Beginning { pose, time, carrier }
+        self.walls[wall as usize].movement.reached(time)
     }
 
     /// Begins another motion of a wall. The candidate list must be built again before the next step.
@@ -204,12 +195,10 @@ impl Walls {
             movement.begin(motion, faces, beginning);
             faces.iter().map(|face| movement.based(face)).collect::<Vec<Face>>()
         });
-        let Wall { faces, movement, furthest: arm, seam, .. } = &mut self.walls[wall as usize];
+        let Wall { faces, furthest: arm, seam, .. } = &mut self.walls[wall as usize];
         *arm = seam.and_then(|_| furthest(motion, &shapes));
         let own = &mut self.faces[faces.start as usize..faces.end as usize];
-        let composed = movement.is_composed();
-        let keeps = |shape: &Face| !composed && keeps_in_place(shape, motion);
-        own.iter_mut().zip(&shapes).for_each(|(face, shape)| face.in_place = keeps(shape));
+        own.iter_mut().zip(&shapes).for_each(|(face, shape)| face.in_place = keeps_in_place(shape, motion));
     }
 
     /// Returns the kinematic walls under control of the caller, each with its state.
@@ -219,12 +208,7 @@ impl Walls {
 
     /// Returns the displacement (m) and the angle (rad) of a wall at a time (s) from its position in the scene.
     pub(crate) fn displacement(&self, wall: u32, time: f64) -> ([f64; 3], f64) {
-        let movement = &self.walls[wall as usize].movement;
-        if !movement.is_composed() {
-            return movement.place(time);
-        }
-        let (place, middle) = (self.material_pose(wall as usize, time), self.walls[wall as usize].extent.middle());
-        ((place.place(&middle) - middle).into(), place.vector().norm())
+        self.walls[wall as usize].movement.place(time)
     }
 
     /// Moves the walls under control of the caller for a step of length `h`, s.
@@ -245,44 +229,30 @@ impl Walls {
     /// Returns an upper bound of the displacement (m) between two times (s) of a point of a wall within `radius` (m) of
     /// the centre of its motion. The displacement of a dynamic wall is that since the build of the list.
     pub(crate) fn largest_shift(&self, from: f64, to: f64, radius: f64) -> f64 {
-        let walls = self.walls.iter().enumerate().filter(|(_, wall)| !wall.faces.is_empty());
+        let walls = self.walls.iter().filter(|wall| !wall.faces.is_empty());
         let arm = |wall: &Wall| wall.furthest.map_or(radius, |furthest| furthest.min(radius));
-        let shift = |(number, wall): (usize, &Wall)| match wall.movement.is_composed() {
-            true => self.composed_shift(number, from, to),
-            false => wall.movement.largest_shift(from, to, arm(wall)),
-        };
-        walls.map(shift).fold(0.0, f64::max)
+        walls.map(|wall| wall.movement.largest_shift(from, to, arm(wall))).fold(0.0, f64::max)
     }
 
     /// Returns the poses of the walls at a time (s), with the velocities at that time; for dynamic walls, the last state of their drives.
     pub fn poses(&self, time: f64) -> impl Iterator<Item = Pose> + '_ {
-        (0..self.walls.len()).map(move |wall| self.pose(wall, time))
-    }
-
-    fn pose(&self, wall: usize, time: f64) -> Pose {
-        let movement = &self.walls[wall].movement;
-        if movement.is_composed() { self.composed_at(wall, time) } else { movement.at(time) }
+        self.walls.iter().map(move |wall| wall.movement.at(time))
     }
 
     /// Returns the poses at the start of a step of length `step` (s), with the effective velocities of the step: the mean velocity of a vibration.
     pub(crate) fn poses_over(&self, time: f64, step: f64) -> impl Iterator<Item = Pose> + '_ {
-        (0..self.walls.len() as u32).map(move |wall| self.pose_over(wall, time, step))
+        self.walls.iter().map(move |wall| wall.movement.over(time, step))
     }
 
     /// Returns the pose of one wall, as [`Walls::poses_over`] does.
     pub(crate) fn pose_over(&self, wall: u32, time: f64, step: f64) -> Pose {
-        let movement = &self.walls[wall as usize].movement;
-        if movement.is_composed() { self.composed_over(wall as usize, time, step) } else { movement.over(time, step) }
+        self.walls[wall as usize].movement.over(time, step)
     }
 
     /// Returns the pose of a wall at the start of a step of length `step` (s), with the velocity that leads to its
     /// position at the end. A dynamic wall moves at `rate` (m/s or rad/s).
     pub(crate) fn pose_through(&self, wall: u32, time: f64, step: f64, rate: f64) -> Pose {
-        let movement = &self.walls[wall as usize].movement;
-        match movement.is_composed() {
-            true => self.composed_through(wall as usize, time, step),
-            false => movement.through(time, step, rate),
-        }
+        self.walls[wall as usize].movement.through(time, step, rate)
     }
 
     /// Returns the walls at these poses.
@@ -497,28 +467,21 @@ impl PlacedFace<'_> {
     }
 }
 
-/// Returns the index of the first wall that would jump, or whose vibration would change its phase, on a reset of the time from the given time
-/// (s) to zero. This is the case if its prescribed motion begins earlier and does not lead back to the same surface. Displacements by a
-/// drive remain.
+/// Returns the index of the first wall that would jump, or whose vibration would change its phase, on a reset of the time from the given
+/// time (s) to zero. This is the case if its prescribed motion begins earlier and does not lead back to the same surface. Displacements by
+/// a drive remain.
 pub fn first_that_jumps_back(walls: &[scene::Wall], domain: &Domain, time: f64) -> Option<usize> {
     let extent = (Vector::from(domain.max) - Vector::from(domain.min)).norm();
-    let all = Walls::new(walls, domain, |_| 0);
-    all.walls.iter().enumerate().position(|(number, wall)| {
-        let own = &all.faces[wall.faces.start as usize..wall.faces.end as usize];
-        let faces: Vec<Face> = own.iter().map(|face| face.shape).collect();
-        match wall.movement.is_composed() {
-            true => all.composed_jumps_back(number, time, &faces, extent),
-            false => wall.movement.jumps_back(time, &faces, extent),
-        }
+    walls.iter().enumerate().position(|(number, wall)| {
+        let faces = wall.shape.faces(domain.period());
+        Movement::new(&scene::course(walls, number), [0.0; 3], &faces, domain).jumps_back(time, &faces, extent)
     })
 }
 
 /// Returns the distance (m) of the furthest corner of a mesh from the axis about which its motion turns it.
 fn furthest(motion: &Motion, faces: &[Face]) -> Option<f64> {
-    let (Motion::Rotating { point, axis, .. } | Motion::TorqueDriven { point, axis, .. }) = motion else {
-        return None;
-    };
-    let (point, axis) = (Vector::from(*point), Vector::from(*axis).normalize());
+    let (point, axis) = motion.axis()?;
+    let (point, axis) = (Vector::from(point), Vector::from(axis).normalize());
     Some(faces.iter().flat_map(Face::corners).map(|corner| (corner - point).cross(&axis).norm()).fold(0.0, f64::max))
 }
 
@@ -529,7 +492,7 @@ fn furthest(motion: &Motion, faces: &[Face]) -> Option<f64> {
 ///
 /// let domain = Domain { min: [-1.0; 3], max: [1.0; 3], periodic: Vec::new() };
 /// let walls = [Wall::new("box", "glass", Shape::cuboid([0.0; 3], [0.1; 3], &[Face::Top]))];
-/// let placed = PlacedWalls::at(&walls, &domain, 0.0, &[]);
+/// let placed = PlacedWalls::at(&walls, &domain, 0.0, &[], &[]);
 /// assert!((placed.distance(&[0.05, 0.05, 0.02].into()) - 0.02).abs() < 1e-12);
 /// assert!(placed.distance(&[0.05, 0.05, -0.02].into()) < 0.0, "behind the floor");
 /// ```
@@ -541,11 +504,20 @@ pub struct PlacedWalls {
 
 impl PlacedWalls {
     /// Returns the walls at a time (s) in a domain. Dynamic walls have the positions in `driven`, or those in the scene
-    /// without an entry in `driven`.
-    pub fn at(walls: &[scene::Wall], domain: &Domain, time: f64, driven: &[DrivenWall]) -> PlacedWalls {
+    /// without an entry in `driven`. Walls in `beginnings` begin their motion at another pose and time.
+    pub fn at(
+        walls: &[scene::Wall],
+        domain: &Domain,
+        time: f64,
+        driven: &[DrivenWall],
+        beginnings: &[(u32, Beginning)],
+    ) -> PlacedWalls {
         let mut placed = Walls::new(walls, domain, |_| 0);
+        for (wall, beginning) in beginnings.iter().filter(|(wall, _)| (*wall as usize) < walls.len()) {
+            placed.begin_motion(*wall, &scene::course(walls, *wall as usize), beginning);
+        }
         for one in driven.iter().filter(|one| (one.wall as usize) < walls.len()) {
-            placed.put(one.wall, one.displacement, [one.rate, 0.0]);
+            placed.put(one.wall, one.displacement, one.rate);
         }
         let poses = placed.poses(time).collect();
         PlacedWalls { walls: placed, poses }
@@ -585,6 +557,11 @@ impl PlacedWalls {
 
     fn meshes(&self) -> impl Iterator<Item = u32> {
         (0..self.walls.count() as u32).filter(|&wall| self.walls.is_mesh(wall))
+    }
+
+    /// Returns the velocity of the surface of a wall at a contact at a point (m) with a unit normal, m/s.
+    pub fn velocity_at(&self, wall: usize, point: &Vector, normal: &Vector) -> Vector {
+        self.poses[wall].velocity_at(point, false) + self.poses[wall].slides_at(normal)
     }
 
     /// Returns the present position of a point (m) of a wall, given in the scene.

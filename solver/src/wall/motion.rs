@@ -22,10 +22,11 @@
 //! Their mean `s t` is the velocity for the impulses of the step, and half their difference, `b omega a x t`, is the drift towards the axis
 //! ([`Pose::drift`]). A face that the rotation maps onto itself moves only in its tangent plane: the normal component of the drift is omitted.
 
+use super::composed::{Extent, tabulate};
 use super::rigid::Rigid;
 use super::steered::Steered;
 use crate::effects::drive::Drive;
-use crate::scene::{Motion, Wall};
+use crate::scene::{Domain, Motion};
 use crate::surface::{Face, Rotation};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -40,12 +41,13 @@ const ROUNDING: f64 = 1e-9;
 #[derive(Clone, Debug)]
 pub(super) struct Movement {
     pub(super) motion: Motion,
+    /// Motions that make up a composed one, in their order; none for another motion.
+    pub(super) parts: Vec<Movement>,
+    pub(super) extent: Extent,
     /// Pose from which the motion begins, if not that of the scene.
     pub(super) base: Option<Rigid>,
     /// Time from which the times of the motion count, s.
     pub(super) origin: f64,
-    /// Index of the wall that carries this one, and its pose at the beginning.
-    pub(super) carrier: Option<(u32, Rigid)>,
     /// Velocity of the surface along itself, m/s.
     surface_velocity: Vector,
     /// True if a rotation moves at least one face, instead of mapping all faces onto themselves.
@@ -55,21 +57,18 @@ pub(super) struct Movement {
     /// Displacement by a drive, m or rad, at present and at the last build of the candidate list; zero without a drive.
     displacement: f64,
     displacement_in_list: f64,
-    /// Velocity by a drive, m/s or rad/s, and its change since the last step, if grains at rest follow it.
+    /// Velocity by a drive, m/s or rad/s.
     rate: f64,
-    gain: f64,
 }
 
 /// Beginning of a motion that continues an earlier one of the same wall. Points and axes of the motion are those of the scene
 /// at this time.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Beginning {
+pub struct Beginning {
     /// Pose of the wall relative to its position in the scene.
-    pub pose: Rigid,
+    pub(crate) pose: Rigid,
     /// Time from which the times of the motion count, s.
-    pub time: f64,
-    /// Pose of the wall that carries this one.
-    pub carrier: Rigid,
+    pub(crate) time: f64,
 }
 
 /// Wall at a time: its position and its velocity field.
@@ -81,9 +80,10 @@ pub struct Pose {
     pub(super) velocity: Vector,
     /// Velocity of the surface along itself, in addition to that of the wall.
     surface_velocity: Vector,
-    /// Change of velocity since the last step, and of the angular velocity about the centre of `turning`.
+    /// Change of velocity since the last step.
     pub(super) gain: Vector,
-    gain_of_spin: Vector,
+    /// Change of the angular velocity about the centre of `turning`, of a composed motion.
+    pub(super) gain_of_spin: Vector,
     /// Rotation for faces that the rotation moves.
     pub(super) turning: Turning,
     /// Rotation for faces that the rotation maps onto themselves.
@@ -114,7 +114,7 @@ pub(super) enum Displacement {
 }
 
 impl Displacement {
-    fn of(rigid: &Rigid) -> Displacement {
+    pub(super) fn of(rigid: &Rigid) -> Displacement {
         match rigid.rotation() {
             Some(rotation) => Displacement::Rigid(rotation, rigid.shift()),
             None if rigid.shift() == Vector::zeros() => Displacement::Nowhere,
@@ -124,7 +124,7 @@ impl Displacement {
 
     pub(super) fn rigid(&self) -> Rigid {
         match self {
-            Displacement::Nowhere => Rigid::default(),
+            Displacement::Nowhere => Rigid::by(Vector::zeros()),
             Displacement::By(shift) => Rigid::by(*shift),
             Displacement::About(centre, rotation) => Rigid::about(*centre, rotation.vector()),
             Displacement::Rigid(rotation, shift) => {
@@ -185,35 +185,49 @@ impl Turning {
 
 impl Movement {
     /// Creates the motion of a wall at time zero from its faces.
-    pub fn new(Wall { motion, surface_velocity, .. }: &Wall, carrier: Option<u32>, faces: &[Face]) -> Movement {
-        let turns = rotates(motion) && !faces.iter().all(|face| keeps_in_place(face, motion));
-        let [displacement, displacement_in_list, rate, gain] = [0.0; 4];
-        let surface_velocity = Vector::from(*surface_velocity);
+    pub fn new(motion: &Motion, surface_velocity: [f64; 3], faces: &[Face], domain: &Domain) -> Movement {
+        let extent = Extent::of(faces, domain);
+        let rest = Movement::of(motion, Vector::from(surface_velocity), extent);
+        Movement { turns: rest.turns_any(faces), parts: rest.composing(), ..rest }
+    }
+
+    fn of(motion: &Motion, surface_velocity: Vector, extent: Extent) -> Movement {
+        let [displacement, displacement_in_list, rate] = [0.0; 3];
         Movement {
             motion: motion.clone(),
+            parts: Vec::new(),
+            extent,
             base: None,
             origin: 0.0,
-            carrier: carrier.map(|wall| (wall, Rigid::default())),
             surface_velocity,
-            turns,
+            turns: true,
             steered: None,
             displacement,
             displacement_in_list,
             rate,
-            gain,
         }
     }
 
     /// Begins another motion of the wall, with its faces in the scene.
     pub fn begin(&mut self, motion: &Motion, faces: &[Face], beginning: &Beginning) {
-        let still = beginning.pose == Rigid::default();
+        let still = beginning.pose == Rigid::by(Vector::zeros());
         self.base = (!still).then_some(beginning.pose);
         self.origin = beginning.time;
-        self.carrier = self.carrier.map(|(wall, _)| (wall, beginning.carrier));
-        self.turns = rotates(motion) && !faces.iter().all(|face| keeps_in_place(&self.based(face), motion));
         self.motion = motion.clone();
+        (self.turns, self.parts) = (self.turns_any(faces), self.composing());
         self.steered = None;
-        [self.displacement, self.displacement_in_list, self.rate, self.gain] = [0.0; 4];
+        [self.displacement, self.displacement_in_list, self.rate] = [0.0; 3];
+    }
+
+    /// Returns true if a rotation moves at least one of the faces in the scene, instead of mapping all of them onto themselves.
+    fn turns_any(&self, faces: &[Face]) -> bool {
+        rotates(&self.motion) && !faces.iter().all(|face| keeps_in_place(&self.based(face), &self.motion))
+    }
+
+    fn composing(&self) -> Vec<Movement> {
+        let part = |motion: &Motion| Movement::of(motion, Vector::zeros(), self.extent);
+        let is_composed = matches!(self.motion, Motion::List(_) | Motion::Table { .. });
+        if is_composed { self.motion.parts().iter().map(part).collect() } else { Vec::new() }
     }
 
     /// Returns a face at the pose from which the motion begins.
@@ -221,38 +235,14 @@ impl Movement {
         self.base.and_then(|base| Displacement::of(&base).moved(face)).unwrap_or(*face)
     }
 
-    /// Returns true if several motions, or a table, or those of another wall make up the motion: see [`composed`](super::composed).
-    pub fn is_composed(&self) -> bool {
-        self.carrier.is_some() || matches!(self.motion, Motion::List(_) | Motion::Table { .. })
+    /// Returns the beginning of a motion at the present pose.
+    pub fn reached(&self, time: f64) -> Beginning {
+        Beginning { pose: self.at(time).displacement.rigid(), time }
     }
 
-    /// Returns a pose of a composed motion, with the velocity and the angular velocity about a centre.
-    pub fn composed(&self, place: &Rigid, centre: Vector, [velocity, spin]: [Vector; 2]) -> Pose {
-        let turning = Turning::about(centre, spin);
-        let displacement = Displacement::of(place);
-        Pose { displacement, velocity, turning, in_place: turning, turns: true, ..self.rest() }
-    }
-
-    /// Returns the pose in the scene, at rest.
-    fn rest(&self) -> Pose {
-        let zero = Vector::zeros();
-        let rest = Turning::about(zero, zero);
-        Pose {
-            displacement: Displacement::Nowhere,
-            base: Displacement::Nowhere,
-            velocity: zero,
-            surface_velocity: self.surface_velocity,
-            gain: zero,
-            gain_of_spin: zero,
-            turning: rest,
-            in_place: rest,
-            turns: self.turns,
-        }
-    }
-
-    /// Sets displacement (m or rad), velocity (m/s or rad/s) and change of velocity of a driven wall; no effect on another wall.
-    pub fn put(&mut self, displacement: f64, [rate, gain]: [f64; 2]) {
-        (self.displacement, self.rate, self.gain) = (displacement, rate, gain);
+    /// Sets displacement (m or rad) and velocity (m/s or rad/s) of a dynamic wall; no effect on a wall without a drive.
+    pub fn put(&mut self, displacement: f64, rate: f64) {
+        (self.displacement, self.rate) = (displacement, rate);
     }
 
     /// Stores the displacement by a drive when the candidate list is built.
@@ -268,7 +258,7 @@ impl Movement {
 
     /// Returns the pose of the wall at a time (s), with the velocity at that time; for a dynamic wall, the last state of its drive.
     pub fn at(&self, time: f64) -> Pose {
-        let mut pose = self.from_base(time - self.origin);
+        let mut pose = self.relative_pose(time - self.origin);
         if let Some(base) = &self.base {
             pose.base = Displacement::of(base);
             pose.displacement = match pose.displacement {
@@ -280,14 +270,28 @@ impl Movement {
     }
 
     /// Returns the pose relative to that at the beginning of the motion, at a time (s) since its origin.
-    pub(super) fn from_base(&self, time: f64) -> Pose {
-        let mut pose = self.rest();
+    pub(super) fn relative_pose(&self, time: f64) -> Pose {
+        let zero = Vector::zeros();
+        let rest = Turning::about(zero, zero);
+        let (displacement, base) = (Displacement::Nowhere, Displacement::Nowhere);
+        let surface_velocity = self.surface_velocity;
+        let (turning, in_place, turns) = (rest, rest, self.turns);
+        let mut pose =
+            Pose { displacement, base, velocity: zero, surface_velocity, gain: zero, gain_of_spin: zero, turning, in_place, turns };
         if let Some(steered) = &self.steered {
             steered.pose(&mut pose, |centre, axis, angle| self.turned(centre, axis, angle));
             return pose;
         }
+        if !self.parts.is_empty() {
+            self.compose(&mut pose, time);
+            return pose;
+        }
         match &self.motion {
-            Motion::Fixed | Motion::Table { .. } | Motion::List(_) => {}
+            Motion::Fixed | Motion::List(_) => {}
+            Motion::Table { point, start, stop, content, .. } => {
+                let stop = stop.map_or(f64::INFINITY, |stop| stop - start);
+                tabulate(&mut pose, content.rows(), Vector::from(*point), time - start, stop);
+            }
             Motion::Translating { velocity, start, stop } => {
                 let velocity = Vector::from(*velocity);
                 pose.displacement = Displacement::By(velocity * active_time(time, *start, *stop));
@@ -310,11 +314,10 @@ impl Movement {
                     pose.velocity = vibration.velocity(time).into();
                 }
             }
-            Motion::ForceDriven { axis, .. } | Motion::Servo { axis, .. } => {
+            Motion::ForceDriven { axis, .. } => {
                 let axis = Vector::from(*axis).normalize();
                 pose.displacement = Displacement::By(axis * self.displacement);
                 pose.velocity = axis * self.rate;
-                pose.gain = axis * self.gain;
             }
             Motion::TorqueDriven { point, axis, .. } => {
                 let (centre, axis) = (Vector::from(*point), Vector::from(*axis).normalize());
@@ -329,12 +332,8 @@ impl Movement {
     /// Returns true if any face would jump, or a vibration change its phase, if the time were reset from a time (s) to
     /// zero, in a scene of this extent, m. Displacements by a drive remain.
     pub fn jumps_back(&self, time: f64, faces: &[Face], extent: f64) -> bool {
-        let (Motion::Translating { start, .. } | Motion::Rotating { start, .. } | Motion::Vibrating { start, .. }) =
-            self.motion
-        else {
-            return false;
-        };
-        if start >= time * (1.0 - ROUNDING) {
+        let begins = |motion: &Motion| *motion != Motion::Fixed && motion.span().0 < time * (1.0 - ROUNDING);
+        if self.motion.is_driven() || !self.motion.parts().iter().any(begins) {
             return false;
         }
         let (first, last) = (self.at(0.0), self.at(time));
@@ -345,7 +344,10 @@ impl Movement {
             let lag = (last.velocity - first.velocity) / rate;
             faces.iter().any(|face| !face.moved(lag).is_same(face, extent))
         });
-        elsewhere || out_of_phase
+        let differs = |one: Vector, other: Vector| (one - other).norm() > ROUNDING.sqrt() * (one.norm() + other.norm());
+        let other_course = !self.parts.is_empty()
+            && (differs(first.velocity, last.velocity) || differs(first.turning.spin, last.turning.spin));
+        elsewhere || out_of_phase || other_course
     }
 
     /// Returns the displacement (m) and angle (rad) at a time (s) from the position in the scene; for a dynamic wall, the last state of its drive.
@@ -355,17 +357,20 @@ impl Movement {
         }
         let angle = match self.motion {
             Motion::TorqueDriven { .. } => self.displacement,
-            _ => self.angle(time),
+            _ => self.angle(time - self.origin),
         };
-        match self.from_base(time - self.origin).displacement {
+        match self.at(time).displacement {
             Displacement::By(shift) => (shift.into(), angle),
+            other if !self.parts.is_empty() => {
+                let (place, middle) = (other.rigid(), self.extent.middle);
+                ((place.place(&middle) - middle).into(), place.vector().norm())
+            }
             _ => ([0.0; 3], angle),
         }
     }
 
-    /// Returns the prescribed angle (rad) at a time (s).
+    /// Returns the prescribed angle (rad) at a time (s) since its origin.
     pub(super) fn angle(&self, time: f64) -> f64 {
-        let time = time - self.origin;
         match &self.motion {
             Motion::Rotating { rate, start, stop, reverse, .. } => rate * turning_time(time, *start, *stop, *reverse),
             _ => 0.0,
@@ -382,6 +387,9 @@ impl Movement {
     /// Returns the pose at the start of a step of length `step` (s), with the effective velocity of the step: the mean
     /// velocity of a vibration, the velocity along the chord of a rotation.
     pub fn over(&self, time: f64, step: f64) -> Pose {
+        if !self.parts.is_empty() {
+            return self.composed_over(time, step);
+        }
         let mut pose = self.at(time).along_chord(step);
         let time = time - self.origin;
         if let Some(vibration) = self.motion.vibration().filter(|_| self.steered.is_none()) {
@@ -396,6 +404,9 @@ impl Movement {
     /// Returns the pose at the start of a step of length `step` (s), with the velocity that leads to the position at
     /// the end; a dynamic wall moves at `rate` (m/s or rad/s).
     pub fn through(&self, time: f64, step: f64, rate: f64) -> Pose {
+        if !self.parts.is_empty() {
+            return self.composed_through(time, step);
+        }
         let mut pose = self.at(time);
         if self.steered.is_some() {
             return pose;
@@ -417,14 +428,14 @@ impl Movement {
                 pose.turning.spin = Vector::from(*axis).normalize() * rate;
                 pose.in_place = pose.turning;
             }
-            Motion::Fixed | Motion::Servo { .. } | Motion::Table { .. } | Motion::List(_) => {}
+            Motion::Fixed | Motion::Table { .. } | Motion::List(_) => {}
         }
         pose
     }
 
     /// Returns true if the wall moves at any time.
     pub fn moves(&self) -> bool {
-        self.steered.is_some() || self.carrier.is_some() || !matches!(self.motion, Motion::Fixed)
+        self.steered.is_some() || !matches!(self.motion, Motion::Fixed)
     }
 
     /// Returns true if the wall does work at any time: it moves, or its surface does.
@@ -438,6 +449,9 @@ impl Movement {
         if let Some(steered) = &self.steered {
             return steered.largest_shift(radius, self.turns);
         }
+        if !self.parts.is_empty() {
+            return self.composed_shift(from, to);
+        }
         let (from, to) = (from - self.origin, to - self.origin);
         match &self.motion {
             Motion::Fixed | Motion::Table { .. } | Motion::List(_) => 0.0,
@@ -447,7 +461,7 @@ impl Movement {
             Motion::Vibrating { .. } => self.motion.vibration().map_or(0.0, |vibration| {
                 (Vector::from(vibration.displacement(to)) - Vector::from(vibration.displacement(from))).norm()
             }),
-            Motion::ForceDriven { .. } | Motion::Servo { .. } => (self.displacement - self.displacement_in_list).abs(),
+            Motion::ForceDriven { .. } => (self.displacement - self.displacement_in_list).abs(),
             _ if !self.turns => 0.0,
             Motion::Rotating { rate, start, stop, .. } => {
                 rate.abs() * radius * (active_time(to, *start, *stop) - active_time(from, *start, *stop))
@@ -460,29 +474,30 @@ impl Movement {
 /// Returns the drive of a dynamic wall; `number` is the index of the wall in the scene, and times count from `origin` (s).
 pub(crate) fn drive_of(motion: &Motion, number: u32, origin: f64) -> Option<Drive> {
     match *motion {
-        Motion::ForceDriven { axis, force, mass, start } => {
-            Some(Drive::new(number, Vector::from(axis).normalize(), None, force, mass, origin + start))
+        Motion::ForceDriven { axis, force, mass, largest_speed, start } => {
+            let axis = Vector::from(axis).normalize();
+            Some(Drive::new(number, axis, None, [force, mass], largest_speed, origin + start))
         }
-        Motion::TorqueDriven { point, axis, torque, moment_of_inertia, start } => {
+        Motion::TorqueDriven { point, axis, torque, moment_of_inertia, largest_speed, start } => {
             let (axis, pivot) = (Vector::from(axis).normalize(), Some(Vector::from(point)));
-            Some(Drive::new(number, axis, pivot, torque, moment_of_inertia, origin + start))
+            Some(Drive::new(number, axis, pivot, [torque, moment_of_inertia], largest_speed, origin + start))
         }
         _ => None,
     }
 }
 
 /// Returns the time in motion up to `time`, s.
-pub(super) fn active_time(time: f64, start: f64, stop: Option<f64>) -> f64 {
+fn active_time(time: f64, start: f64, stop: Option<f64>) -> f64 {
     (stop.map_or(time, |stop| time.min(stop)) - start).max(0.0)
 }
 
 /// Returns the time of rotation up to `time`, minus that of reverse rotation, s.
-pub(super) fn turning_time(time: f64, start: f64, stop: Option<f64>, reverse: Option<f64>) -> f64 {
+fn turning_time(time: f64, start: f64, stop: Option<f64>, reverse: Option<f64>) -> f64 {
     let back = reverse.map_or(0.0, |reverse| active_time(time, reverse, stop));
     active_time(time, start, stop) - 2.0 * back
 }
 
-pub(super) fn is_active(time: f64, start: f64, stop: Option<f64>) -> bool {
+fn is_active(time: f64, start: f64, stop: Option<f64>) -> bool {
     time >= start && stop.is_none_or(|stop| time < stop)
 }
 
@@ -501,6 +516,17 @@ pub(super) fn keeps_in_place(face: &Face, motion: &Motion) -> bool {
 }
 
 impl Pose {
+    /// Returns the pose with the velocity along the chord of a step, s.
+    pub(super) fn along_chord(self, step: f64) -> Pose {
+        Pose { turning: self.turning.over(step), in_place: self.in_place.over(step), ..self }
+    }
+
+    /// Sets the change of velocity since the pose of the last step.
+    pub(super) fn gain_since(&mut self, before: &Pose) {
+        self.gain = self.velocity - before.velocity;
+        self.gain_of_spin = self.spin(false) - before.spin(false);
+    }
+
     /// Returns a face at its present position, if that differs from its position in the scene; `in_place` if the motion maps the face onto itself.
     #[inline]
     pub(super) fn moved(&self, face: &Face, in_place: bool) -> Option<Face> {
@@ -558,25 +584,14 @@ impl Pose {
         self.turning.chord[1] != 0.0 || self.in_place.chord[1] != 0.0
     }
 
-    /// Returns the change of the wall's velocity at a point (m) since the last step without a jump, m/s; no part of the approach speed of a
-    /// resting grain.
+    /// Returns the change of the wall's velocity at a point (m) since the last step, without a jump and without the drift, m/s; no part of the
+    /// approach speed of a resting grain.
     #[inline]
     pub(crate) fn gain_at(&self, point: &Vector) -> Vector {
         match self.gain_of_spin == Vector::zeros() {
             true => self.gain,
             false => self.gain + self.gain_of_spin.cross(&(point - self.turning.centre)),
         }
-    }
-
-    /// Returns the pose with the velocity along the chord of a step, s.
-    pub(super) fn along_chord(self, step: f64) -> Pose {
-        Pose { turning: self.turning.over(step), in_place: self.in_place.over(step), ..self }
-    }
-
-    /// Sets the change of velocity since the pose of the last step.
-    pub(super) fn gain_since(&mut self, before: &Pose) {
-        self.gain = self.velocity - before.velocity;
-        self.gain_of_spin = self.spin(false) - before.spin(false);
     }
 
     /// Returns the angular velocity, rad/s; in a step, that of grains that stick to the wall.
@@ -639,8 +654,7 @@ impl Pose {
         let Turning { spin, centre, .. } = self.turning;
         if !in_place && spin != Vector::zeros() {
             let turn = spin.norm();
-            return (centre + Rotation::new(spin / turn, turn * step).turn(point - centre) - point) / step
-                + self.velocity;
+            return (centre + Rotation::new(spin / turn, turn * step).turn(point - centre) - point) / step;
         }
         self.velocity_at(point, in_place)
     }

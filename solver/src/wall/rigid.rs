@@ -40,15 +40,15 @@ impl Rigid {
         Rigid { turn: next.turn * self.turn, shift: next.place(&self.shift) }
     }
 
-    /// Returns the inverse transform.
-    pub fn inverse(&self) -> Rigid {
-        let turn = self.turn.conjugate();
-        Rigid { turn, shift: -(turn * self.shift) }
-    }
-
     /// Transforms a point, m.
     pub fn place(&self, point: &Vector) -> Vector {
         self.turn * point + self.shift
+    }
+
+    /// Returns the inverse transform.
+    pub fn inverse(&self) -> Rigid {
+        let turn = self.turn.inverse();
+        Rigid { turn, shift: -(turn * self.shift) }
     }
 
     /// Rotates a vector.
@@ -56,16 +56,14 @@ impl Rigid {
         self.turn * vector
     }
 
+    /// Returns the rotation vector (rad), of at most half a turn.
+    pub fn vector(&self) -> Vector {
+        self.rotation().map_or(Vector::zeros(), |rotation| rotation.vector())
+    }
+
     /// Returns the displacement of the origin, m.
     pub fn shift(&self) -> Vector {
         self.shift
-    }
-
-    /// Returns the rotation vector, rad, of at most half a turn.
-    pub fn vector(&self) -> Vector {
-        let (along, axis) = self.half_turn();
-        let sine = axis.norm();
-        if sine == 0.0 { Vector::zeros() } else { axis * (2.0 * libm::atan2(sine, along) / sine) }
     }
 
     /// Returns the rotation; `None` for a translation.

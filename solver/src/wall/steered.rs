@@ -57,15 +57,11 @@ impl Steered {
             _ => [0.0; 3],
         };
         let about = match (scene, asked) {
-            (
-                Motion::ForceDriven { .. }
-                | Motion::TorqueDriven { .. }
-                | Motion::Servo { .. }
-                | Motion::Table { .. }
-                | Motion::List(_),
-                _,
-            ) => {
+            (Motion::ForceDriven { .. } | Motion::TorqueDriven { .. }, _) => {
                 return Err("a force or a torque drives it; steer a wall that the scene holds fixed".into());
+            }
+            (Motion::Table { .. } | Motion::List(_), _) => {
+                return Err("the scene composes its motion; steer a wall that the scene holds fixed".into());
             }
             (Motion::Fixed | Motion::Translating { .. } | Motion::Vibrating { .. }, WallMotion::Translation { .. }) => {
                 None
@@ -163,6 +159,11 @@ impl Steered {
         (self.shift_in_list, self.angle_in_list) = (self.shift, self.angle);
     }
 
+    /// Returns a point (m) and the unit vector of the axis of a rotation.
+    pub(crate) fn about(&self) -> Option<([f64; 3], [f64; 3])> {
+        self.about
+    }
+
     /// Returns the displacement, m, and the angle, rad.
     pub(crate) fn place(&self) -> ([f64; 3], f64) {
         (self.shift, self.angle)
@@ -199,8 +200,8 @@ impl Movement {
         let mut steered = match self.steered {
             Some(steered) => steered,
             None => {
-                let angles = [now, listed].map(|time| self.angle(time));
-                let poses = [now, listed].map(|time| self.from_base(time - self.origin));
+                let angles = [now, listed].map(|time| self.angle(time - self.origin));
+                let poses = [now, listed].map(|time| self.relative_pose(time - self.origin));
                 Steered::begin(&self.motion, asked, poses.each_ref(), angles)?
             }
         };

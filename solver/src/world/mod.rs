@@ -325,7 +325,7 @@ impl World {
     /// Moves dynamic walls to the positions of their drives.
     pub(crate) fn place_driven_walls(&mut self) {
         let World { walls, drives, .. } = self;
-        drives.iter().for_each(|drive| walls.put(drive.wall, drive.displacement, [drive.rate, 0.0]));
+        drives.iter().for_each(|drive| walls.put(drive.wall, drive.displacement, drive.rate));
     }
 
     /// Returns the index of the drive of the wall of a face, if any.

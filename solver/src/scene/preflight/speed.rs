@@ -87,7 +87,7 @@ fn passing(grains: &[Grain], step: f64) -> Option<(usize, usize)> {
 ///
 /// The bound is the speed after a fall from the start through the whole domain. The bound is unknown if walls move or gravity changes.
 fn below_threshold(scene: &Scene, grains: &[Grain]) -> Option<Fault> {
-    let moves = |index: usize| scene.motions_of(index).any(|motion| *motion != Motion::Fixed);
+    let moves = |index: usize| scene.course(index) != Motion::Fixed;
     let unknown = (0..scene.wall.len()).any(moves) || !scene.gravity_changes.is_empty();
     if unknown || scene.material.values().all(|material| material.restitution == 0.0) {
         return None;
@@ -141,19 +141,21 @@ fn floor(value: f64) -> f64 {
 /// The distance of grains from the axis of a rotating plane is unknown.
 fn driving<'s>(scene: &'s Scene, grains: &[Grain]) -> impl Iterator<Item = (usize, f64)> + 's {
     let turns = |index: usize| {
-        scene.motions_of(index).any(|motion| matches!(motion, Motion::Rotating { .. } | Motion::Table { .. }))
+        let course = scene.course(index);
+        course.parts().iter().any(|motion| matches!(motion, Motion::Rotating { .. } | Motion::Table { .. }))
     };
     let endless = move |index: usize, wall: &Wall| matches!(wall.shape, Shape::Plane { .. }) && turns(index);
     let walls = scene.wall.iter().enumerate().take(if grains.len() < 2 { 0 } else { usize::MAX });
     let moving = walls.filter(move |(index, wall)| !endless(*index, wall));
-    moving.map(|(index, wall)| (index, scene.motions_of(index).map(|motion| fastest(scene, wall, motion)).sum()))
+    moving.map(|(index, wall)| {
+        (index, scene.course(index).parts().iter().map(|motion| fastest(scene, wall, motion)).sum())
+    })
 }
 
 /// Returns the largest speed (m/s) of the points of a wall in the domain by one of its motions within the simulated time.
 fn fastest(scene: &Scene, wall: &Wall, motion: &Motion) -> f64 {
     let began = |start: f64| start < scene.duration;
     match *motion {
-        Motion::Servo { largest_velocity, start, .. } if began(start) => largest_velocity,
         Motion::Translating { velocity, start, .. } if began(start) => Vector3::from(velocity).norm(),
         Motion::Vibrating { amplitude, frequency, start, .. } if began(start) => {
             TAU * frequency * Vector3::from(amplitude).norm()

@@ -103,7 +103,7 @@ fn extent(base: &Vector3<f64>, axis: &Vector3<f64>, length: f64, domain: &Domain
 }
 
 /// Returns true if a triangle has an area beyond rounding: a triangle without area has no normal either, and codes refuse it.
-fn has_area(triangle: &Triangle) -> bool {
+pub(crate) fn has_area(triangle: &Triangle) -> bool {
     let [a, b, c] = triangle.map(Vector3::from);
     let (first, second, third) = (b - a, c - a, c - b);
     let longest = first.norm_squared().max(second.norm_squared()).max(third.norm_squared());
