@@ -420,7 +420,9 @@ pub(super) fn check_parents_in_stage(scene: &Scene, at: &DocumentPath, given: &B
     let is_given = |wall: &&Wall| given.contains_key(&wall.name);
     for index in 0..scene.wall.len() {
         let chain: Vec<&Wall> = carriers(&scene.wall, index).collect();
-        if let (Some(one), Some(other)) = (chain.iter().find(|wall| is_given(wall)), chain.iter().find(|wall| !is_given(wall))) {
+        if let (Some(one), Some(other)) =
+            (chain.iter().find(|wall| is_given(wall)), chain.iter().find(|wall| !is_given(wall)))
+        {
             let problem = format!("wall '{}' moves together with '{}', which has no motion here", one.name, other.name);
             return Err(at.name(&one.name).fault(problem, "give each of them its motion in this stage"));
         }

@@ -84,8 +84,10 @@ impl Movement {
     pub(super) fn composed_through(&self, time: f64, step: f64) -> Pose {
         let [now, end] = [time, time + step].map(|time| self.course(time - self.origin).0);
         let (path, centre) = (now.inverse().then(&end), self.middle(&now));
-        let velocity = (path.place(&centre) - centre) / step;
-        Pose { velocity, turning: Turning::about(centre, path.vector() / step), ..self.at(time) }
+        let mut pose = self.at(time);
+        pose.velocity = path.displacement(&centre) / step;
+        pose.turning = Turning::about(centre, path.vector() / step);
+        pose
     }
 
     /// Returns the pose at the start of a step of length `step` (s), with the velocity along the chord of the step.
@@ -104,7 +106,7 @@ impl Movement {
         let [first, last] = [from, to].map(|time| self.course(time - self.origin).0);
         let Extent { middle, radius, of_wall } = self.extent;
         let (back, centre) = (last.inverse().then(&first), if of_wall { self.middle(&last) } else { middle });
-        (back.place(&centre) - centre).norm() + back.vector().norm() * radius
+        back.displacement(&centre).norm() + back.vector().norm() * radius
     }
 }
 

@@ -276,8 +276,17 @@ impl Movement {
         let (displacement, base) = (Displacement::Nowhere, Displacement::Nowhere);
         let surface_velocity = self.surface_velocity;
         let (turning, in_place, turns) = (rest, rest, self.turns);
-        let mut pose =
-            Pose { displacement, base, velocity: zero, surface_velocity, gain: zero, gain_of_spin: zero, turning, in_place, turns };
+        let mut pose = Pose {
+            displacement,
+            base,
+            velocity: zero,
+            surface_velocity,
+            gain: zero,
+            gain_of_spin: zero,
+            turning,
+            in_place,
+            turns,
+        };
         if let Some(steered) = &self.steered {
             steered.pose(&mut pose, |centre, axis, angle| self.turned(centre, axis, angle));
             return pose;
@@ -363,7 +372,7 @@ impl Movement {
             Displacement::By(shift) => (shift.into(), angle),
             other if !self.parts.is_empty() => {
                 let (place, middle) = (other.rigid(), self.extent.middle);
-                ((place.place(&middle) - middle).into(), place.vector().norm())
+                (place.displacement(&middle).into(), place.vector().norm())
             }
             _ => ([0.0; 3], angle),
         }

@@ -45,6 +45,11 @@ impl Rigid {
         self.turn * point + self.shift
     }
 
+    /// Returns the displacement of a point (m), without the rounding of its new position.
+    pub fn displacement(&self, point: &Vector) -> Vector {
+        (self.turn * point - point) + self.shift
+    }
+
     /// Returns the inverse transform.
     pub fn inverse(&self) -> Rigid {
         let turn = self.turn.inverse();
