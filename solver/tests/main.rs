@@ -33,6 +33,7 @@ mod lanes;
 mod ledger;
 mod ledger_closure;
 mod mesh;
+mod motions;
 mod methods;
 mod period;
 mod periodic;

@@ -97,6 +97,7 @@ fn a_torque_turns_a_drum_as_fast_as_frames_tell() {
         axis: [0.0, -1.0, 0.0],
         torque: 1.0,
         moment_of_inertia: 1.0,
+        largest_speed: None,
         start: 0.0,
     };
     let mut frames = turning(2.0, -20.0);

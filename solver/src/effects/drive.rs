@@ -9,7 +9,8 @@
 //! ```
 //!
 //! F is a force (N) on a mass M (kg), T a torque (N m) on a moment of inertia I (kg m2) about the axis through the centre of
-//! mass: gravity exerts no torque. The position follows from `s' = s + h V'`, as for grains (semi-implicit Euler).
+//! mass: gravity exerts no torque. A limit of the speed takes the nearest V' within it, by an impulse of the guide that does no positive work: such
+//! a wall is a press that approaches at its largest speed and holds its force. The position follows from `s' = s + h V'`, as for grains (semi-implicit Euler).
 //!
 //! A dynamic wall is one body with up to thousands of contacts, so its contacts cannot share a lane group, and all their impulses are coupled through
 //! V. They are relaxed one after another at the end of every sweep, each with the updated rate of the previous one: Gauss-Seidel as for grains. The
@@ -52,6 +53,8 @@ pub struct Drive {
     effort: f64,
     /// Mass, kg, or moment of inertia, kg m2.
     inertia: f64,
+    /// Largest speed, m/s or rad/s.
+    largest_speed: f64,
     /// Time of release, s.
     start: f64,
     /// Displacement from the position in the scene, m or rad.
@@ -60,23 +63,40 @@ pub struct Drive {
     pub rate: f64,
     /// Velocity at the start of the step.
     pub rate_before: f64,
+    /// Velocity without the limit of the speed.
+    unlimited: f64,
     /// Inverse inertia, 1/kg or 1/(kg m2); zero until the release.
     pub inverse_inertia: f64,
 }
 
 impl Drive {
     /// Creates a drive at rest, of a wall with its index in the scene, along a unit axis, or about the axis with a `pivot` (m).
-    /// Force (N) or torque (N m), mass (kg) or moment of inertia about the axis (kg m2), and time of release (s) follow.
+    /// Force (N) or torque (N m) with mass (kg) or moment of inertia about the axis (kg m2), largest speed (m/s or rad/s), and time of
+    /// release (s) follow.
     pub(crate) fn new(
         wall: u32,
         axis: Vector3<f64>,
         pivot: Option<Vector3<f64>>,
-        effort: f64,
-        inertia: f64,
+        [effort, inertia]: [f64; 2],
+        largest_speed: Option<f64>,
         start: f64,
     ) -> Drive {
-        let [displacement, rate, rate_before, inverse_inertia] = [0.0; 4];
-        Drive { wall, axis, pivot, effort, inertia, start, displacement, rate, rate_before, inverse_inertia }
+        let [displacement, rate, rate_before, unlimited, inverse_inertia] = [0.0; 5];
+        let largest_speed = largest_speed.unwrap_or(f64::INFINITY);
+        Drive {
+            wall,
+            axis,
+            pivot,
+            effort,
+            inertia,
+            largest_speed,
+            start,
+            displacement,
+            rate,
+            rate_before,
+            unlimited,
+            inverse_inertia,
+        }
     }
 
     /// Begins a step of length `h` (s) at `time` (s) under the force or torque and gravity (m/s2).
@@ -85,7 +105,8 @@ impl Drive {
         let free = time >= self.start;
         (self.inverse_inertia, self.rate) = if free { (1.0 / self.inertia, self.rate) } else { (0.0, 0.0) };
         self.rate_before = self.rate;
-        self.rate += self.inverse_inertia * (h * (self.effort + weight));
+        self.unlimited = self.rate;
+        self.push(h * (self.effort + weight));
     }
 
     /// Moves the wall for a step of length `h` (s).
@@ -116,6 +137,7 @@ impl Drive {
     /// Adds an impulse times the Jacobian (N s), or an angular impulse about the axis (N m s).
     #[inline(always)]
     pub(crate) fn push(&mut self, impulse: f64) {
-        self.rate += self.inverse_inertia * impulse;
+        self.unlimited += self.inverse_inertia * impulse;
+        self.rate = self.unlimited.clamp(-self.largest_speed, self.largest_speed);
     }
 }

@@ -21,6 +21,8 @@ pub static WALL_MOTION: Effect = Effect {
     ..Effect::of_scene("wall motion", |scene| {
         call_of_wall(scene, |name, motion| match motion {
             Motion::Fixed | Motion::ForceDriven { .. } | Motion::TorqueDriven { .. } => None,
+            Motion::Table { .. } => Some(format!("wall '{name}' moves by a table")),
+            Motion::List(parts) => Some(format!("wall '{name}' has {} motions", parts.len())),
             Motion::Translating { .. } => Some(format!("wall '{name}' translates")),
             Motion::Rotating { .. } => Some(format!("wall '{name}' rotates")),
             Motion::Vibrating { .. } => Some(format!("wall '{name}' vibrates")),

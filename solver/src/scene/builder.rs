@@ -162,7 +162,19 @@ impl Face {
 impl Wall {
     /// Creates a wall at rest.
     pub fn new(name: impl Into<String>, material: impl Into<String>, shape: Shape) -> Wall {
-        Wall { name: name.into(), material: material.into(), shape, motion: Motion::Fixed, surface_velocity: [0.0; 3] }
+        Wall {
+            name: name.into(),
+            material: material.into(),
+            shape,
+            motion: Motion::Fixed,
+            parent: None,
+            surface_velocity: [0.0; 3],
+        }
+    }
+
+    /// Sets the wall that carries this one, by its name.
+    pub fn on(self, parent: impl Into<String>) -> Wall {
+        Wall { parent: Some(parent.into()), ..self }
     }
 
     /// Sets the motion.

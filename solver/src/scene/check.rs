@@ -6,8 +6,8 @@ use super::error::{Fault, is_printable, short};
 use super::settings::{Obstacle, SettingError};
 use super::types::SPACING;
 use super::{
-    ContactCoefficients, MOST_MEMORY, Motion, NormalLaw, Placement, Scene, Shape, SolverMethod, SolverSettings, Stop,
-    TangentialLaw, flow, gauge, periodic, stages,
+    ContactCoefficients, MOST_MEMORY, NormalLaw, Placement, Scene, Shape, SolverMethod, SolverSettings, Stop,
+    TangentialLaw, flow, gauge, motion, periodic, stages,
 };
 use std::collections::HashMap;
 
@@ -174,41 +174,9 @@ pub(super) fn walls(scene: &Scene) -> Checked {
             let problem = "given for a wall that a force or a torque moves, whose surface moves with it".into();
             return Err(at.key("surface_velocity").fault(problem, "leave it out, or prescribe the motion of the wall"));
         }
-        let motion = at.key("motion");
-        match &wall.motion {
-            Motion::Fixed => {}
-            Motion::Translating { velocity, start, stop } => {
-                motion.key("velocity").finite(velocity)?;
-                interval(&motion, *start, *stop)?;
-            }
-            Motion::Rotating { point, axis, rate, start, stop, reverse } => {
-                motion.key("point").finite(point)?;
-                motion.key("axis").direction(axis)?;
-                motion.key("rate").range(*rate, -1e5, 1e5, "rad/s")?;
-                interval(&motion, *start, *stop)?;
-                motion.key("reverse").range(reverse.unwrap_or(*start), *start, 1e6, "s")?;
-            }
-            Motion::Vibrating { amplitude, frequency, start, stop } => {
-                motion.key("amplitude").finite(amplitude)?;
-                motion.key("frequency").range(*frequency, 0.0, 1e6, "Hz")?;
-                interval(&motion, *start, *stop)?;
-            }
-            Motion::ForceDriven { axis, force, mass, start } => {
-                motion.key("axis").direction(axis)?;
-                motion.key("force").range(*force, -1e12, 1e12, "N")?;
-                motion.key("mass").range(*mass, 1e-12, 1e12, "kg")?;
-                interval(&motion, *start, None)?;
-            }
-            Motion::TorqueDriven { point, axis, torque, moment_of_inertia, start } => {
-                motion.key("point").finite(point)?;
-                motion.key("axis").direction(axis)?;
-                motion.key("torque").range(*torque, -1e12, 1e12, "N m")?;
-                motion.key("moment_of_inertia").range(*moment_of_inertia, 1e-15, 1e15, "kg m2")?;
-                interval(&motion, *start, None)?;
-            }
-        }
+        wall.motion.check(&at.key("motion"))?;
     }
-    Ok(())
+    motion::check_parents(scene)
 }
 
 fn grains(scene: &Scene) -> Checked {
@@ -367,7 +335,7 @@ fn unsuitable(scene: &Scene, error: &SettingError) -> Fault {
     at.key(key).fault(format!("{asked}, {beside}"), &remedy)
 }
 
-fn interval(at: &DocumentPath, start: f64, stop: Option<f64>) -> Checked {
+pub(super) fn interval(at: &DocumentPath, start: f64, stop: Option<f64>) -> Checked {
     at.key("start").range(start, 0.0, 1e6, "s")?;
     at.key("stop").range(stop.unwrap_or(start), start, 1e6, "s")
 }

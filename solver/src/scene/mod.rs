@@ -50,6 +50,7 @@ mod document;
 mod error;
 mod flow;
 mod gauge;
+mod motion;
 mod periodic;
 mod populate;
 mod preflight;
@@ -70,6 +71,8 @@ pub use coefficients::{ContactCoefficients, Material, PairRule};
 pub use document::{Checked, Document, DocumentPath};
 pub use error::{Fault, SceneError, SceneFileError, line_of};
 pub use gauge::{Gauge, GaugeShape};
+pub(crate) use motion::course;
+pub use motion::{Motion, PoseTable};
 use nalgebra::Vector3;
 pub(crate) use periodic::REACHES;
 pub(crate) use populate::Neighbours;
@@ -87,9 +90,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 pub use suggestions::{nearest, suggestion, wish};
 pub(crate) use types::sphere_volume;
-pub use types::{
-    Axis, Domain, GrainEntry, GravityChange, Insertion, Motion, Placement, Population, Region, Removal, Wall,
-};
+pub use types::{Axis, Domain, GrainEntry, GravityChange, Insertion, Placement, Population, Region, Removal, Wall};
 
 /// Tables of a scene file that describe measurements; the solver ignores these tables.
 pub const TABLES_OF_WHO_MEASURES: [&str; 4] = ["prepare", "measure", "output", "compare"];
@@ -221,7 +222,7 @@ impl Scene {
             scene.solver.step = scene.default_step();
         }
         document.first_unread(&scene).map_or(Ok(()), Err)?;
-        scene.read_meshes(document)?;
+        scene.read_files(document)?;
         check::check(&scene)?;
         if let Some(accuracy) = scene.accuracy {
             check::chosen_twice(document)?;
@@ -231,9 +232,10 @@ impl Scene {
         Ok(scene)
     }
 
-    /// Reads the files of meshes, unless the scene holds their triangles.
-    fn read_meshes(&mut self, document: &Document<'_>) -> Checked {
+    /// Reads the files of meshes and of tables of poses, unless the scene holds their content.
+    fn read_files(&mut self, document: &Document<'_>) -> Checked {
         for (index, wall) in self.wall.iter_mut().enumerate() {
+            wall.motion.read_tables(&DocumentPath::default().key("wall").index(index).key("motion"), document)?;
             let Shape::Mesh { file, content, .. } = &mut wall.shape else { continue };
             if content.is_empty() {
                 let at = || DocumentPath::default().key("wall").index(index).key("shape").key("file");

@@ -26,7 +26,7 @@ pub(super) fn check(scene: &Scene) -> Checked {
             return Err(at.key("max").fault(problem, &format!("make the domain at least {least} m long there")));
         }
         for (index, wall) in scene.wall.iter().enumerate() {
-            if let Some(why) = breaks(wall, *axis, [domain.min[number], domain.max[number]]) {
+            if let Some(why) = breaks(wall, &scene.course(index), *axis, [domain.min[number], domain.max[number]]) {
                 let at = DocumentPath::default().key("wall").index(index);
                 let problem = format!(
                     "wall '{}' does not repeat itself along the periodic axis {}: {why}",
@@ -55,7 +55,7 @@ fn range_of_cohesion(scene: &Scene, largest_radius: f64) -> f64 {
 }
 
 /// Returns the reason why a wall is not periodic along an axis with these ends; `None` if the wall is periodic.
-fn breaks(wall: &Wall, axis: Axis, ends: [f64; 2]) -> Option<&'static str> {
+fn breaks(wall: &Wall, course: &Motion, axis: Axis, ends: [f64; 2]) -> Option<&'static str> {
     let along = Vector3::ith(axis.number(), 1.0);
     let parallel = |direction: &[f64; 3]| Vector3::from(*direction).normalize().cross(&along).norm() < PARALLEL;
     let across = |direction: &[f64; 3]| Vector3::from(*direction).normalize().dot(&along).abs() < PARALLEL;
@@ -77,7 +77,13 @@ fn breaks(wall: &Wall, axis: Axis, ends: [f64; 2]) -> Option<&'static str> {
         Shape::Mesh { .. } => Some("a mesh has edges"),
         Shape::Spheres { .. } => None,
     };
-    face.or_else(|| match (&wall.motion, &wall.shape) {
+    face.or_else(|| course.parts().iter().find_map(|motion| turns_wrongly(motion, &wall.shape, &parallel)))
+}
+
+/// Returns the reason why a motion ends the periodicity of a shape along an axis, to which `parallel` compares directions.
+fn turns_wrongly(motion: &Motion, shape: &Shape, parallel: &impl Fn(&[f64; 3]) -> bool) -> Option<&'static str> {
+    match (motion, shape) {
+        (Motion::Table { content, .. }, _) => content.turns().then_some("a table turns it"),
         (
             Motion::Rotating { axis: turning, .. } | Motion::TorqueDriven { axis: turning, .. },
             Shape::Plane { normal, .. },
@@ -92,5 +98,5 @@ fn breaks(wall: &Wall, axis: Axis, ends: [f64; 2]) -> Option<&'static str> {
             (!parallel(turning)).then_some("it turns about another axis")
         }
         _ => None,
-    })
+    }
 }

@@ -6,7 +6,7 @@
 use super::document::{Checked, DocumentPath};
 use super::error::Fault;
 use super::{
-    Cohesion, GrainEntry, Insertion, Motion, Precision, Scene, SolverMethod, SolverSettings, Stop, Wall, check,
+    Cohesion, GrainEntry, Insertion, Motion, Precision, Scene, SolverMethod, SolverSettings, Stop, Wall, check, motion,
 };
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, HashMap};
@@ -213,6 +213,7 @@ pub(super) fn check(scene: &Scene) -> Checked {
             .keys()
             .try_for_each(|name| check::known_material(scene, &at.key("material").name(name), name))?;
         stage.motion.keys().try_for_each(|name| known_wall(scene, &at.key("motion").name(name), name))?;
+        motion::check_parents_in_stage(scene, &at.key("motion"), &stage.motion)?;
         let checks = [check::gravity, check::materials, check::walls, check::solver];
         checks.iter().try_for_each(|check| check(&own)).map_err(|fault| scene.fault_in_stage(number, fault))?;
         if let Some(interval) = stage.output.interval {

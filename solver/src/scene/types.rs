@@ -1,6 +1,6 @@
 //! Tables of a scene file. All units are SI: metres, seconds, kilograms, pascals, radians per second.
 
-use super::RadiusDistribution;
+use super::{Motion, RadiusDistribution};
 use crate::laws::period::Period;
 use crate::surface::Shape;
 use crate::surface::is_nowhere;
@@ -108,102 +108,15 @@ pub struct Wall {
     pub material: String,
     /// Surface.
     pub shape: Shape,
-    /// Motion.
+    /// Motion: one table, or a list of prescribed motions. The first of a list acts on the wall first, and each later one carries it along.
     #[serde(default)]
     pub motion: Motion,
+    /// Name of a wall with a prescribed motion that carries this one, such as the shaft of a blade.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub parent: Option<String>,
     /// Velocity of the surface along itself, m/s, while the shape stays: a conveyor belt. At a contact, its component along the normal does not count.
     #[serde(default, skip_serializing_if = "is_nowhere")]
     pub surface_velocity: [f64; 3],
-}
-
-/// Motion of a wall: prescribed, or driven by a force or a torque.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
-pub enum Motion {
-    /// At rest.
-    #[default]
-    Fixed,
-    /// Constant velocity between two times.
-    Translating {
-        /// Velocity, m/s.
-        velocity: [f64; 3],
-        /// Time at which it begins, s.
-        #[serde(default)]
-        start: f64,
-        /// Time at which it ends, s; default: never.
-        stop: Option<f64>,
-    },
-    /// Constant rotation about an axis between two times.
-    Rotating {
-        /// A point of the axis, metres.
-        point: [f64; 3],
-        /// Direction of the axis; need not be of unit length.
-        axis: [f64; 3],
-        /// Angular velocity about the axis by the right-hand rule, rad/s.
-        rate: f64,
-        /// Time at which it begins, s.
-        #[serde(default)]
-        start: f64,
-        /// Time at which it ends, s; default: never.
-        stop: Option<f64>,
-        /// Time of reversal to the opposite rate, s; default: never.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        reverse: Option<f64>,
-    },
-    /// Sinusoidal motion about the initial position, between two times.
-    Vibrating {
-        /// Largest displacement, m.
-        amplitude: [f64; 3],
-        /// Frequency, Hz.
-        frequency: f64,
-        /// Time at which it begins, s.
-        #[serde(default)]
-        start: f64,
-        /// Time at which it ends and the wall stops, s; default: never.
-        stop: Option<f64>,
-    },
-    /// Motion along an axis under a force, its weight and contact forces.
-    ForceDriven {
-        /// Direction of motion; need not be of unit length.
-        axis: [f64; 3],
-        /// Applied force along the axis, N.
-        force: f64,
-        /// Mass, kg; gravity acts on it.
-        mass: f64,
-        /// Time of release, s; fixed until then.
-        #[serde(default)]
-        start: f64,
-    },
-    /// Rotation about an axis under a torque and contact forces.
-    TorqueDriven {
-        /// A point of the axis, metres.
-        point: [f64; 3],
-        /// Direction of the axis; need not be of unit length.
-        axis: [f64; 3],
-        /// Applied torque about the axis by the right-hand rule, N m.
-        torque: f64,
-        /// Moment of inertia about the axis, kg m2.
-        moment_of_inertia: f64,
-        /// Time of release, s; fixed until then.
-        #[serde(default)]
-        start: f64,
-    },
-}
-
-impl Motion {
-    /// Returns true if a force or a torque drives the wall.
-    pub fn is_driven(&self) -> bool {
-        matches!(self, Motion::ForceDriven { .. } | Motion::TorqueDriven { .. })
-    }
-
-    /// Returns a point (m) and the direction of the axis of a rotation; `None` for other motions.
-    pub fn axis(&self) -> Option<([f64; 3], [f64; 3])> {
-        match self {
-            Motion::Rotating { point, axis, .. } | Motion::TorqueDriven { point, axis, .. } => Some((*point, *axis)),
-            _ => None,
-        }
-    }
 }
 
 /// Group of grains placed by rule: on the lowest sites of a jittered lattice, or at random.

@@ -227,9 +227,9 @@ impl Simulation {
             let mut world = self.world.without_grains();
             (world.table, world.field) = (MaterialTable::new(&after), after.gravity_field());
             world.gravity = world.field.at(now.0);
-            for (number, wall) in (0..).zip(&after.wall).filter(|(_, wall)| motions.contains_key(&wall.name)) {
+            for (number, _) in (0..).zip(&after.wall).filter(|(_, wall)| motions.contains_key(&wall.name)) {
                 let beginning = world.walls.reached(number, now.0);
-                world.begin_motion(number, &wall.motion, &beginning);
+                world.begin_motion(number, &after.course(number as usize), &beginning);
                 beginnings.insert(number, beginning);
             }
             let ids: Vec<Option<u32>> = (0..self.world.grains() as u32).map(Some).collect();

@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! motion.rs   Pose       position of the wall at a time, and its velocity field: one per wall and step
+//! composed.rs            lists of motions, tables of poses
 //! rigid.rs    Rigid      rotation and translation
 //! steered.rs  WallMotion motion of a wall by the caller, instead of the scene
 //! contacts.rs            contacts of grains with meshes
@@ -16,6 +17,7 @@
 //! Other modules contain friction and the remaining contact laws (materials and solve) and the forces on dynamic walls
 //! ([`drive`](crate::effects::drive)).
 
+mod composed;
 mod contacts;
 mod motion;
 mod rigid;
@@ -94,15 +96,16 @@ impl Walls {
         let mut faces: Vec<WallFace> = Vec::new();
         let place = |(number, wall): (u32, &scene::Wall)| {
             let (shapes, first) = (wall.shape.faces(domain.period()), faces.len() as u32);
-            let (material, in_place) = (material(&wall.material), |face: &Face| keeps_in_place(face, &wall.motion));
+            let motion = scene::course(walls, number as usize);
+            let (material, in_place) = (material(&wall.material), |face: &Face| keeps_in_place(face, &motion));
             let face = |shape: &Face| WallFace { shape: *shape, wall: number, material, in_place: in_place(shape) };
             faces.extend(shapes.iter().map(face));
             Wall {
                 faces: first..faces.len() as u32,
-                movement: Movement::new(wall, &shapes),
+                movement: Movement::new(&motion, wall.surface_velocity, &shapes, domain),
                 index: FaceIndex::new(&shapes, first, domain.period()),
                 seam: wall.shape.seam(),
-                furthest: wall.shape.seam().and_then(|_| furthest(&wall.motion, &shapes)),
+                furthest: wall.shape.seam().and_then(|_| furthest(&motion, &shapes)),
             }
         };
         let walls: Vec<Wall> = (0..).zip(walls).map(place).collect();
@@ -341,7 +344,7 @@ impl<'a> WallsAt<'a> {
                 None => face.nearest(centre, || velocity + falling - pose.velocity_at(centre, in_place)),
             };
             let velocity_at_contact = pose.velocity_at(&(centre + normal * distance), in_place);
-            let (mean, gain) = (velocity_at_contact + pose.slides_at(&normal), pose.gain());
+            let (mean, gain) = (velocity_at_contact + pose.slides_at(&normal), pose.gain_at(centre));
             let velocities = match pose.drifts() {
                 true => {
                     let drift = pose.drift(centre, &normal, in_place);
@@ -453,9 +456,9 @@ impl PlacedFace<'_> {
     }
 
     /// Returns the change of the wall's velocity since the last step, without a jump and without the drift, m/s; no
-    /// part of the approach speed of a resting grain.
-    pub(crate) fn gain(&self) -> Vector {
-        self.pose.gain()
+    /// part of the approach speed of a resting grain with this centre, m.
+    pub(crate) fn gain_at(&self, centre: &Vector) -> Vector {
+        self.pose.gain_at(centre)
     }
 
     /// Returns the angular velocity of the wall, rad/s.
@@ -464,12 +467,15 @@ impl PlacedFace<'_> {
     }
 }
 
-/// Returns true if a wall would jump, or a vibration change its phase, on a reset of the time from the given time (s) to zero. This is the
-/// case if its prescribed motion begins earlier and does not lead back to the same surface. Displacements by a drive remain.
-pub fn jumps_back(wall: &scene::Wall, domain: &Domain, time: f64) -> bool {
-    let faces = wall.shape.faces(domain.period());
+/// Returns the index of the first wall that would jump, or whose vibration would change its phase, on a reset of the time from the given
+/// time (s) to zero. This is the case if its prescribed motion begins earlier and does not lead back to the same surface. Displacements by
+/// a drive remain.
+pub fn first_that_jumps_back(walls: &[scene::Wall], domain: &Domain, time: f64) -> Option<usize> {
     let extent = (Vector::from(domain.max) - Vector::from(domain.min)).norm();
-    Movement::new(wall, &faces).jumps_back(time, &faces, extent)
+    walls.iter().enumerate().position(|(number, wall)| {
+        let faces = wall.shape.faces(domain.period());
+        Movement::new(&scene::course(walls, number), [0.0; 3], &faces, domain).jumps_back(time, &faces, extent)
+    })
 }
 
 /// Returns the distance (m) of the furthest corner of a mesh from the axis about which its motion turns it.
@@ -508,7 +514,7 @@ impl PlacedWalls {
     ) -> PlacedWalls {
         let mut placed = Walls::new(walls, domain, |_| 0);
         for (wall, beginning) in beginnings.iter().filter(|(wall, _)| (*wall as usize) < walls.len()) {
-            placed.begin_motion(*wall, &walls[*wall as usize].motion, beginning);
+            placed.begin_motion(*wall, &scene::course(walls, *wall as usize), beginning);
         }
         for one in driven.iter().filter(|one| (one.wall as usize) < walls.len()) {
             placed.put(one.wall, one.displacement, one.rate);

@@ -22,10 +22,11 @@
 //! Their mean `s t` is the velocity for the impulses of the step, and half their difference, `b omega a x t`, is the drift towards the axis
 //! ([`Pose::drift`]). A face that the rotation maps onto itself moves only in its tangent plane: the normal component of the drift is omitted.
 
+use super::composed::{Extent, tabulate};
 use super::rigid::Rigid;
 use super::steered::Steered;
 use crate::effects::drive::Drive;
-use crate::scene::{Motion, Wall};
+use crate::scene::{Domain, Motion};
 use crate::surface::{Face, Rotation};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -40,8 +41,11 @@ const ROUNDING: f64 = 1e-9;
 #[derive(Clone, Debug)]
 pub(super) struct Movement {
     pub(super) motion: Motion,
+    /// Motions that make up a composed one, in their order; none for another motion.
+    pub(super) parts: Vec<Movement>,
+    pub(super) extent: Extent,
     /// Pose from which the motion begins, if not that of the scene.
-    base: Option<Rigid>,
+    pub(super) base: Option<Rigid>,
     /// Time from which the times of the motion count, s.
     pub(super) origin: f64,
     /// Velocity of the surface along itself, m/s.
@@ -78,6 +82,8 @@ pub struct Pose {
     surface_velocity: Vector,
     /// Change of velocity since the last step.
     pub(super) gain: Vector,
+    /// Change of the angular velocity about the centre of `turning`, of a composed motion.
+    pub(super) gain_of_spin: Vector,
     /// Rotation for faces that the rotation moves.
     pub(super) turning: Turning,
     /// Rotation for faces that the rotation maps onto themselves.
@@ -108,7 +114,7 @@ pub(super) enum Displacement {
 }
 
 impl Displacement {
-    fn of(rigid: &Rigid) -> Displacement {
+    pub(super) fn of(rigid: &Rigid) -> Displacement {
         match rigid.rotation() {
             Some(rotation) => Displacement::Rigid(rotation, rigid.shift()),
             None if rigid.shift() == Vector::zeros() => Displacement::Nowhere,
@@ -116,7 +122,7 @@ impl Displacement {
         }
     }
 
-    fn rigid(&self) -> Rigid {
+    pub(super) fn rigid(&self) -> Rigid {
         match self {
             Displacement::Nowhere => Rigid::by(Vector::zeros()),
             Displacement::By(shift) => Rigid::by(*shift),
@@ -179,16 +185,22 @@ impl Turning {
 
 impl Movement {
     /// Creates the motion of a wall at time zero from its faces.
-    pub fn new(Wall { motion, surface_velocity, .. }: &Wall, faces: &[Face]) -> Movement {
-        let turns = rotates(motion) && !faces.iter().all(|face| keeps_in_place(face, motion));
+    pub fn new(motion: &Motion, surface_velocity: [f64; 3], faces: &[Face], domain: &Domain) -> Movement {
+        let extent = Extent::of(faces, domain);
+        let rest = Movement::of(motion, Vector::from(surface_velocity), extent);
+        Movement { turns: rest.turns_any(faces), parts: rest.composing(), ..rest }
+    }
+
+    fn of(motion: &Motion, surface_velocity: Vector, extent: Extent) -> Movement {
         let [displacement, displacement_in_list, rate] = [0.0; 3];
-        let surface_velocity = Vector::from(*surface_velocity);
         Movement {
             motion: motion.clone(),
+            parts: Vec::new(),
+            extent,
             base: None,
             origin: 0.0,
             surface_velocity,
-            turns,
+            turns: true,
             steered: None,
             displacement,
             displacement_in_list,
@@ -201,10 +213,21 @@ impl Movement {
         let still = beginning.pose == Rigid::by(Vector::zeros());
         self.base = (!still).then_some(beginning.pose);
         self.origin = beginning.time;
-        self.turns = rotates(motion) && !faces.iter().all(|face| keeps_in_place(&self.based(face), motion));
         self.motion = motion.clone();
+        (self.turns, self.parts) = (self.turns_any(faces), self.composing());
         self.steered = None;
         [self.displacement, self.displacement_in_list, self.rate] = [0.0; 3];
+    }
+
+    /// Returns true if a rotation moves at least one of the faces in the scene, instead of mapping all of them onto themselves.
+    fn turns_any(&self, faces: &[Face]) -> bool {
+        rotates(&self.motion) && !faces.iter().all(|face| keeps_in_place(&self.based(face), &self.motion))
+    }
+
+    fn composing(&self) -> Vec<Movement> {
+        let part = |motion: &Motion| Movement::of(motion, Vector::zeros(), self.extent);
+        let is_composed = matches!(self.motion, Motion::List(_) | Motion::Table { .. });
+        if is_composed { self.motion.parts().iter().map(part).collect() } else { Vec::new() }
     }
 
     /// Returns a face at the pose from which the motion begins.
@@ -253,14 +276,31 @@ impl Movement {
         let (displacement, base) = (Displacement::Nowhere, Displacement::Nowhere);
         let surface_velocity = self.surface_velocity;
         let (turning, in_place, turns) = (rest, rest, self.turns);
-        let mut pose =
-            Pose { displacement, base, velocity: zero, surface_velocity, gain: zero, turning, in_place, turns };
+        let mut pose = Pose {
+            displacement,
+            base,
+            velocity: zero,
+            surface_velocity,
+            gain: zero,
+            gain_of_spin: zero,
+            turning,
+            in_place,
+            turns,
+        };
         if let Some(steered) = &self.steered {
             steered.pose(&mut pose, |centre, axis, angle| self.turned(centre, axis, angle));
             return pose;
         }
+        if !self.parts.is_empty() {
+            self.compose(&mut pose, time);
+            return pose;
+        }
         match &self.motion {
-            Motion::Fixed => {}
+            Motion::Fixed | Motion::List(_) => {}
+            Motion::Table { point, start, stop, content, .. } => {
+                let stop = stop.map_or(f64::INFINITY, |stop| stop - start);
+                tabulate(&mut pose, content.rows(), Vector::from(*point), time - start, stop);
+            }
             Motion::Translating { velocity, start, stop } => {
                 let velocity = Vector::from(*velocity);
                 pose.displacement = Displacement::By(velocity * active_time(time, *start, *stop));
@@ -301,12 +341,8 @@ impl Movement {
     /// Returns true if any face would jump, or a vibration change its phase, if the time were reset from a time (s) to
     /// zero, in a scene of this extent, m. Displacements by a drive remain.
     pub fn jumps_back(&self, time: f64, faces: &[Face], extent: f64) -> bool {
-        let (Motion::Translating { start, .. } | Motion::Rotating { start, .. } | Motion::Vibrating { start, .. }) =
-            self.motion
-        else {
-            return false;
-        };
-        if start >= time * (1.0 - ROUNDING) {
+        let begins = |motion: &Motion| *motion != Motion::Fixed && motion.span().0 < time * (1.0 - ROUNDING);
+        if self.motion.is_driven() || !self.motion.parts().iter().any(begins) {
             return false;
         }
         let (first, last) = (self.at(0.0), self.at(time));
@@ -317,7 +353,10 @@ impl Movement {
             let lag = (last.velocity - first.velocity) / rate;
             faces.iter().any(|face| !face.moved(lag).is_same(face, extent))
         });
-        elsewhere || out_of_phase
+        let differs = |one: Vector, other: Vector| (one - other).norm() > ROUNDING.sqrt() * (one.norm() + other.norm());
+        let other_course = !self.parts.is_empty()
+            && (differs(first.velocity, last.velocity) || differs(first.turning.spin, last.turning.spin));
+        elsewhere || out_of_phase || other_course
     }
 
     /// Returns the displacement (m) and angle (rad) at a time (s) from the position in the scene; for a dynamic wall, the last state of its drive.
@@ -331,6 +370,10 @@ impl Movement {
         };
         match self.at(time).displacement {
             Displacement::By(shift) => (shift.into(), angle),
+            other if !self.parts.is_empty() => {
+                let (place, middle) = (other.rigid(), self.extent.middle);
+                (place.displacement(&middle).into(), place.vector().norm())
+            }
             _ => ([0.0; 3], angle),
         }
     }
@@ -353,9 +396,11 @@ impl Movement {
     /// Returns the pose at the start of a step of length `step` (s), with the effective velocity of the step: the mean
     /// velocity of a vibration, the velocity along the chord of a rotation.
     pub fn over(&self, time: f64, step: f64) -> Pose {
-        let mut pose = self.at(time);
+        if !self.parts.is_empty() {
+            return self.composed_over(time, step);
+        }
+        let mut pose = self.at(time).along_chord(step);
         let time = time - self.origin;
-        (pose.turning, pose.in_place) = (pose.turning.over(step), pose.in_place.over(step));
         if let Some(vibration) = self.motion.vibration().filter(|_| self.steered.is_none()) {
             pose.velocity = vibration.mean_velocity(time, time + step).into();
             if vibration.is_smooth(time - step, time + step) {
@@ -368,6 +413,9 @@ impl Movement {
     /// Returns the pose at the start of a step of length `step` (s), with the velocity that leads to the position at
     /// the end; a dynamic wall moves at `rate` (m/s or rad/s).
     pub fn through(&self, time: f64, step: f64, rate: f64) -> Pose {
+        if !self.parts.is_empty() {
+            return self.composed_through(time, step);
+        }
         let mut pose = self.at(time);
         if self.steered.is_some() {
             return pose;
@@ -389,7 +437,7 @@ impl Movement {
                 pose.turning.spin = Vector::from(*axis).normalize() * rate;
                 pose.in_place = pose.turning;
             }
-            Motion::Fixed => {}
+            Motion::Fixed | Motion::Table { .. } | Motion::List(_) => {}
         }
         pose
     }
@@ -410,9 +458,12 @@ impl Movement {
         if let Some(steered) = &self.steered {
             return steered.largest_shift(radius, self.turns);
         }
+        if !self.parts.is_empty() {
+            return self.composed_shift(from, to);
+        }
         let (from, to) = (from - self.origin, to - self.origin);
         match &self.motion {
-            Motion::Fixed => 0.0,
+            Motion::Fixed | Motion::Table { .. } | Motion::List(_) => 0.0,
             Motion::Translating { velocity, start, stop } => {
                 Vector::from(*velocity).norm() * (active_time(to, *start, *stop) - active_time(from, *start, *stop))
             }
@@ -432,12 +483,13 @@ impl Movement {
 /// Returns the drive of a dynamic wall; `number` is the index of the wall in the scene, and times count from `origin` (s).
 pub(crate) fn drive_of(motion: &Motion, number: u32, origin: f64) -> Option<Drive> {
     match *motion {
-        Motion::ForceDriven { axis, force, mass, start } => {
-            Some(Drive::new(number, Vector::from(axis).normalize(), None, force, mass, origin + start))
+        Motion::ForceDriven { axis, force, mass, largest_speed, start } => {
+            let axis = Vector::from(axis).normalize();
+            Some(Drive::new(number, axis, None, [force, mass], largest_speed, origin + start))
         }
-        Motion::TorqueDriven { point, axis, torque, moment_of_inertia, start } => {
+        Motion::TorqueDriven { point, axis, torque, moment_of_inertia, largest_speed, start } => {
             let (axis, pivot) = (Vector::from(axis).normalize(), Some(Vector::from(point)));
-            Some(Drive::new(number, axis, pivot, torque, moment_of_inertia, origin + start))
+            Some(Drive::new(number, axis, pivot, [torque, moment_of_inertia], largest_speed, origin + start))
         }
         _ => None,
     }
@@ -473,6 +525,17 @@ pub(super) fn keeps_in_place(face: &Face, motion: &Motion) -> bool {
 }
 
 impl Pose {
+    /// Returns the pose with the velocity along the chord of a step, s.
+    pub(super) fn along_chord(self, step: f64) -> Pose {
+        Pose { turning: self.turning.over(step), in_place: self.in_place.over(step), ..self }
+    }
+
+    /// Sets the change of velocity since the pose of the last step.
+    pub(super) fn gain_since(&mut self, before: &Pose) {
+        self.gain = self.velocity - before.velocity;
+        self.gain_of_spin = self.spin(false) - before.spin(false);
+    }
+
     /// Returns a face at its present position, if that differs from its position in the scene; `in_place` if the motion maps the face onto itself.
     #[inline]
     pub(super) fn moved(&self, face: &Face, in_place: bool) -> Option<Face> {
@@ -530,10 +593,14 @@ impl Pose {
         self.turning.chord[1] != 0.0 || self.in_place.chord[1] != 0.0
     }
 
-    /// Returns the change of the wall's velocity since the last step without a jump, m/s; no part of the approach speed of a resting grain.
+    /// Returns the change of the wall's velocity at a point (m) since the last step, without a jump and without the drift, m/s; no part of the
+    /// approach speed of a resting grain.
     #[inline]
-    pub(crate) fn gain(&self) -> Vector {
-        self.gain
+    pub(crate) fn gain_at(&self, point: &Vector) -> Vector {
+        match self.gain_of_spin == Vector::zeros() {
+            true => self.gain,
+            false => self.gain + self.gain_of_spin.cross(&(point - self.turning.centre)),
+        }
     }
 
     /// Returns the angular velocity, rad/s; in a step, that of grains that stick to the wall.

@@ -12,6 +12,12 @@ pub(crate) struct Rigid {
     shift: Vector,
 }
 
+impl Default for Rigid {
+    fn default() -> Rigid {
+        Rigid::by(Vector::zeros())
+    }
+}
+
 impl Rigid {
     /// Returns a translation, m.
     pub fn by(shift: Vector) -> Rigid {
@@ -37,6 +43,27 @@ impl Rigid {
     /// Transforms a point, m.
     pub fn place(&self, point: &Vector) -> Vector {
         self.turn * point + self.shift
+    }
+
+    /// Returns the displacement of a point (m), without the rounding of its new position.
+    pub fn displacement(&self, point: &Vector) -> Vector {
+        (self.turn * point - point) + self.shift
+    }
+
+    /// Returns the inverse transform.
+    pub fn inverse(&self) -> Rigid {
+        let turn = self.turn.inverse();
+        Rigid { turn, shift: -(turn * self.shift) }
+    }
+
+    /// Rotates a vector.
+    pub fn turn(&self, vector: &Vector) -> Vector {
+        self.turn * vector
+    }
+
+    /// Returns the rotation vector (rad), of at most half a turn.
+    pub fn vector(&self) -> Vector {
+        self.rotation().map_or(Vector::zeros(), |rotation| rotation.vector())
     }
 
     /// Returns the displacement of the origin, m.

@@ -60,6 +60,9 @@ impl Steered {
             (Motion::ForceDriven { .. } | Motion::TorqueDriven { .. }, _) => {
                 return Err("a force or a torque drives it; steer a wall that the scene holds fixed".into());
             }
+            (Motion::Table { .. } | Motion::List(_), _) => {
+                return Err("the scene composes its motion; steer a wall that the scene holds fixed".into());
+            }
             (Motion::Fixed | Motion::Translating { .. } | Motion::Vibrating { .. }, WallMotion::Translation { .. }) => {
                 None
             }

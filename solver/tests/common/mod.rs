@@ -65,6 +65,12 @@ impl Setup {
 
     /// The scene, with further lines of TOML for both of its materials.
     pub fn scene_with(&self, lines: &str) -> Scene {
+        let text = self.text(lines);
+        Scene::parse(&text).unwrap_or_else(|error| panic!("{error}\n{text}"))
+    }
+
+    /// Text of the scene, with further lines of TOML for both of its materials.
+    pub fn text(&self, lines: &str) -> String {
         let [x, y, z] = self.gravity;
         let material = |name: &str, friction: f64| {
             format!(
@@ -73,15 +79,14 @@ impl Setup {
                 self.youngs_modulus, self.restitution
             )
         };
-        let text = format!(
+        format!(
             "name = 'test'\ndescription = 'test'\nduration = 1.0\ngravity = [{x:?}, {y:?}, {z:?}]\n\
              domain = {{ min = [-10, -10, -1], max = [10, 10, 10] }}\n{}{}[solver]\n{}\n{}",
             material("grain", self.friction),
             material("wall", self.wall_friction),
             self.solver,
             self.body
-        );
-        Scene::parse(&text).unwrap_or_else(|error| panic!("{error}\n{text}"))
+        )
     }
 }
 

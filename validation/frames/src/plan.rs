@@ -12,7 +12,7 @@ pub use roster::{Alike, Kind, Roster, lasting_number};
 
 use makadam::Simulation;
 use makadam::scene::{Beforehand, Checked, Document, DocumentPath, Finding, Motion, SceneError, SceneFileError};
-use makadam::wall::jumps_back;
+use makadam::wall::first_that_jumps_back;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
@@ -189,7 +189,7 @@ impl MeasuredScene {
     fn check_walls_at_start(&self) -> Checked {
         let Some(Prepare { duration, step }) = self.prepare else { return Ok(()) };
         let until = (duration / step).round() * step;
-        match self.wall.iter().position(|wall| jumps_back(wall, &self.domain, until)) {
+        match first_that_jumps_back(&self.wall, &self.domain, until) {
             None => Ok(()),
             Some(index) => {
                 let problem = format!(

@@ -152,6 +152,8 @@ pub(super) fn motion(motion: &Motion) -> Option<String> {
             format!("vibrates by {} m at {frequency} Hz", Vector3::from(*amplitude).norm())
         }
         Motion::ForceDriven { force, .. } => format!("is pushed by {force} N"),
+        Motion::Table { file, .. } => format!("moves by '{file}'"),
+        Motion::List(parts) => parts.iter().filter_map(self::motion).collect::<Vec<_>>().join(", "),
         Motion::TorqueDriven { torque, .. } => format!("is turned by {torque} N m"),
     })
 }

@@ -42,9 +42,9 @@ pub(super) fn faults(scene: &Scene, beforehand: Option<Beforehand>) -> Vec<Fault
 
 /// Returns the longest step (s) that resolves all motions of a scene.
 pub(in crate::scene) fn longest_step(scene: &Scene) -> f64 {
-    let periods = scene.wall.iter().filter_map(|wall| period(&wall.motion, scene.duration));
-    let lasting =
-        scene.wall.iter().flat_map(|wall| intervals(&wall.motion)).map(|(_, start, end)| (start, end - start));
+    let parts = || scene.wall.iter().flat_map(|wall| wall.motion.parts());
+    let periods = parts().filter_map(|motion| period(motion, scene.duration));
+    let lasting = parts().flat_map(intervals).map(|(_, start, end)| (start, end - start));
     let lasting = lasting.filter(|(start, lasts)| *lasts > 0.0 && *start < scene.duration).map(|(_, lasts)| lasts);
     let pulses = pulses(scene).into_iter().filter(|pulse| pulse.start < scene.duration).map(|pulse| 0.5 * pulse.lasts);
     periods.map(|period| period / STEPS_A_PERIOD).chain(lasting).chain(pulses).fold(f64::INFINITY, f64::min)
@@ -52,11 +52,14 @@ pub(in crate::scene) fn longest_step(scene: &Scene) -> f64 {
 
 fn walls<'s>(scene: &'s Scene, stepping: &'s Stepping) -> impl Iterator<Item = Fault> + 's {
     let step = || short(stepping.step);
-    scene.wall.iter().enumerate().flat_map(move |(index, wall)| {
+    let parts = scene.wall.iter().enumerate().flat_map(|(index, wall)| {
         let at = DocumentPath::default().key("wall").index(index).key("motion");
-        let period = period(&wall.motion, stepping.until).filter(|period| stepping.misses(*period / STEPS_A_PERIOD));
+        wall.motion.parts_at(&at).map(|(at, motion)| (at, wall, motion)).collect::<Vec<_>>()
+    });
+    parts.flat_map(move |(at, wall, motion)| {
+        let period = period(motion, stepping.until).filter(|period| stepping.misses(*period / STEPS_A_PERIOD));
         let too_fast = period.map(|period| {
-            let (what, turns) = match wall.motion {
+            let (what, turns) = match motion {
                 Motion::Vibrating { .. } => ("a period", "vibration"),
                 _ => ("a turn", "rotation"),
             };
@@ -69,8 +72,7 @@ fn walls<'s>(scene: &'s Scene, stepping: &'s Stepping) -> impl Iterator<Item = F
             );
             stepping.fault(&at, problem, period / STEPS_A_PERIOD, "")
         });
-        let at = DocumentPath::default().key("wall").index(index).key("motion");
-        let too_short = intervals(&wall.motion).into_iter().filter_map(move |(key, start, end)| {
+        let too_short = intervals(motion).into_iter().filter_map(move |(key, start, end)| {
             let lasts = end - start;
             let missed = lasts > 0.0 && stepping.misses(lasts) && start < stepping.until;
             missed.then(|| {
@@ -136,7 +138,7 @@ fn intervals(motion: &Motion) -> Vec<(&'static str, f64, f64)> {
             let second = turns.zip(stop).map(|(reverse, stop)| ("stop", reverse, stop));
             first.into_iter().chain(second).collect()
         }
-        Motion::Fixed | Motion::ForceDriven { .. } | Motion::TorqueDriven { .. } => Vec::new(),
+        _ => Vec::new(),
     }
 }
 

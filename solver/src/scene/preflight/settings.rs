@@ -29,27 +29,21 @@ pub(super) fn faults(scene: &Scene) -> Vec<Fault> {
         }
     }
     for (index, wall) in scene.wall.iter().enumerate() {
-        let start = match wall.motion {
-            Motion::Fixed => continue,
-            Motion::Translating { start, .. }
-            | Motion::Rotating { start, .. }
-            | Motion::Vibrating { start, .. }
-            | Motion::ForceDriven { start, .. }
-            | Motion::TorqueDriven { start, .. } => start,
-        };
-        if let Motion::Translating { stop: Some(stop), .. }
-        | Motion::Rotating { stop: Some(stop), .. }
-        | Motion::Vibrating { stop: Some(stop), .. } = wall.motion
-            && stop == start
-        {
-            let at = root.key("wall").index(index).key("motion").key("stop");
-            let problem = format!("wall '{}' never moves: it stops at {} s, when it starts", wall.name, short(stop));
-            faults.push(at.fault(problem, "let it stop later, or leave the motion out"));
-        }
-        if start >= scene.duration && scene.duration > 0.0 {
-            let at = root.key("wall").index(index).key("motion").key("start");
-            let problem = format!("wall '{}' never moves: the scene ends at {} s", wall.name, short(scene.duration));
-            faults.push(at.fault(problem, "let it begin earlier, or raise duration"));
+        for (at, motion) in wall.motion.parts_at(&root.key("wall").index(index).key("motion")) {
+            if *motion == Motion::Fixed {
+                continue;
+            }
+            let (start, stop) = motion.span();
+            if let Some(stop) = stop.filter(|stop| *stop <= start) {
+                let problem =
+                    format!("wall '{}' never moves: it stops at {} s, when it starts", wall.name, short(stop));
+                faults.push(at.key("stop").fault(problem, "let it stop later, or leave the motion out"));
+            }
+            if start >= scene.duration && scene.duration > 0.0 {
+                let problem =
+                    format!("wall '{}' never moves: the scene ends at {} s", wall.name, short(scene.duration));
+                faults.push(at.key("start").fault(problem, "let it begin earlier, or raise duration"));
+            }
         }
     }
     let steps = (scene.duration / settings.step).round();

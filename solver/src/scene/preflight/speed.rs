@@ -87,7 +87,8 @@ fn passing(grains: &[Grain], step: f64) -> Option<(usize, usize)> {
 ///
 /// The bound is the speed after a fall from the start through the whole domain. The bound is unknown if walls move or gravity changes.
 fn below_threshold(scene: &Scene, grains: &[Grain]) -> Option<Fault> {
-    let unknown = scene.wall.iter().any(|wall| wall.motion != Motion::Fixed) || !scene.gravity_changes.is_empty();
+    let moves = |index: usize| scene.course(index) != Motion::Fixed;
+    let unknown = (0..scene.wall.len()).any(moves) || !scene.gravity_changes.is_empty();
     if unknown || scene.material.values().all(|material| material.restitution == 0.0) {
         return None;
     }
@@ -133,15 +134,22 @@ fn smallest_radius(grains: &[Grain]) -> f64 {
 ///
 /// The distance of grains from the axis of a rotating plane is unknown.
 fn driving<'s>(scene: &'s Scene, grains: &[Grain]) -> impl Iterator<Item = (usize, f64)> + 's {
-    let endless = |wall: &Wall| matches!((&wall.shape, &wall.motion), (Shape::Plane { .. }, Motion::Rotating { .. }));
+    let turns = |index: usize| {
+        let course = scene.course(index);
+        course.parts().iter().any(|motion| matches!(motion, Motion::Rotating { .. } | Motion::Table { .. }))
+    };
+    let endless = move |index: usize, wall: &Wall| matches!(wall.shape, Shape::Plane { .. }) && turns(index);
     let walls = scene.wall.iter().enumerate().take(if grains.len() < 2 { 0 } else { usize::MAX });
-    walls.filter(move |(_, wall)| !endless(wall)).map(|(index, wall)| (index, fastest(scene, wall)))
+    let moving = walls.filter(move |(index, wall)| !endless(*index, wall));
+    moving.map(|(index, wall)| {
+        (index, scene.course(index).parts().iter().map(|motion| fastest(scene, wall, motion)).sum())
+    })
 }
 
-/// Returns the largest speed (m/s) of the points of a wall in the domain within the simulated time.
-fn fastest(scene: &Scene, wall: &Wall) -> f64 {
+/// Returns the largest speed (m/s) of the points of a wall in the domain by one of its motions within the simulated time.
+fn fastest(scene: &Scene, wall: &Wall, motion: &Motion) -> f64 {
     let began = |start: f64| start < scene.duration;
-    match wall.motion {
+    match *motion {
         Motion::Translating { velocity, start, .. } if began(start) => Vector3::from(velocity).norm(),
         Motion::Vibrating { amplitude, frequency, start, .. } if began(start) => {
             TAU * frequency * Vector3::from(amplitude).norm()
@@ -150,6 +158,11 @@ fn fastest(scene: &Scene, wall: &Wall) -> f64 {
             let axis = Vector3::from(axis).normalize();
             let arm = |of: Vector3<f64>| (of - Vector3::from(point)).cross(&axis).norm();
             rate.abs() * wall.shape.furthest(arm).min(furthest_corner(&scene.domain.min, &scene.domain.max, arm))
+        }
+        Motion::Table { ref content, point, start, .. } if began(start) => {
+            let arm = |of: Vector3<f64>| (of - Vector3::from(point)).norm();
+            let arm = wall.shape.furthest(arm).min(furthest_corner(&scene.domain.min, &scene.domain.max, arm));
+            content.speeds().map(|[along, turn]| along + turn * arm).fold(0.0, f64::max)
         }
         _ => 0.0,
     }

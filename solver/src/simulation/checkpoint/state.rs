@@ -346,7 +346,7 @@ impl State {
         let boxes_for = self.altered.flow.as_ref().map_or(self.grains.len(), |(_, grains)| *grains as usize);
         let mut world = World::new(scene, &[]);
         for (&wall, beginning) in stages.iter().flat_map(|stages| &stages.state.beginnings) {
-            world.begin_motion(wall, &scene.wall[wall as usize].motion, beginning);
+            world.begin_motion(wall, &scene.course(wall as usize), beginning);
         }
         let mut simulation = Simulation::of_world(&scene.solver, self.populate(world)?, boxes_for);
         (simulation.flow, simulation.stages) = (Flow::of(scene, seed, &simulation.world), stages);

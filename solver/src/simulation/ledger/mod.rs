@@ -210,7 +210,7 @@ impl Ledger {
             let grain = self.passage(world, place, normal, 1.0);
             let [before, after] = one.velocities;
             let face = world.walls.placed(&self.expectations.poses).face(candidate.surface);
-            let approach = minus(minus(before, face.gain().into()), grain.before);
+            let approach = minus(minus(before, face.gain_at(&world.spheres[place].centre).into()), grain.before);
             let (contact, pull) = world.wall_contact(candidate, face.distance(&world.spheres[place].centre));
             let contact = NormalContact { velocity: dot(normal, approach), ..contact };
             let contacts = &one.group.contacts;

@@ -93,9 +93,9 @@ impl Plan {
     /// Returns the phases of a wall's motion within the run, in their order; a dynamic wall has none.
     pub fn phases(&self, motion: &Motion) -> Vec<MotionPhase> {
         let (start, stop, reverse) = match motion {
-            Motion::Fixed | Motion::ForceDriven { .. } | Motion::TorqueDriven { .. } => return Vec::new(),
             Motion::Translating { start, stop, .. } | Motion::Vibrating { start, stop, .. } => (*start, *stop, None),
             Motion::Rotating { start, stop, reverse, .. } => (*start, *stop, *reverse),
+            _ => return Vec::new(),
         };
         let step_at = |time: f64| self.step_at(time);
         let (first, last) = (step_at(start), stop.map_or(self.steps, step_at));

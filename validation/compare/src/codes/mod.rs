@@ -12,7 +12,7 @@ mod yade_rolling;
 
 use ::makadam::effects::catalogue::Trigger;
 use ::makadam::effects::{CATALOGUE, Effect};
-use ::makadam::scene::{Grain, Shape};
+use ::makadam::scene::{Grain, Motion, Shape};
 use clap::ValueEnum;
 pub use external::{DescriptionError, External};
 pub use lammps::Lammps;
@@ -247,6 +247,15 @@ fn supported_start(code: &'static str, has: &[&'static Effect], job: &Job<'_>) -
     makadam::starting_grains_if(job, |grains| refuse_unsupported(code, has, job.scene, grains))
 }
 
+/// Returns the scene with walls that stand alone, each with its motion and that of the walls that carry it.
+fn with_own_motions(scene: &MeasuredScene) -> MeasuredScene {
+    let mut own = scene.clone();
+    for (index, wall) in own.wall.iter_mut().enumerate() {
+        (wall.motion, wall.parent) = (scene.course(index), None);
+    }
+    own
+}
+
 /// Refuses scenes that no soft-sphere code can run.
 fn refuse_unsupported(
     code: &'static str,
@@ -260,6 +269,16 @@ fn refuse_unsupported(
     }
     if !scene.stage.is_empty() {
         return refuse("it has stages");
+    }
+    for (index, wall) in scene.wall.iter().enumerate() {
+        match scene.course(index) {
+            Motion::List(_) => return refuse(&format!("wall '{}' has several motions", wall.name)),
+            Motion::Table { .. } => return refuse(&format!("wall '{}' moves by a table", wall.name)),
+            Motion::ForceDriven { largest_speed: Some(_), .. } | Motion::TorqueDriven { largest_speed: Some(_), .. } => {
+                return refuse(&format!("wall '{}' is driven at a largest speed", wall.name));
+            }
+            _ => {}
+        }
     }
     if grains.is_empty() && scene.insert.is_empty() {
         return refuse("it has no grains");

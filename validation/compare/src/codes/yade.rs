@@ -3,7 +3,7 @@
 use super::input::{MotionPhase, Palette, Plan, Primitive, primitives};
 use super::process::{self, Program, Run, installed, io};
 use super::yade_rolling::{Rolling, rolling};
-use super::{Code, CodeError, HERTZ_MINDLIN, Job, Purpose, supported_start};
+use super::{Code, CodeError, HERTZ_MINDLIN, Job, Purpose, supported_start, with_own_motions};
 use makadam::effects::SURFACE_VELOCITY;
 use makadam::effects::catalogue::{
     COHESION, COMPLIANCE, DRIVEN_WALLS, Effect, FRICTION, GRAVITY, RESTITUTION, ROLLING, SIZE_SPREAD, SPIN,
@@ -160,7 +160,8 @@ impl Code for Yade {
 
 /// Writes job and driver into the job's folder: the grains and the steps of the run.
 fn write_input(job: &Job<'_>) -> Result<(Vec<Grain>, Plan), CodeError> {
-    let scene = job.scene;
+    let scene = &with_own_motions(job.scene);
+    let job = &Job { scene, ..*job };
     let grains = supported_start(NAME, &HAS, job)?;
     let unsupported = |reason: String| CodeError::Unsupported { code: NAME, reason };
     if scene.wall.iter().any(|wall| matches!(wall.motion, Motion::TorqueDriven { .. })) {
@@ -304,7 +305,7 @@ fn surfaces(job: &Job<'_>, grains: &[Grain], rolls: bool) -> Vec<Surfaces> {
 
 /// Unit vector of the axis, force along it (N), mass (kg) and first step of a dynamic wall.
 fn drive_entry(motion: &Motion, plan: &Plan) -> Option<Value> {
-    let Motion::ForceDriven { axis, force, mass, start } = *motion else { return None };
+    let Motion::ForceDriven { axis, force, mass, start, .. } = *motion else { return None };
     let axis: [f64; 3] = Vector3::from(axis).normalize().into();
     Some(json!({ "axis": axis, "force": force, "mass": mass, "first": plan.step_at(start) }))
 }
@@ -314,12 +315,12 @@ fn drive_entry(motion: &Motion, plan: &Plan) -> Option<Value> {
 fn motion_entry(motion: &Motion, phase: &MotionPhase) -> Option<Value> {
     let size = |vector: &[f64; 3]| Vector3::from(*vector).norm();
     let (kind, point, direction, rate, frequency) = match motion {
-        Motion::Fixed | Motion::ForceDriven { .. } | Motion::TorqueDriven { .. } => return None,
         Motion::Translating { velocity, .. } => ("translating", [0.0; 3], *velocity, size(velocity), 0.0),
         Motion::Rotating { point, axis, rate, .. } => ("rotating", *point, *axis, *rate, 0.0),
         Motion::Vibrating { amplitude, frequency, .. } => {
             ("vibrating", [0.0; 3], *amplitude, size(amplitude), *frequency)
         }
+        _ => return None,
     };
     let axis: [f64; 3] = Vector3::from(direction).try_normalize(0.0)?.into();
     let (rate, [first, last]) = (phase.direction * rate, [phase.first, phase.last]);

@@ -99,9 +99,11 @@ fn later(motion: &Motion, by: f64) -> Motion {
     }
     match &mut motion {
         Motion::Fixed => {}
+        Motion::List(parts) => parts.iter_mut().for_each(|part| *part = later(part, by)),
         Motion::Translating { start, stop, .. }
         | Motion::Rotating { start, stop, .. }
-        | Motion::Vibrating { start, stop, .. } => (*start, *stop) = (*start + by, stop.map(|stop| stop + by)),
+        | Motion::Vibrating { start, stop, .. }
+        | Motion::Table { start, stop, .. } => (*start, *stop) = (*start + by, stop.map(|stop| stop + by)),
         Motion::ForceDriven { start, .. } | Motion::TorqueDriven { start, .. } => *start += by,
     }
     motion
@@ -111,9 +113,11 @@ fn later(motion: &Motion, by: f64) -> Motion {
 fn ends_at(motion: &mut Motion, time: f64) -> bool {
     match motion {
         Motion::Fixed => true,
+        Motion::List(parts) => parts.iter_mut().all(|part| ends_at(part, time)),
         Motion::Translating { start, stop, .. }
         | Motion::Rotating { start, stop, .. }
-        | Motion::Vibrating { start, stop, .. } => {
+        | Motion::Vibrating { start, stop, .. }
+        | Motion::Table { start, stop, .. } => {
             *stop = Some(stop.map_or(time, |stop| stop.min(time)).max(*start));
             true
         }

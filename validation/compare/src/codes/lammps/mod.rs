@@ -15,7 +15,7 @@
 use super::deck::{DeckRun, HAS, data, manifest, render, values};
 use super::input::{AXES, Face, MotionPhase, Palette, Plan, along, closed_faces};
 use super::process::{Program, installed};
-use super::{Code, CodeError, HERTZ_MINDLIN, Job, Purpose, supported_start};
+use super::{Code, CodeError, HERTZ_MINDLIN, Job, Purpose, supported_start, with_own_motions};
 use makadam::scene::{ContactCoefficients, Grain, Material, Motion, Shape, Wall};
 use makadam_frames::plan::MeasuredScene;
 use makadam_frames::recording::Recording;
@@ -61,7 +61,8 @@ impl Code for Lammps {
 
 /// Writes deck, grains and manifest into the job's folder.
 fn write_input(job: &Job<'_>) -> Result<Plan, CodeError> {
-    let scene = job.scene;
+    let scene = &with_own_motions(job.scene);
+    let job = &Job { scene, ..*job };
     let grains = supported_start(NAME, &HAS, job)?;
     let plan = Plan::new(scene, job.rayleigh_fraction * scene.rayleigh_step(&grains));
     let unsupported = |reason: String| CodeError::Unsupported { code: NAME, reason };
@@ -293,13 +294,13 @@ fn variables(wall: usize, motion: &Motion, plan: &Plan) -> Vec<String> {
         axes.map(|(axis, size)| format!("variable {axis}{wall} equal ({size:.17e})*{of_time}")).collect()
     };
     match motion {
-        Motion::Fixed | Motion::ForceDriven { .. } | Motion::TorqueDriven { .. } => Vec::new(),
         Motion::Translating { velocity, .. } => shift(velocity, &time),
         Motion::Rotating { rate, .. } => vec![format!("variable turn{wall} equal ({rate:.17e})*{time}")],
         Motion::Vibrating { amplitude, frequency, .. } => {
             let rate = std::f64::consts::TAU * frequency;
             shift(amplitude, &format!("sin({rate:.17e}*{time})"))
         }
+        _ => Vec::new(),
     }
 }
 

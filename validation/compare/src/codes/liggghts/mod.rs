@@ -12,7 +12,7 @@
 use super::deck::{DeckRun, HAS, data, manifest, render, values};
 use super::input::{AXES, Palette, Plan, Primitive, primitives, stl};
 use super::process::{Program, installed};
-use super::{Code, CodeError, HERTZ_MINDLIN, Job, Purpose, supported_start};
+use super::{Code, CodeError, HERTZ_MINDLIN, Job, Purpose, supported_start, with_own_motions};
 use makadam::effects::SURFACE_VELOCITY;
 use makadam::scene::{Domain, Grain, Motion, Shape, TriangleMesh, Wall};
 use makadam::snapshot::Snapshot;
@@ -77,6 +77,7 @@ fn walls_move(scene: &MeasuredScene, plan: &Plan) -> bool {
 
 /// Writes deck, grains, meshes and manifest into the job's folder; returns the coordinates of deck and dumps.
 fn write_input(job: &Job<'_>) -> Result<(Plan, Turn), CodeError> {
+    let job = &Job { scene: &with_own_motions(job.scene), ..*job };
     let grains = supported_start(NAME, &[&HAS[..], &[&SURFACE_VELOCITY]].concat(), job)?;
     let plan = Plan::new(job.scene, job.rayleigh_fraction * job.scene.rayleigh_step(&grains));
     let (turn, scene, grains) = match job.purpose {
@@ -200,7 +201,6 @@ fn pieces(scene: &MeasuredScene, walls: &Walls, plan: &Plan) -> Vec<Value> {
 /// Returns a motion as arguments of `fix move/mesh`; none for a wall at rest.
 fn motion_words(motion: &Motion, direction: f64) -> Option<String> {
     Some(match motion {
-        Motion::Fixed | Motion::ForceDriven { .. } | Motion::TorqueDriven { .. } => return None,
         Motion::Translating { velocity: [x, y, z], .. } => format!("linear {x:.17e} {y:.17e} {z:.17e}"),
         Motion::Rotating { point: [x, y, z], axis, rate, .. } => {
             let rate = direction * rate;
@@ -213,6 +213,7 @@ fn motion_words(motion: &Motion, direction: f64) -> Option<String> {
             let period = 1.0 / frequency.max(1e-12);
             format!("wiggle amplitude {x:.17e} {y:.17e} {z:.17e} period {period:.17e}")
         }
+        _ => return None,
     })
 }
 
@@ -312,13 +313,14 @@ impl Turn {
     fn motion(self, motion: &mut Motion) {
         let turn = |vector: &mut [f64; 3]| *vector = self.forth(*vector);
         match motion {
-            Motion::Fixed => {}
             Motion::Translating { velocity, .. } => turn(velocity),
             Motion::Rotating { point, axis, .. } | Motion::TorqueDriven { point, axis, .. } => {
                 [point, axis].into_iter().for_each(turn)
             }
             Motion::Vibrating { amplitude, .. } => turn(amplitude),
             Motion::ForceDriven { axis, .. } => turn(axis),
+            // Composed motions are refused.
+            Motion::Fixed | Motion::Table { .. } | Motion::List(_) => {}
         }
     }
 
