@@ -41,7 +41,8 @@ fn pose(time: f64) -> Isometry3<f64> {
     };
     let first = 7.0 * ((time.min(0.4) - 0.1).max(0.0) - (time - 0.4).max(0.0));
     let shake = Vector::new(0.0, 0.004, 0.003) * (6.0 * std::f64::consts::PI * time).sin();
-    let turned = about([0.0, 0.02, 0.01], [1.0, 1.0, 0.0], -1.5 * time.min(0.8)) * about([0.05, 0.0, 0.0], [0.0, 0.0, 1.0], first);
+    let turned = about([0.0, 0.02, 0.01], [1.0, 1.0, 0.0], -1.5 * time.min(0.8))
+        * about([0.05, 0.0, 0.0], [0.0, 0.0, 1.0], first);
     Translation3::from(shake) * turned
 }
 
@@ -84,7 +85,9 @@ fn a_wall_that_another_one_carries_has_both_motions() {
     let spin = "{ kind = 'rotating', point = [0.0, 0.0, 0.0], axis = [1, 0, 0], rate = 5 }";
     let tilt = "{ kind = 'rotating', point = [0, 0, 0.1], axis = [0, 1, 0], rate = 0.5 }";
     let frame = |motion: &str| {
-        format!("[[wall]]\nname = 'frame'\nmaterial = 'wall'\nmotion = {motion}\nshape = {{ kind = 'disc', centre = [0, 0, 0.2], normal = [0, 0, 1], radius = 0.01 }}")
+        format!(
+            "[[wall]]\nname = 'frame'\nmaterial = 'wall'\nmotion = {motion}\nshape = {{ kind = 'disc', centre = [0, 0, 0.2], normal = [0, 0, 1], radius = 0.01 }}"
+        )
     };
     let carried = closed_box(&format!("motion = {spin}\nparent = 'frame'\n{}", frame(tilt)), true);
     let listed = closed_box(&format!("motion = [{spin}, {tilt}]\n{}", frame(tilt)), true);
@@ -122,7 +125,12 @@ fn two_halves_of_a_vibration_move_grains_as_the_whole_does() {
         let plate = FLOOR.to_string() + &format!("motion = {motion}\n");
         let body = plate + &grain(0.005, [0.0, 0.0, 0.005], [0.0; 3]);
         let mut simulation = Setup { body, restitution: 0.8, ..Setup::default() }.start();
-        (0..4000).map(|_| { simulation.step(); simulation.snapshot().particles[0].position[2] }).collect::<Vec<f64>>()
+        (0..4000)
+            .map(|_| {
+                simulation.step();
+                simulation.snapshot().particles[0].position[2]
+            })
+            .collect::<Vec<f64>>()
     };
     let [two, one] = [&format!("[{half}, {half}]"), whole].map(path);
     two.iter().zip(&one).for_each(|(two, one)| assert_relative_eq!(two, one, epsilon = 1e-10));
@@ -138,28 +146,40 @@ fn a_press_has_a_largest_speed_and_bears_its_force() {
         )
     };
     let body = |more: &str| FLOOR.to_string() + &press(more) + &grain(0.005, [0.0, 0.0, 0.005], [0.0; 3]);
-    let setup = Setup { solver: CONVERGED_RIGID.into(), body: body(", largest_speed = 0.1"), restitution: 0.0, ..Setup::default() };
+    let setup = Setup {
+        solver: CONVERGED_RIGID.into(),
+        body: body(", largest_speed = 0.1"),
+        restitution: 0.0,
+        ..Setup::default()
+    };
     same_bits_everywhere(&setup.scene(), 50);
     let mut simulation = setup.start();
     let mut slowest = 0.0_f64;
     while simulation.time() < 0.3 {
         simulation.step();
         slowest = slowest.min(simulation.snapshot().driven_walls[0].rate);
-        assert_relative_eq!(simulation.snapshot().driven_walls[0].displacement, -0.1 * simulation.time(), epsilon = 2e-4);
+        assert_relative_eq!(
+            simulation.snapshot().driven_walls[0].displacement,
+            -0.1 * simulation.time(),
+            epsilon = 2e-4
+        );
     }
     assert_eq!(slowest, -0.1);
     while simulation.time() < 0.6 {
         simulation.step();
     }
     let frame = simulation.snapshot();
-    let on_press: f64 = { frame.contacts.iter() }.filter(|one| one.second == Partner::Wall(1)).map(|one| one.normal_force).sum();
+    let on_press: f64 =
+        { frame.contacts.iter() }.filter(|one| one.second == Partner::Wall(1)).map(|one| one.normal_force).sum();
     assert_relative_eq!(on_press, 5.0 + 0.01 * 9.81, max_relative = 1e-6);
 }
 
 #[test]
 fn motions_that_make_no_sense_are_refused() {
     let wall = |lines: &str| {
-        let body = format!("{FLOOR}{lines}\n[[wall]]\nname = 'other'\nmaterial = 'wall'\nshape = {{ kind = 'plane', point = [0, 0, 1], normal = [0, 0, -1] }}\nparent = 'floor'\n");
+        let body = format!(
+            "{FLOOR}{lines}\n[[wall]]\nname = 'other'\nmaterial = 'wall'\nshape = {{ kind = 'plane', point = [0, 0, 1], normal = [0, 0, -1] }}\nparent = 'floor'\n"
+        );
         parse(&Setup { body, ..Setup::default() }.text("")).err().unwrap_or_default()
     };
     let driven = "{ kind = 'force-driven', axis = [0, 0, 1], force = 1, mass = 1 }";
@@ -175,7 +195,10 @@ fn motions_that_make_no_sense_are_refused() {
         (table("[[0, 0, 0, 0, 0, 0, 0], [1, 0, 0, 0, 0, 4, 0]]"), "half a turn"),
         (table("[[0, 1, 0, 0, 0, 0, 0], [1, 0, 0, 0, 0, 0, 0]]"), "zeros in the first row"),
         ("motion = { kind = 'table', file = 'no-such.csv' }".into(), "no-such.csv"),
-        ("motion = { kind = 'force-driven', axis = [0, 0, 1], force = 1, mass = 1, largest_speed = 0 }".into(), "largest_speed"),
+        (
+            "motion = { kind = 'force-driven', axis = [0, 0, 1], force = 1, mass = 1, largest_speed = 0 }".into(),
+            "largest_speed",
+        ),
     ] {
         let error = wall(&lines);
         assert!(error.contains(expected), "{lines}: {error}");

@@ -129,7 +129,8 @@ fn a_bed_in_a_box_of_triangles_settles_as_in_a_box() {
 #[test]
 fn a_driven_lid_presses_and_a_turntable_carries_as_planes_do() {
     let lid = rectangle([-0.03, -0.03, 0.012], [0.06, 0.0, 0.0], [0.0, 0.06, 0.0], [5, 5]);
-    let motion = Motion::ForceDriven { axis: [0.0, 0.0, 1.0], force: -2.0, mass: 0.05, largest_speed: None, start: 0.0 };
+    let motion =
+        Motion::ForceDriven { axis: [0.0, 0.0, 1.0], force: -2.0, mass: 0.05, largest_speed: None, start: 0.0 };
     let body = FLOOR.to_string() + &grain(RADIUS, [0.001, 0.0021, RADIUS], [0.0; 3]);
     let plane = Wall::new("lid", "wall", Shape::plane([0.0, 0.0, 0.012], [0.0, 0.0, -1.0])).moving(motion.clone());
     let pressed = |wall: Wall| {

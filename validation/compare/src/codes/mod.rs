@@ -274,7 +274,8 @@ fn refuse_unsupported(
         match scene.course(index) {
             Motion::List(_) => return refuse(&format!("wall '{}' has several motions", wall.name)),
             Motion::Table { .. } => return refuse(&format!("wall '{}' moves by a table", wall.name)),
-            Motion::ForceDriven { largest_speed: Some(_), .. } | Motion::TorqueDriven { largest_speed: Some(_), .. } => {
+            Motion::ForceDriven { largest_speed: Some(_), .. }
+            | Motion::TorqueDriven { largest_speed: Some(_), .. } => {
                 return refuse(&format!("wall '{}' is driven at a largest speed", wall.name));
             }
             _ => {}
