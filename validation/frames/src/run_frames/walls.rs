@@ -70,7 +70,7 @@ impl FrameTables {
         let mut all = Walls {
             names: walls.iter().map(|wall| wall.name.clone()).collect(),
             shapes: walls.iter().map(|wall| wall.shape.kind()).collect(),
-            axes: walls.iter().map(|wall| axis(&wall.motion).into()).collect(),
+            axes: (0..walls.len()).map(|wall| axis(&scene.course(wall)).into()).collect(),
             ..Walls::default()
         };
         for (number, wall) in walls.iter().enumerate() {
