@@ -8,7 +8,7 @@ pub static SIZE_SPREAD: Effect = Effect {
     off: Some(Change {
         words: "off: all of the mean radius",
         apply: |scene| {
-            let value = Scene { grain: Vec::new(), ..scene.clone() }.mean_radius();
+            let value = Scene { grain: Vec::new(), start: None, ..scene.clone() }.mean_radius();
             scene.population.iter_mut().for_each(|group| group.radius = RadiusDistribution::Fixed { value });
             scene.insert.iter_mut().for_each(|source| source.radius = RadiusDistribution::Fixed { value });
         },
@@ -19,7 +19,7 @@ pub static SIZE_SPREAD: Effect = Effect {
 fn call(scene: &Scene) -> Result<Call, &'static str> {
     let populations = scene.population.iter().map(|group| group.radius.bounds());
     let sources = scene.insert.iter().map(|source| source.radius.bounds());
-    let grains = scene.grain.iter().map(|grain| (grain.radius, grain.radius));
+    let grains = scene.listed().map(|grain| (grain.radius, grain.radius));
     let ranges: Vec<(f64, f64)> = populations.chain(sources).chain(grains).collect();
     let smallest = ranges.iter().fold(f64::INFINITY, |least, range| least.min(range.0));
     let largest = ranges.iter().fold(0.0, |most: f64, range| most.max(range.1));
@@ -34,6 +34,9 @@ fn call(scene: &Scene) -> Result<Call, &'static str> {
         _ if index < populations + sources => ("insert", index - populations),
         _ => ("grain", index - populations - sources),
     };
-    let place = DocumentPath::default().key(table).index(entry).key("radius");
+    let place = match table == "grain" && entry >= scene.grain.len() {
+        true => DocumentPath::default().key("start").key("file"),
+        false => DocumentPath::default().key(table).index(entry).key("radius"),
+    };
     Ok(Call { why: format!("radii from {smallest} to {largest} m"), place })
 }

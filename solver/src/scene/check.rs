@@ -6,9 +6,10 @@ use super::error::{Fault, is_printable, short};
 use super::settings::{Obstacle, SettingError};
 use super::types::SPACING;
 use super::{
-    ContactCoefficients, MOST_MEMORY, Motion, NormalLaw, Placement, Scene, Shape, SolverMethod, SolverSettings, Stop,
-    TangentialLaw, flow, periodic,
+    ContactCoefficients, GrainEntry, MOST_MEMORY, Motion, NormalLaw, Placement, Scene, Shape, SolverMethod,
+    SolverSettings, Stop, TangentialLaw, flow, periodic,
 };
+use nalgebra::Vector3;
 use std::collections::HashMap;
 
 /// Largest number of grains of a scene: grains and contacts have 32-bit indices.
@@ -130,6 +131,22 @@ fn walls(scene: &Scene) -> Checked {
                 shape.key("radius").range(*radius, 1e-9, 1e4, "m")?;
                 shape.key("length").range(*length, 1e-9, 1e4, "m")?;
             }
+            Shape::Frustum { base, axis, radii, length } => {
+                shape.key("base").finite(base)?;
+                shape.key("axis").direction(axis)?;
+                radii.iter().try_for_each(|radius| shape.key("radii").range(*radius, 0.0, 1e4, "m"))?;
+                shape.key("radii").range(radii[0].max(radii[1]), 1e-9, 1e4, "m")?;
+                shape.key("length").range(*length, 1e-9, 1e4, "m")?;
+            }
+            Shape::Rectangle { corner, edges } => {
+                shape.key("corner").finite(corner)?;
+                edges.iter().try_for_each(|edge| shape.key("edges").finite(edge))?;
+                let [one, other] = edges.map(Vector3::from);
+                if one.norm().min(other.norm()) < 1e-9 || one.cross(&other).norm() < 1e-6 * one.norm() * other.norm() {
+                    let remedy = "give two sides of at least 1e-9 m in different directions";
+                    return Err(shape.key("edges").fault(format!("{edges:?} span no area"), remedy));
+                }
+            }
             Shape::Spheres { centres, radius } => {
                 for (number, centre) in centres.iter().enumerate() {
                     shape.key("centres").index(number).finite(centre)?;
@@ -210,7 +227,7 @@ fn walls(scene: &Scene) -> Checked {
 }
 
 fn grains(scene: &Scene) -> Checked {
-    let mut count = scene.grain.len() as f64;
+    let mut count = scene.listed().count() as f64;
     for (index, population) in scene.population.iter().enumerate() {
         let at = DocumentPath::default().key("population").index(index);
         known_material(scene, &at.key("material"), &population.material)?;
@@ -226,14 +243,22 @@ fn grains(scene: &Scene) -> Checked {
         population.region.check(&at.key("region"))?;
     }
     for (index, grain) in scene.grain.iter().enumerate() {
-        let at = DocumentPath::default().key("grain").index(index);
-        known_material(scene, &at.key("material"), &grain.material)?;
-        at.key("radius").range(grain.radius, 1e-9, 100.0, "m")?;
-        at.key("position").finite(&grain.position)?;
-        at.key("velocity").finite(&grain.velocity)?;
-        at.key("spin").finite(&grain.spin)?;
+        listed(scene, &DocumentPath::default().key("grain").index(index), grain)?;
     }
-    Ok(())
+    let Some(start) = &scene.start else { return Ok(()) };
+    let mut grains = start.grains().iter().enumerate();
+    grains.try_for_each(|(index, grain)| {
+        listed(scene, &DocumentPath::default(), grain).map_err(|fault| start.of_grain(index, &fault))
+    })
+}
+
+/// Checks the values of a grain with a given position.
+fn listed(scene: &Scene, at: &DocumentPath, grain: &GrainEntry) -> Checked {
+    known_material(scene, &at.key("material"), &grain.material)?;
+    at.key("radius").range(grain.radius, 1e-9, 100.0, "m")?;
+    at.key("position").finite(&grain.position)?;
+    at.key("velocity").finite(&grain.velocity)?;
+    at.key("spin").finite(&grain.spin)
 }
 
 /// Refuses a step or a stop in addition to an accuracy, which chooses both.

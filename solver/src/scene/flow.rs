@@ -107,7 +107,7 @@ impl Scene {
 
     /// Returns material and smallest and largest radius (m) of the listed grains, the populations with grains, and the sources.
     pub fn grain_kinds(&self) -> impl Iterator<Item = (&str, (f64, f64))> {
-        let listed = self.grain.iter().map(|grain| (grain.material.as_str(), (grain.radius, grain.radius)));
+        let listed = self.listed().map(|grain| (grain.material.as_str(), (grain.radius, grain.radius)));
         let populations = self.population.iter().filter(|group| group.count > 0);
         let placed = populations.map(|group| (group.material.as_str(), group.radius.bounds()));
         listed.chain(placed).chain(self.insert.iter().map(|source| (source.material.as_str(), source.radius.bounds())))
@@ -117,7 +117,7 @@ impl Scene {
     /// a thousand grains: the mean depends on no time.
     pub(crate) fn mean_radius(&self) -> f64 {
         let placed = self.population.iter().map(|group| (group.count as f64, group.radius.mean()));
-        let listed = self.grain.iter().map(|grain| (1.0, grain.radius));
+        let listed = self.listed().map(|grain| (1.0, grain.radius));
         let to_come = |total: Option<u64>| total.map_or(1000.0, |total| total as f64);
         let come = self.insert.iter().map(|source| (to_come(source.total), source.radius.mean()));
         let all = placed.chain(listed).chain(come);

@@ -73,9 +73,10 @@ fn breaks(wall: &Wall, axis: Axis, ends: [f64; 2]) -> Option<&'static str> {
                 .then_some("the cylinder does not reach both ends of the domain")
         }
         Shape::Cylinder { .. } => Some("the cylinder is not parallel to the axis"),
+        Shape::Spheres { .. } => None,
         Shape::Disc { .. } => Some("a disc has an edge"),
         Shape::Mesh { .. } => Some("a mesh has edges"),
-        Shape::Spheres { .. } => None,
+        _ => Some("its shape has edges"),
     };
     face.or_else(|| match (&wall.motion, &wall.shape) {
         (

@@ -30,7 +30,7 @@ pub struct Grain {
     pub spin: [f64; 3],
 }
 
-/// Places the scene's grains: listed grains first, then each population, all numbered in that order.
+/// Places the scene's grains: listed grains first, then those of the start file and each population, all numbered in that order.
 ///
 /// The generator is ChaCha8 seeded with `seed`; equal scenes and seeds give equal bits.
 ///
@@ -55,7 +55,7 @@ pub(super) fn placed(scene: &Scene, seed: u64) -> Result<Vec<Grain>, Unplaced> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut grains = Vec::new();
     reserve(&mut grains, scene.grain_count().min(MOST_SITES as usize))?;
-    grains.extend(scene.grain.iter().map(|entry| Grain {
+    grains.extend(scene.listed().map(|entry| Grain {
         material: entry.material.clone(),
         radius: entry.radius,
         position: entry.position,
@@ -74,9 +74,12 @@ pub(super) fn placed(scene: &Scene, seed: u64) -> Result<Vec<Grain>, Unplaced> {
 
 /// Path in the scene of the entry that defines a grain.
 pub(super) fn origin(scene: &Scene, grain: usize) -> Vec<Step> {
-    let mut before = scene.grain.len();
-    if grain < before {
+    let mut before = scene.listed().count();
+    if grain < scene.grain.len() {
         return vec![Step::Key("grain"), Step::Index(grain), Step::Key("position")];
+    }
+    if grain < before {
+        return vec![Step::Key("start"), Step::Key("file")];
     }
     let index = scene.population.iter().position(|population| {
         before += population.count;

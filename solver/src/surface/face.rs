@@ -6,7 +6,7 @@
 //! ```text
 //! plane      n.(x + s d - p) = level                              x: start, d: path, 0 <= s <= 1
 //! cylinder   |across(x + s d - b)| = R -+ level                   from inside, from outside
-//! sphere     |x + s d - c| = R + level
+//! sphere     |x + s d - c| = R + level                            frustum: frustum.rs
 //! ```
 //!
 //! A grain over a hole, or over the mouth of a tube, that is smaller than the grain is in contact with the rim on all sides, but a nearest
@@ -19,6 +19,7 @@
 //! nearest point  sqrt(z^2 + (R - e)^2)        the two others  sqrt(z^2 + R^2 + e^2 + R e)
 //! ```
 
+use super::frustum::Frustum;
 use super::triangle::Triangle;
 use crate::laws::period::Period;
 use nalgebra::Vector3;
@@ -32,7 +33,7 @@ pub(super) const JOINT: f64 = 1e-9;
 const SAME: f64 = 1e-6;
 
 /// Sines of a third of a turn in either direction, `sqrt(3)/2`.
-const THIRD_OF_A_TURN: [f64; 2] = [0.866_025_403_784_438_6, -0.866_025_403_784_438_6];
+pub(super) const THIRD_OF_A_TURN: [f64; 2] = [0.866_025_403_784_438_6, -0.866_025_403_784_438_6];
 
 /// Position of a smooth surface, m.
 #[derive(Clone, Copy, Debug)]
@@ -77,6 +78,8 @@ pub(crate) enum Face {
     },
     /// Thin triangle with two sides.
     Triangle(Triangle),
+    /// Thin conical shell, or a line of one.
+    Frustum(Frustum),
 }
 
 /// First point of the path of a grain's centre within some distance of a face.
@@ -146,6 +149,7 @@ impl Face {
             Face::Shell { .. } => None,
             Face::Ball { centre, radius, .. } => around(centre, Vector::repeat(radius)),
             Face::Triangle(triangle) => Some(triangle.bounds()),
+            Face::Frustum(frustum) => Some(frustum.bounds()),
         }
     }
 
@@ -159,6 +163,7 @@ impl Face {
             Face::Shell { base, axis, radius, ends } => Face::Shell { base: base + by, axis, radius, ends },
             Face::Ball { centre, radius, period } => Face::Ball { centre: centre + by, radius, period },
             Face::Triangle(triangle) => Face::Triangle(triangle.mapped(|corner| corner + by)),
+            Face::Frustum(own) => Face::Frustum(Frustum { base: own.base + by, ..own }),
         }
     }
 
@@ -181,6 +186,9 @@ impl Face {
             }
             Face::Ball { centre: middle, radius, period } => Face::Ball { centre: place(middle), radius, period },
             Face::Triangle(triangle) => Face::Triangle(triangle.mapped(place)),
+            Face::Frustum(own) => {
+                Face::Frustum(Frustum { base: place(own.base), axis: rotation.turn(own.axis), ..own })
+            }
         }
     }
 
@@ -195,6 +203,7 @@ impl Face {
             | Face::Rim { centre, normal, .. } => along(normal) && on_axis(centre),
             Face::Shell { base, axis: own, .. } => along(own) && on_axis(base),
             Face::Ball { centre, .. } => on_axis(centre),
+            Face::Frustum(Frustum { base, axis: own, .. }) => along(own) && on_axis(base),
             Face::Triangle(_) => false,
         }
     }
@@ -221,6 +230,7 @@ impl Face {
             (Face::Triangle(one), Face::Triangle(other)) => {
                 one.corners.iter().zip(&other.corners).all(|(one, other)| near(other - one))
             }
+            (Face::Frustum(one), Face::Frustum(other)) => aligned(one.axis, other.axis) && near(other.base - one.base),
             _ => false,
         }
     }
@@ -307,6 +317,7 @@ impl Face {
                 let near = triangle.nearest(centre);
                 (near.distance, near.normal)
             }
+            Face::Frustum(frustum) => frustum.nearest(centre, travel),
         }
     }
 
@@ -356,6 +367,7 @@ impl Face {
                 (share <= 1.0).then(|| Impact { share, distance: -normal.dot(&arm) - radius, normal })
             }
             Face::Triangle(triangle) => triangle.time_of_impact(centre, shift, level),
+            Face::Frustum(frustum) => frustum.time_of_impact(centre, shift, level),
         }
     }
 }
@@ -384,7 +396,7 @@ fn flat(normal: Vector, arm: Vector, shift: &Vector, level: f64, [hole, radius]:
 
 /// Returns a unit vector normal to a unit vector: the normal part of `travel`, or any direction if that part is zero.
 #[cold]
-fn perpendicular(axis: Vector, travel: Vector) -> Vector {
+pub(super) fn perpendicular(axis: Vector, travel: Vector) -> Vector {
     let across = travel - axis * axis.dot(&travel);
     across.try_normalize(0.0).unwrap_or_else(|| {
         let other = if axis.x.abs() < 0.9 { Vector::x() } else { Vector::y() };

@@ -4,16 +4,18 @@
 //! mod.rs       Shape         shape of a wall in a scene; its faces, bounds and depth of a grain
 //! face.rs      Face          smooth surface: nearest point, time of impact, displacement
 //! triangle.rs  Triangle      face of a mesh
+//! frustum.rs   Frustum       face of a cone
 //! mesh.rs      TriangleMesh  triangles of a file, welded
 //! files.rs                   readers of STL and OBJ
 //! index.rs     FaceIndex     search for faces near a point
 //! minima.rs    Minima        contacts of a sphere with a mesh: local minima of the distance
 //! ```
 //!
-//! A new shape is a file here, a variant of [`Shape`], its faces, and its range checks (`scene/check.rs`).
+//! A new shape is a file here, a variant of [`Shape`] with its faces and its triangles or [`Revolution`], and its checks (`scene/check.rs`).
 
 mod face;
 mod files;
+mod frustum;
 mod index;
 mod mesh;
 mod minima;
@@ -25,6 +27,7 @@ pub use mesh::{MeshRotation, TriangleMesh};
 pub(crate) use minima::{MOST_CONTACTS, MeshFaces, Minima, Minimum, Near, NearPart};
 
 use crate::laws::period::Period;
+use frustum::Frustum;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -47,7 +50,18 @@ pub(crate) fn is_nowhere(vector: &[f64; 3]) -> bool {
     *vector == [0.0; 3]
 }
 
-/// Surface of a wall.
+/// Surface that a straight line sweeps around an axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Revolution {
+    /// Point of the axis, m.
+    pub base: [f64; 3],
+    /// Direction of the axis, of unit length.
+    pub axis: [f64; 3],
+    /// Ends of the line: distance from the axis, and position along it from the base, m.
+    pub line: [[f64; 2]; 2],
+}
+
+/// Surface of a wall. Planes and boxes have grains on one side, spheres outside; all other shapes are thin, with grains on both sides.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
@@ -69,7 +83,7 @@ pub enum Shape {
         #[serde(default)]
         open: Vec<String>,
     },
-    /// Thin cylindrical shell without ends; grains are inside, or outside after leaving by an end.
+    /// Thin cylindrical shell without ends.
     Cylinder {
         /// Centre of the first end, metres.
         base: [f64; 3],
@@ -80,6 +94,24 @@ pub enum Shape {
         /// Length along the axis, metres.
         length: f64,
     },
+    /// Thin conical shell without ends, such as a funnel.
+    Frustum {
+        /// Centre of the first end, metres.
+        base: [f64; 3],
+        /// Direction of the axis; need not be of unit length.
+        axis: [f64; 3],
+        /// Radii of the first and of the second end, metres; one may be zero, for a tip.
+        radii: [f64; 2],
+        /// Length along the axis, metres.
+        length: f64,
+    },
+    /// Thin rectangle or parallelogram.
+    Rectangle {
+        /// Corner, metres.
+        corner: [f64; 3],
+        /// The two sides from the corner, metres.
+        edges: [[f64; 3]; 2],
+    },
     /// Spheres of one size, seen from outside: a rough bed, or obstacles.
     Spheres {
         /// Centres, metres.
@@ -87,12 +119,11 @@ pub enum Shape {
         /// Radius, metres.
         radius: f64,
     },
-    /// Flat disc, such as a drum's end cap; grains are on the side of the normal. With a hole it is a thin ring, such as the floor of a
-    /// silo, with grains on both sides.
+    /// Thin flat disc, such as a drum's end cap; with a hole, a ring, such as the floor of a silo.
     Disc {
         /// Centre, metres.
         centre: [f64; 3],
-        /// Normal towards the grains; need not be of unit length.
+        /// Normal; need not be of unit length. Observables take its side for that of the grains.
         normal: [f64; 3],
         /// Radius, metres.
         radius: f64,
@@ -127,6 +158,8 @@ impl Shape {
             Shape::Plane { .. } => "plane",
             Shape::Box { .. } => "box",
             Shape::Cylinder { .. } => "cylinder",
+            Shape::Frustum { .. } => "frustum",
+            Shape::Rectangle { .. } => "rectangle",
             Shape::Spheres { .. } => "spheres",
             Shape::Disc { .. } => "disc",
             Shape::Mesh { .. } => "mesh",
@@ -138,8 +171,12 @@ impl Shape {
         Shape::Mesh { file: name.into(), scale: 1.0, rotate: None, translate: [0.0; 3], content: mesh }
     }
 
-    /// Returns the triangles of a mesh at their positions in the scene (m); `None` for other shapes.
+    /// Returns the triangles (m) of a mesh or a rectangle; `None` for other shapes.
     pub fn triangles(&self) -> Option<Vec<[[f64; 3]; 3]>> {
+        if let Shape::Rectangle { corner, edges: [one, other] } = self {
+            let at = |x: f64, y: f64| std::array::from_fn(|axis| corner[axis] + x * one[axis] + y * other[axis]);
+            return Some(vec![[*corner, at(1.0, 0.0), at(1.0, 1.0)], [*corner, at(1.0, 1.0), at(0.0, 1.0)]]);
+        }
         let Shape::Mesh { scale, rotate, translate, content, .. } = self else { return None };
         let rotation = rotate.as_ref().map(MeshRotation::rotation);
         let place = |point: [f64; 3]| {
@@ -148,6 +185,17 @@ impl Shape {
             <[f64; 3]>::from(point + Vector::from(*translate))
         };
         Some(content.corners().map(|corners| corners.map(place)).collect())
+    }
+
+    /// Returns a cylinder, a frustum or a disc as a surface of revolution; `None` for other shapes.
+    pub fn revolution(&self) -> Option<Revolution> {
+        let (base, axis, line) = match self {
+            Shape::Cylinder { base, axis, radius, length } => (base, axis, [[*radius, 0.0], [*radius, *length]]),
+            Shape::Frustum { base, axis, radii, length } => (base, axis, [[radii[0], 0.0], [radii[1], *length]]),
+            Shape::Disc { centre, normal, radius, hole } => (centre, normal, [[*hole, 0.0], [*radius, 0.0]]),
+            _ => return None,
+        };
+        Some(Revolution { base: *base, axis: Vector::from(*axis).normalize().into(), line })
     }
 
     /// Returns the faces of the shape in a space of this period: along a periodic axis, faces repeat or have no end.
@@ -163,6 +211,11 @@ impl Shape {
                 }
                 let ring = Face::Ring { centre, normal, radius: *radius, hole: *hole };
                 std::iter::once(ring).chain(Face::rim(centre, normal, *hole)).collect()
+            }
+            Shape::Frustum { base, axis, radii, length } => {
+                let (base, axis) = (Vector::from(*base), Vector::from(*axis).normalize());
+                let lines = [0.0].into_iter().chain(face::THIRD_OF_A_TURN);
+                lines.map(|sine| Face::Frustum(Frustum { base, axis, radii: *radii, length: *length, sine })).collect()
             }
             Shape::Cylinder { base, axis, radius, length } => {
                 let (base, normal) = (Vector::from(*base), Vector::from(*axis).normalize());
@@ -188,14 +241,17 @@ impl Shape {
                     })
                     .collect()
             }
-            Shape::Mesh { .. } => self.triangles().into_iter().flatten().map(Face::triangle).collect(),
+            Shape::Rectangle { .. } | Shape::Mesh { .. } => {
+                self.triangles().into_iter().flatten().map(Face::triangle).collect()
+            }
         }
     }
 
-    /// Returns the width (m) of seams between triangles of a mesh that count as closed; `None` for other shapes.
+    /// Returns the width (m) of seams between triangles that count as closed; `None` for shapes whose contacts are not those of triangles.
     pub(crate) fn seam(&self) -> Option<f64> {
         match self {
             Shape::Mesh { scale, content, .. } => Some(content.seam() * scale),
+            Shape::Rectangle { .. } => Some(TriangleMesh::new(&self.triangles()?).ok()?.seam()),
             _ => None,
         }
     }
@@ -206,9 +262,12 @@ impl Shape {
             Shape::Plane { .. } => Vec::new(),
             Shape::Box { min, max, .. } => vec![(*min, *max)],
             Shape::Cylinder { base, axis, radius, length } => ends(base, axis, *radius, *length).into(),
+            Shape::Frustum { base, axis, radii, length } => {
+                [0, 1].map(|end| ends(base, axis, radii[end], *length)[end]).into()
+            }
             Shape::Disc { centre, normal, radius, .. } => ends(centre, normal, *radius, 0.0).into(),
             Shape::Spheres { centres, radius } => centres.iter().map(|centre| around(centre, &[*radius; 3])).collect(),
-            Shape::Mesh { .. } => {
+            Shape::Rectangle { .. } | Shape::Mesh { .. } => {
                 let corners: Vec<[f64; 3]> = self.triangles().into_iter().flatten().flatten().collect();
                 let Some(first) = corners.first() else { return Vec::new() };
                 let none = (*first, *first);
@@ -220,22 +279,19 @@ impl Shape {
     }
 
     /// Returns an upper bound of the distance (m) of the points of the shape from an axis, given the distance of one point.
-    pub(crate) fn furthest(&self, arm: impl Fn(Vector) -> f64) -> f64 {
+    pub fn furthest(&self, arm: impl Fn(Vector) -> f64) -> f64 {
         match self {
             Shape::Plane { .. } => f64::INFINITY,
             Shape::Box { min, max, .. } => furthest_corner(min, max, arm),
-            Shape::Cylinder { base, axis, radius, length } => {
-                let base = Vector::from(*base);
-                let end = base + Vector::from(*axis).normalize() * *length;
-                arm(base).max(arm(end)) + radius
-            }
-            Shape::Disc { centre, radius, .. } => arm(Vector::from(*centre)) + radius,
             Shape::Spheres { centres, radius } => {
                 centres.iter().map(|centre| arm(Vector::from(*centre))).fold(0.0, f64::max) + radius
             }
-            Shape::Mesh { .. } => {
+            _ => {
+                let place = |base: [f64; 3], axis: [f64; 3], z: f64| Vector::from(base) + Vector::from(axis) * z;
+                let revolution = self.revolution().into_iter();
+                let circles = revolution.flat_map(|one| one.line.map(|[r, z]| arm(place(one.base, one.axis, z)) + r));
                 let corners = self.triangles().into_iter().flatten().flatten();
-                corners.map(|corner| arm(Vector::from(corner))).fold(0.0, f64::max)
+                corners.map(|corner| arm(Vector::from(corner))).chain(circles).fold(0.0, f64::max)
             }
         }
     }

@@ -63,7 +63,12 @@ fn sizes(scene: &Scene) -> Option<Fault> {
         .iter()
         .enumerate()
         .map(|(index, source)| (root.key("insert").index(index).key("radius"), source.radius.bounds()));
-    populations.chain(grains).chain(sources).find_map(|(at, (least, most))| {
+    let start = scene
+        .start
+        .iter()
+        .flat_map(|start| start.grains())
+        .map(|grain| (root.key("start").key("file"), (grain.radius, grain.radius)));
+    populations.chain(grains).chain(start).chain(sources).find_map(|(at, (least, most))| {
         let (least, most) = (2.0 * least, 2.0 * most);
         if most > BOULDER {
             let problem = format!("grains of {} m in diameter are boulders (above {BOULDER} m)", short(most));
