@@ -211,7 +211,7 @@ fn a_turning_rectangle_moves_grains_as_its_triangles_do() {
 fn errors_name_key_and_remedy() {
     let mut scene = Setup::default().scene();
     for (shape, key, remedy) in [
-        (frustum([0.0, 0.0], 1.0), "shape.radii", "from 1e-9"),
+        (frustum([0.0, 0.0], 1.0), "shape.radii", "from 0.000000001"),
         (frustum([-1.0, 1.0], 1.0), "shape.radii", "from 0"),
         (frustum([f64::NAN, 1.0], 1.0), "shape.radii", "from 0"),
         (Shape::Rectangle { corner: [0.0; 3], edges: [UP, UP] }, "shape.edges", "different directions"),

@@ -77,7 +77,7 @@ fn errors_name_line_column_and_remedy() {
             ["start.file", "line 3: column z: 'up' is not a number", "SI"],
         ),
         ("x,y,z,radius\n0,0,1\n", named, ["start.file", "line 2: 3 values", "one value for each column"]),
-        ("x,y,z,radius\n0,0,1,-2\n", named, ["start.file", "line 2: radius: -2 is out of range", "from 1e-9"]),
+        ("x,y,z,radius\n0,0,1,-2\n", named, ["start.file", "line 2: radius: -2 is out of range", "from 0.000000001"]),
         ("x,y,z,radius\n0,0,nan,1\n", named, ["start.file", "line 2: position", "finite"]),
         ("x,y,z,radius\n0,0,1,0.1\n", "file = 'start.csv'", ["start.file", "material", "give one of them"]),
         (
