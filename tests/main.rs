@@ -28,5 +28,7 @@ mod run_command;
 mod scaling_command;
 mod see_commands;
 mod stability;
+mod stages_command;
 mod tradeoff_command;
+mod wall_loads_command;
 mod watch_command;

@@ -25,6 +25,7 @@ from .errors import (
     SceneError,
     SceneNotFoundError,
     SettingError,
+    StageError,
     ViewError,
     InvalidStateError,
 )
@@ -48,6 +49,7 @@ __all__ = [
     "SceneError",
     "SceneNotFoundError",
     "SettingError",
+    "StageError",
     "Simulation",
     "ViewError",
     "InvalidStateError",

@@ -208,6 +208,14 @@ class Simulation:
         """The ledger since it was opened (J, kg m/s); None if it was not."""
     def flow(self) -> Optional[dict[str, Any]]:
         """What came from the sources and went into the sinks of the scene, and lags (s); None without any."""
+    @property
+    def stage(self) -> Optional[str]:
+        """Name of the stage of the last step; None for a scene without stages."""
+    @property
+    def ended(self) -> bool:
+        """Whether the last stage of the scene has ended."""
+    def stages(self) -> list[dict[str, Any]]:
+        """The stages that have begun: ``name``, ``start`` and ``end`` (s), ``steps`` and ``ended`` of each."""
     def interrupt(self) -> None:
         """Asks the thread that steps to stop: it raises ``makadam.Interrupted``."""
     def checkpoint(self) -> bytes:

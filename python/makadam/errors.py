@@ -15,6 +15,7 @@ __all__ = [
     "SceneError",
     "SceneNotFoundError",
     "SettingError",
+    "StageError",
     "ViewError",
     "InvalidStateError",
 ]
@@ -77,6 +78,10 @@ class BusyError(Error, RuntimeError):
 
 class InvalidStateError(Error, RuntimeError):
     """A watchdog noticed what makes the numbers of a run invalid: deep overlaps, energy from nowhere, grains that are lost."""
+
+
+class StageError(Error, RuntimeError):
+    """A stage did not end within its ``at_most``; the state is that after its last step."""
 
 
 class JudgeError(Error, RuntimeError):

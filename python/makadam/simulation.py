@@ -129,6 +129,8 @@ class Simulation(State, Interventions):
 
         Ctrl-C ends it: the state is that after the last whole step, also where it comes within a long step.
 
+        A scene with ``[[stage]]`` goes through its stages: ``stage`` is the name of the present one, ``ended`` is true after the last.
+
         Raises:
             KeyboardInterrupt: At Ctrl-C.
             makadam.Interrupted: ``interrupt`` was called.
@@ -193,8 +195,26 @@ class Simulation(State, Interventions):
         steps = float(duration) / self.time_step
         if steps >= 2.0**63:
             raise SettingError(f"cannot run for {duration!r} s: that is {steps:.3g} steps; give less")
+        end = self.time + float(duration)
         with self._stepping():
-            self._step_and_call(self._steps_of(float(duration)))
+            if self.stage is None:
+                self._step_and_call(self._steps_of(float(duration)))
+            while self.stage is not None and self.time < end - 0.5 * self.time_step:
+                # A stage may have another time step.
+                self._step_and_call(1)
+
+    def finish(self) -> None:
+        """Takes the steps up to the end of the last stage of the scene. Errors as of ``step``.
+
+        Raises:
+            makadam.SettingError: The scene has no stages.
+            makadam.StageError: A stage did not end within its ``at_most``.
+        """
+        if self.stage is None:
+            raise SettingError("the scene has no stages; use run(duration)")
+        with self._stepping():
+            while not self.ended:
+                self._step_and_call(1)
 
     def _take(self, steps: int) -> None:
         self._tell(self._step(steps), 5)

@@ -140,6 +140,9 @@ fn check_runs(scene: &Scene, runs: &[PyRef<'_, Recording>]) -> Result<(), String
 
 /// Checks that a run has all frames that the scene measures, and lists the missing frames.
 fn whole(scene: &plan::MeasuredScene, run: &recording::Recording) -> Result<(), String> {
+    if !scene.stage.is_empty() {
+        return Err(format!("{} has stages; compare it with the command, `makadam compare`", scene.name));
+    }
     let (seed, interval, slack) = (run.seed, scene.measure.interval, scene.measure.slack() + run.time_step);
     let last = run.frames.last().map_or(f64::NEG_INFINITY, |frame| frame.time);
     if (last - scene.duration).abs() > slack {
@@ -150,7 +153,8 @@ fn whole(scene: &plan::MeasuredScene, run: &recording::Recording) -> Result<(), 
     }
     let Some(from) = scene.measure.from else { return Ok(()) };
     let mut before = from;
-    for time in run.frames.iter().map(|frame| frame.time).filter(|time| scene.measure.covers(*time)) {
+    let measured = run.frames.iter().filter(|frame| scene.covers(frame.time, frame.stage));
+    for time in measured.map(|frame| frame.time) {
         if time - before > interval + slack {
             return Err(format!(
                 "the run of seed {seed} has no frames between {before} s and {time} s, and {} measures one every {interval} s from \

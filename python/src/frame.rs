@@ -14,7 +14,7 @@ use pyo3::types::{PyBytes, PyDict};
 use std::sync::Arc;
 
 /// Magic bytes of a single frame; the last byte is the version of the format.
-const MARK: [u8; 8] = *b"mkd-frm\x03";
+const MARK: [u8; 8] = *b"mkd-frm\x04";
 
 /// Copy of grains and contacts at a time, independent of later changes. Rows are grains in id order.
 #[pyclass(frozen, module = "makadam", name = "Frame")]

@@ -208,6 +208,23 @@ impl Simulation {
         plain(py, &self.0.with(py, |simulation| simulation.flow())?)
     }
 
+    /// Name of the stage of the last step; None for a scene without stages.
+    #[getter]
+    fn stage(&self, py: Python<'_>) -> PyResult<Option<String>> {
+        self.0.with(py, |simulation| simulation.stages().pop().map(|stage| stage.name))
+    }
+
+    /// True once the last stage of the scene has ended.
+    #[getter]
+    fn ended(&self, py: Python<'_>) -> PyResult<bool> {
+        self.0.with(py, |simulation| simulation.has_ended())
+    }
+
+    /// The stages that have begun, a list of dicts of `name`, `start` and `end` (s), `steps` and `ended`.
+    fn stages<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        plain(py, &self.0.with(py, |simulation| simulation.stages())?)
+    }
+
     /// Requests a stop of the stepping thread, which raises `makadam.Interrupted`. Without such a thread, the next call of `step` raises.
     fn interrupt(&self) {
         self.0.interrupt.request();

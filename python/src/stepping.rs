@@ -5,7 +5,7 @@ use crate::errors::{exception, warn};
 use crate::shared::Shared;
 use makadam::StopReason;
 use makadam::scene::Reaction;
-use makadam::watch::Alarm;
+use makadam::watch::{Alarm, Trouble};
 use makadam_frames::interrupt;
 use pyo3::prelude::*;
 use std::sync::atomic::Ordering;
@@ -62,7 +62,13 @@ pub fn steps(py: Python<'_>, shared: &Shared, mut left: u64) -> PyResult<Vec<Str
         left -= slice.taken;
         for alarm in slice.alarms {
             match alarm.reaction {
-                Reaction::Stop => return Err(exception(py, "InvalidStateError", &alarm.to_string())),
+                Reaction::Stop => {
+                    let class = match alarm.trouble {
+                        Trouble::Overdue { .. } => "StageError",
+                        _ => "InvalidStateError",
+                    };
+                    return Err(exception(py, class, &alarm.to_string()));
+                }
                 _ => warnings.push(alarm.to_string()),
             }
         }

@@ -107,9 +107,8 @@ pub enum State {
 
 /// Returns a view of the grains of a simulation, rows in memory order.
 pub fn state<'py>(py: Python<'py>, shared: &Arc<Shared>, what: State) -> PyResult<Bound<'py, PyAny>> {
-    if shared.scene.plan.flows() {
-        let message =
-            "grains come and go in the steps of this scene, so that no array of them can stay; take copies: frame()";
+    if shared.scene.plan.flows() || !shared.scene.plan.stage.is_empty() {
+        let message = "grains come and go in the steps of this scene, or it has stages, so that no array of them can stay; take copies: frame()";
         return Err(exception(py, "ViewError", message));
     }
     let writable = matches!(what, State::Positions | State::Velocities | State::ScaledSpins);

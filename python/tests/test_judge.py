@@ -62,8 +62,8 @@ def test_frames_and_recordings_are_pickled(recording):
         assert again.time == frame.time and np.array_equal(again.positions, frame.positions)
         assert np.array_equal(again.contacts()["normal_force"], frame.contacts()["normal_force"])
         assert duplicate(recording).measure() == recording.measure() and duplicate(recording).scene == recording.scene
-    damaged = pickle.dumps(recording.frames[-1]).replace(b"mkd-frm\x03", b"mkd-frm\x04")
-    with pytest.raises(makadam.JudgeError, match="version 4"):
+    damaged = pickle.dumps(recording.frames[-1]).replace(b"mkd-frm\x04", b"mkd-frm\x05")
+    with pytest.raises(makadam.JudgeError, match="version 5"):
         pickle.loads(damaged)
 
 

@@ -109,19 +109,22 @@ pub use interrupt::Interrupt;
 pub use lanes::InstructionSet;
 pub use partition::Portion;
 pub use scene::{
-    Axis, Cohesion, Domain, Face, GrainEntry, Insertion, Material, Motion, NormalLaw, PairRule, Population, Precision,
-    RadiusDistribution, Region, Removal, Scene, SceneBuilder, SceneError, SceneFileError, Shape, SolverMethod,
-    SolverSettings, Stop, Wall,
+    Axis, Cohesion, Domain, Face, Gauge, GaugeShape, GrainEntry, Insertion, Material, Motion, NormalLaw, PairRule,
+    Population, Precision, RadiusDistribution, Region, Removal, Scene, SceneBuilder, SceneError, SceneFileError, Shape,
+    SolverMethod, SolverSettings, Stage, StageEnd, Stop, Wall,
 };
 pub use scene::{Obstacle, SettingError};
 pub use schedule::{Scheduler, StepTrace};
 pub use simulation::energy::Energy;
 pub use simulation::flow::{FlowReport, Passed};
+pub use simulation::gauge::Passages;
 pub use simulation::intervention::{InterventionError, States};
 #[doc(hidden)]
 pub use simulation::intervention::{KeptContact, PairsInList};
 pub use simulation::ledger::Balance;
+pub use simulation::stages::{PresentStage, StageReport};
 pub use simulation::swept::{Crossing, Passage};
+pub use simulation::wall_record::{FaceWear, WallLoad};
 pub use simulation::{PhaseSeconds, Simulation, StepReport, checkpoint};
 pub use snapshot::{Contact, Frame, Partner, Snapshot};
 pub use solve::{NotConverged, SolveReport, StopReason};

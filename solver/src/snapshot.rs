@@ -21,8 +21,11 @@ use crate::effects::spring::SpringLanes;
 use crate::groups::ContactLanes;
 use crate::lanes::Eight;
 pub use crate::simulation::flow::Passed;
+pub use crate::simulation::gauge::Passages;
+pub use crate::simulation::stages::PresentStage;
 use crate::simulation::swept::Struck;
-pub use crate::wall::DrivenWall;
+pub use crate::simulation::wall_record::{FaceWear, WallLoad};
+pub use crate::wall::{Beginning, DrivenWall};
 use crate::world::Roll;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -111,6 +114,16 @@ pub struct Snapshot {
     pub origins: Vec<Origin>,
     /// Grains that have come from sources and gone into sinks.
     pub passed: [Passed; 2],
+    /// Stage of the last step; absent for a scene without stages.
+    pub stage: Option<PresentStage>,
+    /// Beginnings of the motions that stages have given to walls, by the number of the wall in the scene.
+    pub beginnings: Vec<(u32, Beginning)>,
+    /// Passages forward and backward of each gauge since the start.
+    pub gauges: Vec<[Passages; 2]>,
+    /// Mean load of each wall since the last measured frame; empty unless recorded ([`Simulation::record_walls`]).
+    pub wall_loads: Vec<WallLoad>,
+    /// Wear of the faces that grains have touched, and of the first face of each wall; empty unless recorded.
+    pub wear: Vec<FaceWear>,
 }
 
 impl Simulation {
@@ -141,6 +154,11 @@ impl Simulation {
             driven_walls: driven.collect(),
             origins: self.origins(),
             passed: self.passed(),
+            stage: self.stage(),
+            beginnings: self.beginnings(),
+            gauges: self.gauges().to_vec(),
+            wall_loads: self.wall_loads(),
+            wear: self.wear(),
         }
     }
 

@@ -87,6 +87,13 @@ pub enum Trouble {
         /// Name of the unit: g h, or m/s without gravity.
         unit: &'static str,
     },
+    /// A stage has not ended within its longest time.
+    Overdue {
+        /// Number of the stage in the scene, from 0.
+        stage: u32,
+        /// Value of its condition, and the value that ends it: J per grain, N or kg.
+        condition: [f64; 2],
+    },
 }
 
 impl Trouble {
@@ -101,12 +108,13 @@ impl Trouble {
             Trouble::Crossing { .. } => "crossing",
             Trouble::Passage { .. } => "passage",
             Trouble::Stagnation { .. } => "stagnation",
+            Trouble::Overdue { .. } => "overdue stage",
         }
     }
 
     /// Returns true if the violation invalidates the results of a run, for any requested reaction.
     pub fn is_fatal(&self) -> bool {
-        !matches!(self, Trouble::Overlap { .. } | Trouble::Stagnation { .. })
+        !matches!(self, Trouble::Overlap { .. } | Trouble::Stagnation { .. } | Trouble::Overdue { .. })
     }
 }
 
@@ -165,6 +173,11 @@ impl fmt::Display for Alarm {
                 residual_text(residual, unit),
                 residual_text(bound, unit)
             ),
+            Trouble::Overdue { stage, condition: [value, bound] } => write!(
+                out,
+                "stage[{stage}] has not ended within at_most: its until is at {value:.3e}, and ends it at {bound:e}; raise \
+                 stage[{stage}].at_most, or change stage[{stage}].until"
+            ),
         }?;
         write!(out, " (step {}, {:.6} s)", self.step, self.time)
     }
@@ -221,11 +234,14 @@ impl Watchdog {
     ///
     /// Every step must be observed: after a missed step or an intervention on grains, the energy supply is unknown, and the
     /// energy check restarts. Steps between checks allocate nothing, and a check at most one pose per wall. A grain that has
-    /// crossed a wall, or may have passed through another grain, is always reported in the same step.
+    /// crossed a wall, or may have passed through another grain, is always reported in the same step, and so is a stage that has
+    /// not ended in time.
     pub fn observe(&mut self, simulation: &Simulation, report: &StepReport) -> Vec<Alarm> {
         let crossing = simulation.crossing().map(|Crossing { grain, wall }| Trouble::Crossing { grain, wall });
         let passage = || simulation.passage().map(|Passage { grains }| Trouble::Passage { grains });
-        if let Some(trouble) = crossing.or_else(passage) {
+        let stage = || simulation.stage().map_or(0, |stage| stage.number);
+        let overdue = || simulation.overdue().map(|condition| Trouble::Overdue { stage: stage(), condition });
+        if let Some(trouble) = crossing.or_else(passage).or_else(overdue) {
             let (step, time) = (simulation.steps, simulation.world.time);
             return vec![Alarm { trouble, reaction: Reaction::Stop, step, time }];
         }

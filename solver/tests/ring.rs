@@ -19,7 +19,7 @@ fn everywhere() -> Domain {
 fn ring() -> PlacedWalls {
     let shape = Shape::Disc { centre: [0.0; 3], normal: [0.0, 0.0, 2.0], radius: 0.2, hole: HOLE };
     let wall = Wall::new("ring", "wall", shape);
-    PlacedWalls::at(&[wall], &everywhere(), 0.0, &[])
+    PlacedWalls::at(&[wall], &everywhere(), 0.0, &[], &[])
 }
 
 fn nearest(at: [f64; 3]) -> (f64, Vector3<f64>) {

@@ -101,7 +101,7 @@ fn facets(radii: [f64; 2], length: f64, sides: usize) -> Vec<Corners> {
 /// Distance of a point from the nearest of some walls, m.
 fn distance(walls: &[Wall], point: &Vector) -> f64 {
     let domain = Domain { min: [-1.0; 3], max: [1.0; 3], periodic: Vec::new() };
-    PlacedWalls::at(walls, &domain, 0.0, &[]).distance(point)
+    PlacedWalls::at(walls, &domain, 0.0, &[], &[]).distance(point)
 }
 
 #[test]

@@ -17,7 +17,7 @@ macro_rules! templates {
     };
 }
 
-templates!["box", "drum", "heap", "mixer", "shaker", "silo", "stream"];
+templates!["box", "drum", "heap", "mixer", "shaker", "silo", "stages", "stream"];
 
 /// Returns the template of a name.
 pub fn template(name: &str) -> Option<&'static Template> {

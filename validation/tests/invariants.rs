@@ -208,7 +208,7 @@ fn beds_have_what_they_are_drawn_for() {
         let measured = Bed::drawn(seed).measured();
         assert!(measured.iter().any(|one| one.observable == name), "{kind}: {measured:?}");
     }
-    let all: usize = definitions().count();
+    let all = definitions().filter(|(_, definition)| !definition.name.contains('(')).count();
     let mut seen: Vec<String> =
         (0..24).flat_map(|seed| Bed::drawn(seed).measured()).map(|one| one.observable).collect();
     seen.sort();

@@ -103,6 +103,11 @@ impl Drive {
         self.axis
     }
 
+    /// Returns true if another drive has the same axis.
+    pub(crate) fn has_axis_of(&self, other: &Drive) -> bool {
+        (self.axis, self.pivot) == (other.axis, other.pivot)
+    }
+
     /// Returns the axis of the rotation; zero for a translation.
     pub(crate) fn turning(&self) -> Vector3<f64> {
         self.pivot.map_or_else(Vector3::zeros, |_| self.axis)

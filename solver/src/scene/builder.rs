@@ -3,7 +3,7 @@
 use super::types::SPACING;
 use super::{
     Accuracy, Axis, GrainEntry, Insertion, Material, Motion, PairRule, Placement, Population, RadiusDistribution,
-    Region, Removal, Scene, SceneError, Shape, SolverSettings, Wall, Watch,
+    Region, Removal, Scene, SceneError, Shape, SolverSettings, Stage, Wall, Watch,
 };
 use crate::surface::{around, ends};
 
@@ -63,6 +63,8 @@ impl SceneBuilder {
         insert(source: Insertion) |builder| builder.scene.insert.push(source);
         /// Adds a sink of grains.
         remove(sink: Removal) |builder| builder.scene.remove.push(sink);
+        /// Adds a stage after those before; the stages give the duration.
+        stage(stage: Stage) |builder| builder.scene.stage.push(stage);
         /// Adds a grain.
         grain(grain: GrainEntry) |builder| builder.scene.grain.push(grain);
         /// Settings of the time step and of the contact solver.
@@ -92,6 +94,7 @@ impl SceneBuilder {
     pub fn build(self) -> Result<Scene, SceneError> {
         let SceneBuilder { mut scene, domain } = self;
         (scene.domain.min, scene.domain.max) = domain.unwrap_or_else(|| extent(&scene));
+        scene.duration = scene.longest_of_stages().unwrap_or(scene.duration);
         // The law of an accuracy needs valid values.
         super::check::check(&scene)?;
         if let Some(accuracy) = scene.accuracy {

@@ -7,7 +7,7 @@ use super::settings::{Obstacle, SettingError};
 use super::types::SPACING;
 use super::{
     ContactCoefficients, GrainEntry, MOST_MEMORY, Motion, NormalLaw, Placement, Scene, Shape, SolverMethod,
-    SolverSettings, Stop, TangentialLaw, flow, periodic,
+    SolverSettings, Stop, TangentialLaw, flow, gauge, periodic, stages,
 };
 use nalgebra::Vector3;
 use std::collections::HashMap;
@@ -34,12 +34,14 @@ pub(super) fn check(scene: &Scene) -> Checked {
     walls(scene)?;
     grains(scene)?;
     flow::check(scene)?;
+    gauge::check(scene)?;
     accuracy(scene)?;
     solver(scene)?;
+    stages::check(scene)?;
     watch(scene)
 }
 
-fn gravity(scene: &Scene) -> Checked {
+pub(super) fn gravity(scene: &Scene) -> Checked {
     let root = DocumentPath::default();
     root.key("gravity").finite(&scene.gravity)?;
     let mut before = 0.0;
@@ -65,7 +67,7 @@ fn watch(scene: &Scene) -> Checked {
     at.key("residual").range(watch.residual, 1e-12, 1e12, "(in units of g h)")
 }
 
-fn materials(scene: &Scene) -> Checked {
+pub(super) fn materials(scene: &Scene) -> Checked {
     if scene.material.len() > MOST_MATERIALS {
         let problem = format!("{} materials", scene.material.len());
         return Err(DocumentPath::default()
@@ -105,7 +107,7 @@ fn least(scene: &Scene, [first, second]: [&str; 2], of: fn(&ContactCoefficients)
     }
 }
 
-fn walls(scene: &Scene) -> Checked {
+pub(super) fn walls(scene: &Scene) -> Checked {
     for (index, wall) in scene.wall.iter().enumerate() {
         let at = DocumentPath::default().key("wall").index(index);
         known_material(scene, &at.key("material"), &wall.material)?;
@@ -466,7 +468,7 @@ fn names(scene: &Scene) -> Checked {
 }
 
 /// Checks that a name is printable and valid in a table and as a file name.
-fn fit(at: &DocumentPath, whose: &str, name: &str) -> Checked {
+pub(super) fn fit(at: &DocumentPath, whose: &str, name: &str) -> Checked {
     let refuse = |what: String, remedy: &str| Err(at.fault(format!("{whose} {what}"), remedy));
     if name.trim().is_empty() {
         return refuse("is empty".into(), "give a name");

@@ -3,10 +3,11 @@
 //! The solver is independent of files. The reader of a file converts the path to a file and a line: [`SceneError::in_file`].
 
 use super::Scene;
-use super::document::Document;
+use super::document::{Document, DocumentPath};
 use super::suggestions::remedy;
 use std::fmt;
 use std::path::{Path, PathBuf};
+use toml::Value;
 
 /// Error of a scene.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -137,6 +138,24 @@ pub(super) enum Step {
 impl Fault {
     pub(super) fn new(path: Vec<Step>, problem: String, remedy: impl Into<String>) -> Fault {
         Fault { path, problem, remedy: remedy.into(), see: None, line: None }
+    }
+
+    /// Returns true if a value has the first two keys of the path.
+    pub(super) fn is_in(&self, value: Option<&Value>) -> bool {
+        let key = |value: &'_ Value, step: &Step| value.get(label(std::slice::from_ref(step))).cloned();
+        let start = self.path.iter().take(2);
+        !self.path.is_empty() && start.fold(value.cloned(), |value, step| key(&value?, step)).is_some()
+    }
+
+    /// Replaces the start of the path, if the path begins so.
+    pub(super) fn moved(mut self, (from, to): (DocumentPath, DocumentPath)) -> Fault {
+        let (from, old) = (from.path(), label(&self.path));
+        if self.path.starts_with(&from) {
+            self.path.splice(..from.len(), to.path());
+            self.problem =
+                self.problem.strip_prefix(&old).map_or(self.problem.clone(), |rest| label(&self.path) + rest);
+        }
+        self
     }
 
     /// Adds the path of another value that the remedy mentions.

@@ -4,7 +4,8 @@ use super::check::{MOST_GRAINS, extent, known_material};
 use super::document::{Checked, DocumentPath};
 use super::error::short;
 use super::populate::{symmetric, uniform};
-use super::{Insertion, Region, Removal, Scene, sphere_volume};
+use super::stages::known_stage;
+use super::{Insertion, Region, Removal, Scene, Stage, sphere_volume};
 use crate::surface::ends;
 use nalgebra::Vector3;
 use rand_chacha::ChaCha8Rng;
@@ -131,9 +132,15 @@ impl Scene {
         self.grain_count().saturating_add(come as usize)
     }
 
+    /// Returns the longest time in which a source acts, from the start of the run or of its stage, s.
+    fn longest_of(&self, source: &Insertion) -> f64 {
+        let stage = self.stage.iter().find(|stage| source.stage.as_ref() == Some(&stage.name));
+        stage.map_or(self.duration, Stage::longest)
+    }
+
     /// Returns an estimate of the grains of a source by the end of the run.
     pub(crate) fn expected(&self, source: &Insertion) -> f64 {
-        let due = source.grains_by(self.duration, self.material[&source.material].density);
+        let due = source.grains_by(self.longest_of(source), self.material[&source.material].density);
         due.min(source.total.map_or(f64::INFINITY, |total| total as f64))
     }
 }
@@ -144,6 +151,7 @@ pub(super) fn check(scene: &Scene) -> Checked {
     let mut count = scene.grain_count() as f64;
     for (index, source) in scene.insert.iter().enumerate() {
         let at = root.key("insert").index(index);
+        known_stage(scene, &at, source.stage.as_ref())?;
         check_source(scene, &at, source)?;
         count += scene.expected(source);
         if count > MOST_GRAINS {
@@ -153,8 +161,9 @@ pub(super) fn check(scene: &Scene) -> Checked {
             );
         }
     }
-    for (index, Removal { region, from, until }) in scene.remove.iter().enumerate() {
+    for (index, Removal { region, stage, from, until }) in scene.remove.iter().enumerate() {
         let at = root.key("remove").index(index);
+        known_stage(scene, &at, stage.as_ref())?;
         region.check(&at.key("region"))?;
         times(&at, *from, *until)?;
         let (low, high) = region.bounds();
@@ -216,8 +225,9 @@ fn rate_can_be_met(scene: &Scene, at: &DocumentPath, source: &Insertion, volume:
     };
     let (speed, gravity) = (Vector3::from(source.velocity).norm(), scene.largest_gravity());
     let stay = 0.25 * width / (speed + (speed * speed + 0.25 * gravity * width).sqrt());
-    let active =
-        source.elapsed(scene.duration).min(source.total.map_or(f64::INFINITY, |total| total as f64 * least / solid));
+    let active = source
+        .elapsed(scene.longest_of(source))
+        .min(source.total.map_or(f64::INFINITY, |total| total as f64 * least / solid));
     let most = FULL * volume / stay.min(active);
     if solid > most {
         let problem = format!(

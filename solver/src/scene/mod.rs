@@ -49,11 +49,13 @@ pub(crate) mod coefficients;
 mod document;
 mod error;
 mod flow;
+mod gauge;
 mod periodic;
 mod populate;
 mod preflight;
 mod radii;
 mod settings;
+mod stages;
 mod start;
 mod suggestions;
 mod types;
@@ -68,6 +70,7 @@ use coefficients::Meeting;
 pub use coefficients::{ContactCoefficients, Material, PairRule};
 pub use document::{Checked, Document, DocumentPath};
 pub use error::{Fault, SceneError, SceneFileError, line_of};
+pub use gauge::{Gauge, GaugeShape};
 use nalgebra::Vector3;
 pub(crate) use periodic::REACHES;
 pub(crate) use populate::Neighbours;
@@ -80,6 +83,7 @@ pub use settings::{
     MOST_MEMORY, Obstacle, Precision, Reaction, SettingError, SolverMethod, SolverSettings, Stop, TangentialLaw, Watch,
 };
 pub(crate) use settings::{method_goes_with, precision_goes_with};
+pub use stages::{Stage, StageEnd, StageMaterial, StageOutput, StageSolver};
 pub use start::Start;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -104,7 +108,8 @@ pub struct Scene {
     /// One-sentence description; empty if absent.
     #[serde(default)]
     pub description: String,
-    /// Simulated time, seconds.
+    /// Simulated time, seconds; required without stages, which give it.
+    #[serde(default = "types::not_given")]
     pub duration: f64,
     /// Acceleration of gravity, m/s2.
     #[serde(default = "types::earth_gravity")]
@@ -152,6 +157,14 @@ pub struct Scene {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[cfg_attr(feature = "schema", schemars(!skip_serializing_if))]
     pub remove: Vec<Removal>,
+    /// Stages of a process, one after another; their longest times give `duration`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(feature = "schema", schemars(!skip_serializing_if))]
+    pub stage: Vec<Stage>,
+    /// Gauges: surfaces that count the grains that pass.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(feature = "schema", schemars(!skip_serializing_if))]
+    pub gauge: Vec<Gauge>,
     #[serde(default, rename = "prepare", skip_serializing)]
     #[cfg_attr(feature = "schema", schemars(skip))]
     #[doc(hidden)]
@@ -204,6 +217,11 @@ impl Scene {
     /// [`SceneError`] as [`Scene::parse`].
     pub fn read(document: &Document<'_>) -> Result<Scene, SceneError> {
         let mut scene: Scene = document.read()?;
+        if scene.duration.is_nan() {
+            let remedy = "give the simulated time, s, or stages with theirs";
+            let missing = || Fault::new(Vec::new(), "missing field `duration`".into(), remedy);
+            scene.duration = scene.longest_of_stages().ok_or_else(missing)?;
+        }
         document.first_unread(&scene).map_or(Ok(()), Err)?;
         scene.read_meshes(document)?;
         scene.read_start(document)?;
@@ -239,7 +257,9 @@ impl Scene {
     /// Requests an accuracy, which sets the step and stop of the solver by the law of [`Accuracy`].
     pub fn ask(&mut self, accuracy: Accuracy) {
         self.accuracy = Some(accuracy);
-        (self.solver.step, self.solver.stop) = accuracy.settings(self);
+        let of_stages = self.stage_scenes().into_iter().map(|scene| accuracy.settings(&scene));
+        let shortest = of_stages.min_by(|a, b| a.0.total_cmp(&b.0));
+        (self.solver.step, self.solver.stop) = shortest.expect("a scene has at least one stage, itself");
     }
 
     /// Checks that the scene can be solved with a method and a precision. Most methods, and single precision, have no

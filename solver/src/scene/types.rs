@@ -10,6 +10,10 @@ pub(super) fn earth_gravity() -> [f64; 3] {
     [0.0, 0.0, -9.81]
 }
 
+pub(super) fn not_given() -> f64 {
+    f64::NAN
+}
+
 pub(super) fn first_seed() -> u64 {
     1
 }
@@ -192,6 +196,14 @@ impl Motion {
     pub fn is_driven(&self) -> bool {
         matches!(self, Motion::ForceDriven { .. } | Motion::TorqueDriven { .. })
     }
+
+    /// Returns a point (m) and the direction of the axis of a rotation; `None` for other motions.
+    pub fn axis(&self) -> Option<([f64; 3], [f64; 3])> {
+        match self {
+            Motion::Rotating { point, axis, .. } | Motion::TorqueDriven { point, axis, .. } => Some((*point, *axis)),
+            _ => None,
+        }
+    }
 }
 
 /// Group of grains placed by rule: on the lowest sites of a jittered lattice, or at random.
@@ -291,6 +303,9 @@ pub struct Insertion {
     /// Largest number of grains; default: no limit. Without a rate, all are due at once.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub total: Option<u64>,
+    /// Name of the stage in which alone it acts; times then count from its start. Default: all stages.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stage: Option<String>,
     /// Time at which it begins, s.
     #[serde(default)]
     pub from: f64,
@@ -311,6 +326,9 @@ pub struct Insertion {
 pub struct Removal {
     /// Region.
     pub region: Region,
+    /// Name of the stage in which alone it acts; times then count from its start. Default: all stages.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stage: Option<String>,
     /// Time at which it begins, s.
     #[serde(default)]
     pub from: f64,

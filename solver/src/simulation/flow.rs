@@ -140,6 +140,19 @@ impl Flow {
         })
     }
 
+    /// Goes on with the sources and sinks of another stage.
+    pub fn enter(&mut self, scene: &Scene, world: &World) {
+        if let Some(next) = Flow::of(scene, self.counts.seed, world) {
+            let before = std::mem::replace(self, next);
+            (self.counts, self.supplied) = (before.counts, before.supplied);
+        }
+    }
+
+    /// Returns true if a source has a further grain, now or later.
+    pub fn has_grains_to_come(&self) -> bool {
+        (0..self.counts.inserted.len()).any(|source| self.due_at(source).is_finite())
+    }
+
     /// Takes over the counts of a checkpoint.
     ///
     /// # Errors

@@ -6,20 +6,26 @@
 //! interrupted.rs  abandoned steps
 //! intervention/   actions of the caller between steps: forces, written states, inserted and removed grains, kinematic walls
 //! flow.rs         grains that come and go by the scene
+//! stages.rs       stages of a process
+//! gauge.rs        grains that pass surfaces in space
 //! settings.rs     threads, instruction set, precision, method, stop
 //! energy.rs       mechanical energy of a state
 //! ledger/         sources and sinks of energy and momentum
+//! wall_record.rs  loads and wear of walls
 //! checkpoint/     stored states, to resume from
 //! ```
 
 pub mod checkpoint;
 pub(crate) mod energy;
 pub(crate) mod flow;
+pub(crate) mod gauge;
 pub(crate) mod intervention;
 pub(crate) mod ledger;
 mod settings;
+pub(crate) mod stages;
 mod step;
 pub(crate) mod swept;
+pub(crate) mod wall_record;
 
 use crate::constrain::Constrainer;
 use crate::detect::Candidates;
@@ -35,10 +41,13 @@ use crate::sweep::Relaxation;
 use crate::world::{Body, Sphere, World};
 use checkpoint::checksum;
 use flow::Flow;
+use gauge::Gauges;
 use intervention::Interventions;
 use ledger::Ledger;
 use serde::{Deserialize, Serialize};
+use stages::Stages;
 use swept::Swept;
+use wall_record::WallRecord;
 
 /// Scene in motion.
 #[derive(Clone, Debug)]
@@ -60,6 +69,9 @@ pub struct Simulation {
     pub(crate) interrupt: Interrupt,
     pub(crate) interventions: Interventions,
     pub(crate) flow: Option<Flow>,
+    pub(crate) stages: Option<Stages>,
+    pub(crate) gauges: Gauges,
+    pub(crate) wall_record: Option<WallRecord>,
     /// Work of walls on grains in the last step that the solve does not report, J.
     pub(crate) work_outside_of_the_solve: f64,
     phases: PhaseSeconds,
@@ -96,8 +108,12 @@ impl Simulation {
     pub fn new(scene: &Scene, seed: u64) -> Result<Simulation, SceneError> {
         scene.check()?;
         let grains = populate(scene, seed)?;
+        let stages = Stages::of(scene);
+        let first = stages.as_ref().map(Stages::present);
+        let scene = first.as_ref().unwrap_or(scene);
         let mut simulation = Simulation::of_world(&scene.solver, World::new(scene, &grains), grains.len());
-        simulation.flow = Flow::of(scene, seed, &simulation.world);
+        (simulation.flow, simulation.stages) = (Flow::of(scene, seed, &simulation.world), stages);
+        simulation.gauges = Gauges::of(scene);
         Ok(simulation)
     }
 
@@ -127,6 +143,9 @@ impl Simulation {
             interrupt: Interrupt::new(),
             interventions: Interventions::default(),
             flow: None,
+            stages: None,
+            gauges: Gauges::default(),
+            wall_record: None,
             work_outside_of_the_solve: 0.0,
             phases: PhaseSeconds::default(),
         }
@@ -140,7 +159,8 @@ impl Simulation {
         self.team = other.team.clone();
         (self.steps, self.contact_sweeps) = (other.steps, other.contact_sweeps);
         self.ledger = other.ledger.clone();
-        self.flow = other.flow.clone();
+        (self.flow, self.stages) = (other.flow.clone(), other.stages.clone());
+        (self.gauges, self.wall_record) = (other.gauges.clone(), other.wall_record.clone());
         self.swept.remember_failures(&other.swept);
         self.interrupt = other.interrupt.clone();
         self.phases = other.phases;

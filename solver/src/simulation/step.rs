@@ -42,12 +42,14 @@ impl Simulation {
             ledger.note(self, self.constrainer.scheme());
             self.ledger = Some(ledger);
         }
+        self.note_wall_contacts();
         self.account_for_forces();
         // Contacts of grains that would cross walls or other grains within the step.
         self.stop_ahead(team);
         // Motion with the new velocities.
         self.remember_impulses(team);
         self.move_bodies(team);
+        self.judge_stage();
         clock.lap(&mut self.phases.integrate);
         let sweeps = u64::from(solve.sweeps) * u64::from(self.settings.sweeps_per_iteration());
         self.contact_sweeps += sweeps * self.layout.contacts as u64;
@@ -61,9 +63,10 @@ impl Simulation {
         self.lay_out(team);
     }
 
-    /// Begins the next step: finds candidate contacts, and sets bodies to their free velocities, the velocities at the end of a
+    /// Begins the next step, and a stage that is due: finds candidate contacts, and sets bodies to their free velocities, the velocities at the end of a
     /// step without contacts.
     pub(crate) fn set_free(&mut self, team: &Team) {
+        self.enter_stage();
         let set = self.relaxation.instruction_set;
         let clock = Clock::start();
         let unknown = self.may_be_swift() && self.candidates.miss_a_wall(&self.world, team);
@@ -139,6 +142,7 @@ impl Simulation {
 
     fn move_bodies(&mut self, team: &Team) {
         let h = self.settings.step;
+        self.note_passages(team);
         self.move_grains(team);
         self.world.drives.iter_mut().for_each(|drive| drive.advance(h));
         self.world.place_driven_walls();
@@ -155,7 +159,8 @@ impl Simulation {
 
     /// Returns the time after a number of steps as a product, which accumulates no rounding error.
     pub(crate) fn world_time_after(&self, steps: u64) -> f64 {
-        steps as f64 * self.settings.step
+        let (time, before) = self.stages.as_ref().map_or((0.0, 0), |stages| stages.state.clock);
+        time + (steps - before) as f64 * self.settings.step
     }
 
     fn remember_impulses(&mut self, team: &Team) {

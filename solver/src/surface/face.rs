@@ -108,6 +108,16 @@ impl Rotation {
         Rotation { axis, sine, cosine }
     }
 
+    /// Creates a rotation with the sine and the cosine of its angle.
+    pub fn of(axis: Vector, [sine, cosine]: [f64; 2]) -> Rotation {
+        Rotation { axis, sine, cosine }
+    }
+
+    /// Returns the rotation vector, rad.
+    pub fn vector(&self) -> Vector {
+        self.axis * libm::atan2(self.sine, self.cosine)
+    }
+
     /// Rotates a vector by Rodrigues' formula.
     #[inline]
     pub fn turn(&self, vector: Vector) -> Vector {
@@ -151,6 +161,11 @@ impl Face {
             Face::Triangle(triangle) => Some(triangle.bounds()),
             Face::Frustum(frustum) => Some(frustum.bounds()),
         }
+    }
+
+    /// Returns the corners of a triangle, m; none for other faces.
+    pub fn corners(&self) -> &[Vector] {
+        if let Face::Triangle(triangle) = self { &triangle.corners } else { &[] }
     }
 
     /// Returns the face after a translation.

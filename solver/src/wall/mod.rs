@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! motion.rs   Pose       position of the wall at a time, and its velocity field: one per wall and step
+//! rigid.rs    Rigid      rotation and translation
 //! steered.rs  WallMotion motion of a wall by the caller, instead of the scene
 //! contacts.rs            contacts of grains with meshes
 //! mod.rs      Walls      all walls of a scene; face indices are contiguous, wall after wall
@@ -17,11 +18,12 @@
 
 mod contacts;
 mod motion;
+mod rigid;
 mod steered;
 
 pub(crate) use crate::surface::Impact;
 pub(crate) use motion::drive_of;
-pub use motion::{DrivenWall, Pose};
+pub use motion::{Beginning, DrivenWall, Pose};
 pub(crate) use steered::Steered;
 pub use steered::WallMotion;
 
@@ -100,7 +102,7 @@ impl Walls {
                 movement: Movement::new(wall, &shapes),
                 index: FaceIndex::new(&shapes, first, domain.period()),
                 seam: wall.shape.seam(),
-                furthest: wall.shape.seam().and_then(|_| furthest(wall)),
+                furthest: wall.shape.seam().and_then(|_| furthest(&wall.motion, &shapes)),
             }
         };
         let walls: Vec<Wall> = (0..).zip(walls).map(place).collect();
@@ -128,6 +130,19 @@ impl Walls {
     /// Returns true if at least one wall does work at any time.
     pub fn any_works(&self) -> bool {
         self.walls.iter().any(|wall| wall.movement.works())
+    }
+
+    /// Returns the index in the scene of the wall of a face, and the index of the face in the wall.
+    pub(crate) fn place_of(&self, face: u32) -> (u32, u32) {
+        let wall = self.wall_of(face);
+        (wall, face - self.walls[wall as usize].faces.start)
+    }
+
+    /// Returns the point (m) of a wall about which torques are stated: on the axis of its rotation, or the origin without an axis.
+    pub(crate) fn pivot(&self, wall: u32) -> [f64; 3] {
+        let Movement { motion, steered, .. } = &self.walls[wall as usize].movement;
+        let about = steered.as_ref().and_then(Steered::about).or_else(|| motion.axis());
+        about.map_or([0.0; 3], |(point, _)| point)
     }
 
     /// Returns the indices of the walls that move at any time.
@@ -161,9 +176,26 @@ impl Walls {
         let shapes: Vec<Face> = own.iter().map(|face| face.shape).collect();
         let result = change(movement, &shapes);
         if let Some(steered) = &movement.steered {
-            own.iter_mut().for_each(|face| face.in_place = steered.keeps_in_place(&face.shape));
+            own.iter_mut().for_each(|face| face.in_place = steered.keeps_in_place(&movement.based(&face.shape)));
         }
         result
+    }
+
+    /// Returns the beginning of a motion at the pose that a wall has at a time (s).
+    pub(crate) fn reached(&self, wall: u32, time: f64) -> Beginning {
+        self.walls[wall as usize].movement.reached(time)
+    }
+
+    /// Begins another motion of a wall. The candidate list must be built again before the next step.
+    pub(crate) fn begin_motion(&mut self, wall: u32, motion: &Motion, beginning: &Beginning) {
+        let shapes = self.with_faces(wall, |movement, faces| {
+            movement.begin(motion, faces, beginning);
+            faces.iter().map(|face| movement.based(face)).collect::<Vec<Face>>()
+        });
+        let Wall { faces, furthest: arm, seam, .. } = &mut self.walls[wall as usize];
+        *arm = seam.and_then(|_| furthest(motion, &shapes));
+        let own = &mut self.faces[faces.start as usize..faces.end as usize];
+        own.iter_mut().zip(&shapes).for_each(|(face, shape)| face.in_place = keeps_in_place(shape, motion));
     }
 
     /// Returns the kinematic walls under control of the caller, each with its state.
@@ -440,13 +472,11 @@ pub fn jumps_back(wall: &scene::Wall, domain: &Domain, time: f64) -> bool {
     Movement::new(wall, &faces).jumps_back(time, &faces, extent)
 }
 
-/// Returns the distance (m) of the furthest point of a wall from the axis about which it turns in its scene.
-fn furthest(wall: &scene::Wall) -> Option<f64> {
-    let (Motion::Rotating { point, axis, .. } | Motion::TorqueDriven { point, axis, .. }) = &wall.motion else {
-        return None;
-    };
-    let axis = Vector::from(*axis).normalize();
-    Some(wall.shape.furthest(|corner| (corner - Vector::from(*point)).cross(&axis).norm()))
+/// Returns the distance (m) of the furthest corner of a mesh from the axis about which its motion turns it.
+fn furthest(motion: &Motion, faces: &[Face]) -> Option<f64> {
+    let (point, axis) = motion.axis()?;
+    let (point, axis) = (Vector::from(point), Vector::from(axis).normalize());
+    Some(faces.iter().flat_map(Face::corners).map(|corner| (corner - point).cross(&axis).norm()).fold(0.0, f64::max))
 }
 
 /// Walls of a scene at their positions at a time.
@@ -456,7 +486,7 @@ fn furthest(wall: &scene::Wall) -> Option<f64> {
 ///
 /// let domain = Domain { min: [-1.0; 3], max: [1.0; 3], periodic: Vec::new() };
 /// let walls = [Wall::new("box", "glass", Shape::cuboid([0.0; 3], [0.1; 3], &[Face::Top]))];
-/// let placed = PlacedWalls::at(&walls, &domain, 0.0, &[]);
+/// let placed = PlacedWalls::at(&walls, &domain, 0.0, &[], &[]);
 /// assert!((placed.distance(&[0.05, 0.05, 0.02].into()) - 0.02).abs() < 1e-12);
 /// assert!(placed.distance(&[0.05, 0.05, -0.02].into()) < 0.0, "behind the floor");
 /// ```
@@ -468,9 +498,18 @@ pub struct PlacedWalls {
 
 impl PlacedWalls {
     /// Returns the walls at a time (s) in a domain. Dynamic walls have the positions in `driven`, or those in the scene
-    /// without an entry in `driven`.
-    pub fn at(walls: &[scene::Wall], domain: &Domain, time: f64, driven: &[DrivenWall]) -> PlacedWalls {
+    /// without an entry in `driven`. Walls in `beginnings` begin their motion at another pose and time.
+    pub fn at(
+        walls: &[scene::Wall],
+        domain: &Domain,
+        time: f64,
+        driven: &[DrivenWall],
+        beginnings: &[(u32, Beginning)],
+    ) -> PlacedWalls {
         let mut placed = Walls::new(walls, domain, |_| 0);
+        for (wall, beginning) in beginnings.iter().filter(|(wall, _)| (*wall as usize) < walls.len()) {
+            placed.begin_motion(*wall, &walls[*wall as usize].motion, beginning);
+        }
         for one in driven.iter().filter(|one| (one.wall as usize) < walls.len()) {
             placed.put(one.wall, one.displacement, one.rate);
         }
@@ -512,6 +551,11 @@ impl PlacedWalls {
 
     fn meshes(&self) -> impl Iterator<Item = u32> {
         (0..self.walls.count() as u32).filter(|&wall| self.walls.is_mesh(wall))
+    }
+
+    /// Returns the velocity of the surface of a wall at a contact at a point (m) with a unit normal, m/s.
+    pub fn velocity_at(&self, wall: usize, point: &Vector, normal: &Vector) -> Vector {
+        self.poses[wall].velocity_at(point, false) + self.poses[wall].slides_at(normal)
     }
 
     /// Returns the present position of a point (m) of a wall, given in the scene.

@@ -22,6 +22,7 @@
 //! Their mean `s t` is the velocity for the impulses of the step, and half their difference, `b omega a x t`, is the drift towards the axis
 //! ([`Pose::drift`]). A face that the rotation maps onto itself moves only in its tangent plane: the normal component of the drift is omitted.
 
+use super::rigid::Rigid;
 use super::steered::Steered;
 use crate::effects::drive::Drive;
 use crate::scene::{Motion, Wall};
@@ -39,6 +40,10 @@ const ROUNDING: f64 = 1e-9;
 #[derive(Clone, Debug)]
 pub(super) struct Movement {
     pub(super) motion: Motion,
+    /// Pose from which the motion begins, if not that of the scene.
+    base: Option<Rigid>,
+    /// Time from which the times of the motion count, s.
+    pub(super) origin: f64,
     /// Velocity of the surface along itself, m/s.
     surface_velocity: Vector,
     /// True if a rotation moves at least one face, instead of mapping all faces onto themselves.
@@ -52,10 +57,22 @@ pub(super) struct Movement {
     rate: f64,
 }
 
+/// Beginning of a motion that continues an earlier one of the same wall. Points and axes of the motion are those of the scene
+/// at this time.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Beginning {
+    /// Pose of the wall relative to its position in the scene.
+    pub(crate) pose: Rigid,
+    /// Time from which the times of the motion count, s.
+    pub(crate) time: f64,
+}
+
 /// Wall at a time: its position and its velocity field.
 #[derive(Clone, Copy, Debug)]
 pub struct Pose {
     pub(super) displacement: Displacement,
+    /// Displacement of faces that the motion maps onto themselves.
+    base: Displacement,
     pub(super) velocity: Vector,
     /// Velocity of the surface along itself, in addition to that of the wall.
     surface_velocity: Vector,
@@ -86,6 +103,40 @@ pub(super) enum Displacement {
     Nowhere,
     By(Vector),
     About(Vector, Rotation),
+    /// Rotation about the origin, then a translation.
+    Rigid(Rotation, Vector),
+}
+
+impl Displacement {
+    fn of(rigid: &Rigid) -> Displacement {
+        match rigid.rotation() {
+            Some(rotation) => Displacement::Rigid(rotation, rigid.shift()),
+            None if rigid.shift() == Vector::zeros() => Displacement::Nowhere,
+            None => Displacement::By(rigid.shift()),
+        }
+    }
+
+    fn rigid(&self) -> Rigid {
+        match self {
+            Displacement::Nowhere => Rigid::by(Vector::zeros()),
+            Displacement::By(shift) => Rigid::by(*shift),
+            Displacement::About(centre, rotation) => Rigid::about(*centre, rotation.vector()),
+            Displacement::Rigid(rotation, shift) => {
+                Rigid::about(Vector::zeros(), rotation.vector()).then(&Rigid::by(*shift))
+            }
+        }
+    }
+
+    /// Returns a face after the displacement, if there is one.
+    #[inline]
+    fn moved(&self, face: &Face) -> Option<Face> {
+        match self {
+            Displacement::Nowhere => None,
+            Displacement::By(shift) => Some(face.moved(*shift)),
+            Displacement::About(centre, rotation) => Some(face.turned(*centre, rotation)),
+            Displacement::Rigid(rotation, shift) => Some(face.turned(Vector::zeros(), rotation).moved(*shift)),
+        }
+    }
 }
 
 /// Angular velocity, rad/s, and a point of the axis, m.
@@ -134,6 +185,8 @@ impl Movement {
         let surface_velocity = Vector::from(*surface_velocity);
         Movement {
             motion: motion.clone(),
+            base: None,
+            origin: 0.0,
             surface_velocity,
             turns,
             steered: None,
@@ -141,6 +194,27 @@ impl Movement {
             displacement_in_list,
             rate,
         }
+    }
+
+    /// Begins another motion of the wall, with its faces in the scene.
+    pub fn begin(&mut self, motion: &Motion, faces: &[Face], beginning: &Beginning) {
+        let still = beginning.pose == Rigid::by(Vector::zeros());
+        self.base = (!still).then_some(beginning.pose);
+        self.origin = beginning.time;
+        self.turns = rotates(motion) && !faces.iter().all(|face| keeps_in_place(&self.based(face), motion));
+        self.motion = motion.clone();
+        self.steered = None;
+        [self.displacement, self.displacement_in_list, self.rate] = [0.0; 3];
+    }
+
+    /// Returns a face at the pose from which the motion begins.
+    pub fn based(&self, face: &Face) -> Face {
+        self.base.and_then(|base| Displacement::of(&base).moved(face)).unwrap_or(*face)
+    }
+
+    /// Returns the beginning of a motion at the present pose.
+    pub fn reached(&self, time: f64) -> Beginning {
+        Beginning { pose: self.at(time).displacement.rigid(), time }
     }
 
     /// Sets displacement (m or rad) and velocity (m/s or rad/s) of a dynamic wall; no effect on a wall without a drive.
@@ -161,12 +235,26 @@ impl Movement {
 
     /// Returns the pose of the wall at a time (s), with the velocity at that time; for a dynamic wall, the last state of its drive.
     pub fn at(&self, time: f64) -> Pose {
+        let mut pose = self.relative_pose(time - self.origin);
+        if let Some(base) = &self.base {
+            pose.base = Displacement::of(base);
+            pose.displacement = match pose.displacement {
+                Displacement::Nowhere => pose.base,
+                other => Displacement::of(&base.then(&other.rigid())),
+            };
+        }
+        pose
+    }
+
+    /// Returns the pose relative to that at the beginning of the motion, at a time (s) since its origin.
+    pub(super) fn relative_pose(&self, time: f64) -> Pose {
         let zero = Vector::zeros();
         let rest = Turning::about(zero, zero);
-        let displacement = Displacement::Nowhere;
+        let (displacement, base) = (Displacement::Nowhere, Displacement::Nowhere);
         let surface_velocity = self.surface_velocity;
         let (turning, in_place, turns) = (rest, rest, self.turns);
-        let mut pose = Pose { displacement, velocity: zero, surface_velocity, gain: zero, turning, in_place, turns };
+        let mut pose =
+            Pose { displacement, base, velocity: zero, surface_velocity, gain: zero, turning, in_place, turns };
         if let Some(steered) = &self.steered {
             steered.pose(&mut pose, |centre, axis, angle| self.turned(centre, axis, angle));
             return pose;
@@ -239,7 +327,7 @@ impl Movement {
         }
         let angle = match self.motion {
             Motion::TorqueDriven { .. } => self.displacement,
-            _ => self.angle(time),
+            _ => self.angle(time - self.origin),
         };
         match self.at(time).displacement {
             Displacement::By(shift) => (shift.into(), angle),
@@ -247,7 +335,7 @@ impl Movement {
         }
     }
 
-    /// Returns the prescribed angle (rad) at a time (s).
+    /// Returns the prescribed angle (rad) at a time (s) since its origin.
     pub(super) fn angle(&self, time: f64) -> f64 {
         match &self.motion {
             Motion::Rotating { rate, start, stop, reverse, .. } => rate * turning_time(time, *start, *stop, *reverse),
@@ -266,6 +354,7 @@ impl Movement {
     /// velocity of a vibration, the velocity along the chord of a rotation.
     pub fn over(&self, time: f64, step: f64) -> Pose {
         let mut pose = self.at(time);
+        let time = time - self.origin;
         (pose.turning, pose.in_place) = (pose.turning.over(step), pose.in_place.over(step));
         if let Some(vibration) = self.motion.vibration().filter(|_| self.steered.is_none()) {
             pose.velocity = vibration.mean_velocity(time, time + step).into();
@@ -283,14 +372,15 @@ impl Movement {
         if self.steered.is_some() {
             return pose;
         }
+        let local = time - self.origin;
         match &self.motion {
             Motion::Translating { velocity, start, stop } => {
-                let moves = active_time(time + step, *start, *stop) - active_time(time, *start, *stop);
+                let moves = active_time(local + step, *start, *stop) - active_time(local, *start, *stop);
                 pose.velocity = Vector::from(*velocity) * (moves / step);
             }
             Motion::Rotating { point, axis, rate, start, stop, reverse } => {
                 let turned = |time| turning_time(time, *start, *stop, *reverse);
-                let spin = Vector::from(*axis).normalize() * (rate * (turned(time + step) - turned(time)) / step);
+                let spin = Vector::from(*axis).normalize() * (rate * (turned(local + step) - turned(local)) / step);
                 pose.turning = Turning::about(Vector::from(*point), spin);
             }
             Motion::Vibrating { .. } => pose.velocity = self.over(time, step).velocity,
@@ -320,6 +410,7 @@ impl Movement {
         if let Some(steered) = &self.steered {
             return steered.largest_shift(radius, self.turns);
         }
+        let (from, to) = (from - self.origin, to - self.origin);
         match &self.motion {
             Motion::Fixed => 0.0,
             Motion::Translating { velocity, start, stop } => {
@@ -338,15 +429,15 @@ impl Movement {
     }
 }
 
-/// Returns the drive of a dynamic wall; `number` is the index of the wall in the scene.
-pub(crate) fn drive_of(wall: &Wall, number: u32) -> Option<Drive> {
-    match wall.motion {
+/// Returns the drive of a dynamic wall; `number` is the index of the wall in the scene, and times count from `origin` (s).
+pub(crate) fn drive_of(motion: &Motion, number: u32, origin: f64) -> Option<Drive> {
+    match *motion {
         Motion::ForceDriven { axis, force, mass, start } => {
-            Some(Drive::new(number, Vector::from(axis).normalize(), None, force, mass, start))
+            Some(Drive::new(number, Vector::from(axis).normalize(), None, force, mass, origin + start))
         }
         Motion::TorqueDriven { point, axis, torque, moment_of_inertia, start } => {
             let (axis, pivot) = (Vector::from(axis).normalize(), Some(Vector::from(point)));
-            Some(Drive::new(number, axis, pivot, torque, moment_of_inertia, start))
+            Some(Drive::new(number, axis, pivot, torque, moment_of_inertia, origin + start))
         }
         _ => None,
     }
@@ -385,12 +476,7 @@ impl Pose {
     /// Returns a face at its present position, if that differs from its position in the scene; `in_place` if the motion maps the face onto itself.
     #[inline]
     pub(super) fn moved(&self, face: &Face, in_place: bool) -> Option<Face> {
-        match &self.displacement {
-            Displacement::Nowhere => None,
-            Displacement::By(shift) => Some(face.moved(*shift)),
-            Displacement::About(..) if in_place => None,
-            Displacement::About(centre, rotation) => Some(face.turned(*centre, rotation)),
-        }
+        if in_place { self.base.moved(face) } else { self.displacement.moved(face) }
     }
 
     /// Transforms a point (m) from the world to the frame of the wall, in which the wall has its position in the scene.
@@ -399,6 +485,7 @@ impl Pose {
             Displacement::Nowhere => *point,
             Displacement::By(shift) => point - shift,
             Displacement::About(centre, rotation) => centre + rotation.inverse().turn(point - centre),
+            Displacement::Rigid(rotation, shift) => rotation.inverse().turn(point - shift),
         }
     }
 
@@ -408,6 +495,7 @@ impl Pose {
             Displacement::Nowhere => *point,
             Displacement::By(shift) => point + shift,
             Displacement::About(centre, rotation) => centre + rotation.turn(point - centre),
+            Displacement::Rigid(rotation, shift) => rotation.turn(*point) + shift,
         }
     }
 

@@ -156,6 +156,11 @@ impl Steered {
         (self.shift_in_list, self.angle_in_list) = (self.shift, self.angle);
     }
 
+    /// Returns a point (m) and the unit vector of the axis of a rotation.
+    pub(crate) fn about(&self) -> Option<([f64; 3], [f64; 3])> {
+        self.about
+    }
+
     /// Returns the displacement, m, and the angle, rad.
     pub(crate) fn place(&self) -> ([f64; 3], f64) {
         (self.shift, self.angle)
@@ -192,8 +197,9 @@ impl Movement {
         let mut steered = match self.steered {
             Some(steered) => steered,
             None => {
-                let angles = [now, listed].map(|time| self.angle(time));
-                Steered::begin(&self.motion, asked, [&self.at(now), &self.at(listed)], angles)?
+                let angles = [now, listed].map(|time| self.angle(time - self.origin));
+                let poses = [now, listed].map(|time| self.relative_pose(time - self.origin));
+                Steered::begin(&self.motion, asked, poses.each_ref(), angles)?
             }
         };
         steered.take(asked, first)?;
@@ -203,7 +209,7 @@ impl Movement {
 
     /// Restores the motion of the wall from a stored state.
     pub(super) fn restore(&mut self, steered: Steered, faces: &[Face]) {
-        self.turns = steered.about.is_some() && !faces.iter().all(|face| steered.keeps_in_place(face));
+        self.turns = steered.about.is_some() && !faces.iter().all(|face| steered.keeps_in_place(&self.based(face)));
         self.steered = Some(steered);
     }
 }

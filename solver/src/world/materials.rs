@@ -46,7 +46,7 @@ pub struct MaterialTable {
 }
 
 impl MaterialTable {
-    pub(super) fn new(scene: &Scene) -> MaterialTable {
+    pub(crate) fn new(scene: &Scene) -> MaterialTable {
         let names: Vec<String> = scene.material.keys().cloned().collect();
         let pairs = |wall: bool| {
             let mut table = Vec::with_capacity(names.len() * names.len());

@@ -11,9 +11,9 @@ use crate::effects::gravity::Field;
 use crate::lanes::{LANES, Line, Quad};
 use crate::laws::compliance::NormalContact;
 use crate::laws::period::Period;
-use crate::scene::{Grain, REACHES, Scene, sphere_volume};
+use crate::scene::{Grain, Motion, REACHES, Scene, sphere_volume};
 use crate::schedule::{Phase, Runs, Team};
-use crate::wall::{Pose, Walls, drive_of};
+use crate::wall::{Beginning, Pose, Walls, drive_of};
 use bytemuck::{Pod, Zeroable};
 pub(crate) use limits::Limits;
 use nalgebra::Vector3;
@@ -194,7 +194,7 @@ impl World {
             before: Vec::new(),
             spins_before: Vec::new(),
             walls: Walls::new(&scene.wall, &scene.domain, |name| table.number(name)),
-            drives: (0..).zip(&scene.wall).filter_map(|(index, wall)| drive_of(wall, index)).collect(),
+            drives: (0..).zip(&scene.wall).filter_map(|(index, wall)| drive_of(&wall.motion, index, 0.0)).collect(),
             limits: Limits::of(scene, |name| table.number(name)),
             roll: Roll::default(),
             table,
@@ -307,6 +307,19 @@ impl World {
         if self.field.changes() {
             self.gravity = self.field.at(time);
         }
+    }
+
+    /// Begins another motion of a wall. The rate of a drive about or along the same axis continues; any other motion starts at rest.
+    /// The candidate list must be built again before the next step.
+    pub(crate) fn begin_motion(&mut self, wall: u32, motion: &Motion, beginning: &Beginning) {
+        self.walls.begin_motion(wall, motion, beginning);
+        let before = self.drive_of_wall(wall).map(|drive| self.drives.remove(drive));
+        if let Some(mut drive) = drive_of(motion, wall, beginning.time) {
+            drive.rate = before.filter(|before| before.has_axis_of(&drive)).map_or(0.0, |before| before.rate);
+            let place = self.drives.partition_point(|other| other.wall < wall);
+            self.drives.insert(place, drive);
+        }
+        self.place_driven_walls();
     }
 
     /// Moves dynamic walls to the positions of their drives.

@@ -268,7 +268,8 @@ impl Laws {
                 touches.push(Touch { first, second, normal, inverse_mass, law, before: own, after, along, tangential });
             }
         }
-        let walls_placed = PlacedWalls::at(&self.scene.wall, &self.scene.domain, before.time, &before.driven_walls);
+        let walls_placed =
+            PlacedWalls::at(&self.scene.wall, &self.scene.domain, before.time, &before.driven_walls, &[]);
         // The first face of a cylinder is its shell; no grain gets to its rims. In a step that turns it moves along the chord.
         let (shells, turn) = match self.drawn.container {
             Container::Cylinder { rate, .. } => (1, rate * h),

@@ -122,6 +122,9 @@ impl Image {
             driven_walls: snapshot.driven_walls.clone(),
             origins: snapshot.origins.clone(),
             passed: snapshot.passed,
+            stage: snapshot.stage,
+            beginnings: snapshot.beginnings.clone(),
+            ..Snapshot::default()
         }
     }
 }

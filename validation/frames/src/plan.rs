@@ -5,10 +5,12 @@
 
 mod hashes;
 mod roster;
+mod stages;
 
 pub use hashes::{physics_hash, scene_hash, setup_hash};
 pub use roster::{Alike, Kind, Roster, lasting_number};
 
+use makadam::Simulation;
 use makadam::scene::{Beforehand, Checked, Document, DocumentPath, Finding, Motion, SceneError, SceneFileError};
 use makadam::wall::jumps_back;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
@@ -92,9 +94,18 @@ impl JsonSchema for MeasuredScene {
         }
         // Keys with their default value are omitted.
         let is_left_out = |key: &serde_json::Value| {
-            ["gravity_changes", "largest_start_overlap", "unusual_values", "watch", "insert", "remove"]
-                .iter()
-                .any(|known| key == known)
+            [
+                "gravity_changes",
+                "largest_start_overlap",
+                "unusual_values",
+                "watch",
+                "insert",
+                "remove",
+                "stage",
+                "gauge",
+            ]
+            .iter()
+            .any(|known| key == known)
         };
         if let Some(required) = scene.get_mut("required").and_then(|required| required.as_array_mut()) {
             required.retain(|key| !is_left_out(key));
@@ -157,6 +168,14 @@ impl MeasuredScene {
         MeasuredScene { simulated: self.simulated.with_stiffness_factor(factor), ..self.clone() }
     }
 
+    /// Lets a simulation record the loads and the wear of walls, if they are measured.
+    pub fn record_walls(&self, simulation: &mut Simulation) {
+        let asks = |group: Observable| self.measure.observables.contains(&group);
+        if asks(Observable::Walls) || asks(Observable::Wear) {
+            simulation.record_walls(asks(Observable::Wear));
+        }
+    }
+
     /// Returns the time between frames on disk, s.
     pub fn output_interval(&self) -> f64 {
         self.output.as_ref().and_then(|output| output.interval).unwrap_or(self.measure.interval)
@@ -200,16 +219,30 @@ impl MeasuredScene {
             let at = root.key("prepare").key("step");
             at.usual(prepare.step, [1e-9, 0.1], [1e-15, 0.1], self.unusual_values, "s")?;
         }
-        let (at, duration) = (root.key("measure"), self.duration);
+        if self.prepare.is_some() && !self.stage.is_empty() {
+            let problem = "given in addition to stages".into();
+            return Err(root.key("prepare").fault(problem, "leave [prepare] out, and let the first stage do it"));
+        }
+        let (at, measured) = (root.key("measure"), self.measured_stage());
+        if let Some(name) = self.measure.stage.as_ref().filter(|_| measured.is_none()) {
+            let names: Vec<&str> = self.stage.iter().map(|stage| stage.name.as_str()).collect();
+            let remedy = match names.is_empty() {
+                true => "leave it out".into(),
+                false => format!("name one of: {}", names.join(", ")),
+            };
+            return Err(at.key("stage").fault(format!("there is no stage '{name}'"), &remedy));
+        }
+        let duration = measured.map_or(self.duration, |(_, stage)| stage.longest());
         let Measure { interval, from, .. } = self.measure;
         at.key("from").range(from.unwrap_or(0.0), 0.0, duration, "s")?;
         for (table, interval) in [("measure", interval), ("output", self.output_interval())] {
             let at = root.key(table).key("interval");
             at.usual(interval, [1e-6, 1e5], [1e-15, 1e5], self.unusual_values, "s")?;
-            if duration / interval > MOST_FRAMES {
-                let problem = format!("{interval} s within {duration} s are too many frames");
-                return Err(at.fault(problem, &format!("give one that leaves at most {MOST_FRAMES:e}")));
-            }
+            few_frames(&at, interval, self.duration)?;
+        }
+        for (number, stage) in self.stage.iter().enumerate() {
+            let at = root.key("stage").index(number).key("output").key("interval");
+            few_frames(&at, self.output_interval_in(Some(number)), stage.longest())?;
         }
         at.key("seeds").range(self.measure.seeds.unwrap_or(2) as f64, 2.0, MOST_SEEDS as f64, "seeds")?;
         at.key("rest_energy").range(self.measure.rest_energy.unwrap_or(1.0), 1e-30, 1e6, "J per grain")?;
@@ -230,6 +263,17 @@ impl MeasuredScene {
     }
 }
 
+/// Refuses an interval (s) with too many frames in a time, s.
+fn few_frames(at: &DocumentPath, interval: f64, duration: f64) -> Checked {
+    match duration / interval > MOST_FRAMES {
+        false => Ok(()),
+        true => {
+            let problem = format!("{interval} s within {duration} s are too many frames");
+            Err(at.fault(problem, &format!("give one that leaves at most {MOST_FRAMES:e}")))
+        }
+    }
+}
+
 /// Times of frames, and observables averaged over them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -238,6 +282,9 @@ pub struct Measure {
     pub interval: f64,
     /// Frames from this time on are measured, s. If absent, only the last frame is.
     pub from: Option<f64>,
+    /// Name of the stage whose frames alone are measured; `from` then counts from its start. Default: all frames.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stage: Option<String>,
     /// Groups of observables.
     pub observables: Vec<Observable>,
     /// Registered number of seeds: only seeds 1 to this number can agree. Without it none can.
@@ -264,14 +311,14 @@ impl Measure {
     }
 
     /// Returns true for a frame at or after `from`, by its time (s).
-    pub fn covers(&self, time: f64) -> bool {
+    fn covers(&self, time: f64) -> bool {
         self.from.is_some_and(|from| time >= from - self.slack())
     }
 }
 
 impl Default for Measure {
     fn default() -> Self {
-        Self { interval: 0.05, from: None, observables: Vec::new(), seeds: None, rest_energy: None }
+        Self { interval: 0.05, from: None, stage: None, observables: Vec::new(), seeds: None, rest_energy: None }
     }
 }
 
@@ -305,8 +352,14 @@ pub enum Observable {
     /// Displacement of the first dynamic wall.
     #[serde(alias = "driven_wall")]
     DrivenWall,
+    /// Force, torque and power of each wall.
+    Walls,
+    /// Wear of each wall by sliding and by impacts, which the solver sums while the scene measures it.
+    Wear,
     /// Mass that goes into the sinks or, without sinks, passes through the hole of a disc, such as the floor of a silo.
     Discharge,
+    /// Mass and grains through each gauge per time.
+    Gauges,
     /// Height and speed of the first listed grain, such as a projectile.
     Intruder,
 }
@@ -324,7 +377,13 @@ pub struct Expectation {
 
 /// Reads a name; hyphens become underscores.
 fn underscored<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<String, D::Error> {
-    Ok(String::deserialize(deserializer)?.replace('-', "_"))
+    Ok(observable_name(&String::deserialize(deserializer)?))
+}
+
+/// Returns the name of an observable with underscores instead of hyphens, except in its argument, such as `torque(blade-1)`.
+pub fn observable_name(text: &str) -> String {
+    let (base, argument) = text.split_at(text.find('(').unwrap_or(text.len()));
+    base.replace('-', "_") + argument
 }
 
 /// Simulation before the run, as the start instead of the jittered lattice. The clock of the run then starts at zero. Prescribed walls

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// Magic bytes of a recording file; the last byte is the format version.
-const MARK: [u8; 8] = *b"mkd-rec\x04";
+const MARK: [u8; 8] = *b"mkd-rec\x05";
 
 /// One run of a scene in one code.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

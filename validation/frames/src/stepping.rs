@@ -42,7 +42,7 @@ pub struct Stepping<'a> {
 }
 
 impl<'a> Stepping<'a> {
-    /// Makes a loop of `steps` steps; `progress` receives the fraction done.
+    /// Makes a loop of at most `steps` steps, to the end of the last stage of the scene; `progress` receives the fraction done.
     pub fn new(steps: u64, progress: &'a dyn Fn(f64)) -> Stepping<'a> {
         Stepping { steps, interval: None, watchdog: None, tolerated: |_| false, limit: None, progress }
     }
@@ -77,19 +77,22 @@ impl<'a> Stepping<'a> {
         mut each: impl FnMut(&Simulation, &Taken),
     ) -> Result<Duration, Halt> {
         let Stepping { steps, interval, mut watchdog, tolerated, limit, progress } = self;
-        let (start, step_seconds, mut wall) = (Instant::now(), simulation.time_step(), Duration::ZERO);
+        let (start, mut wall) = (Instant::now(), Duration::ZERO);
         for number in 1..=steps {
             let clock = Instant::now();
             let report = simulation.step();
             let took = clock.elapsed();
             wall += took;
-            let framed =
-                number == steps || interval.is_some_and(|interval| frame_is_due(number, step_seconds, interval));
+            let ends = number == steps || simulation.has_ended();
+            let framed = ends || interval.is_some_and(|interval| due_after(simulation, number, interval));
             let alarm = watchdog.as_mut().and_then(|watchdog| watchdog.check(simulation, &report, framed).err());
             if let Some(alarm) = alarm.filter(|alarm| !tolerated(alarm)) {
                 return Err(Halt::InvalidState(alarm));
             }
             each(simulation, &Taken { report, seconds: took.as_secs_f64(), number, framed });
+            if framed {
+                simulation.restart_wall_means();
+            }
             let share = number as f64 / steps as f64;
             progress(share);
             if crate::interrupt::requested() {
@@ -97,6 +100,9 @@ impl<'a> Stepping<'a> {
             }
             if limit.is_some_and(|limit| start.elapsed() > limit) {
                 return Err(Halt::OutOfTime(share));
+            }
+            if ends {
+                break;
             }
         }
         Ok(wall)
@@ -106,6 +112,14 @@ impl<'a> Stepping<'a> {
 /// Returns the number of whole steps nearest to a duration.
 pub fn steps_in(duration: f64, step: f64) -> u64 {
     (duration / step).round() as u64
+}
+
+/// Returns true if a frame is due after a step of a run, by its number: at the interval (s) from the start of the run or of its stage, and
+/// at the end of a stage.
+pub fn due_after(simulation: &Simulation, step: u64, interval: f64) -> bool {
+    let stage = simulation.stage();
+    let step = stage.map_or(step, |stage| stage.steps);
+    stage.is_some_and(|stage| stage.ended) || frame_is_due(step, simulation.time_step(), interval)
 }
 
 /// Returns true if a frame is due after a step: the first one at or after each multiple of the interval.

@@ -6,7 +6,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use makadam::scene::{Accuracy, suggestion};
 use makadam_compare::scenes::{self, Change};
 use makadam_frames::output::file_stem;
-use makadam_frames::plan::MeasuredScene;
+use makadam_frames::plan::{MeasuredScene, observable_name};
 use makadam_measure::observables::catalogue;
 use makadam_studies::tradeoff::Bound;
 use std::path::PathBuf;
@@ -181,7 +181,7 @@ pub(super) fn bound(text: &str) -> Result<Bound, String> {
 
 /// Parses the name of an observable.
 pub(super) fn observable(text: &str) -> Result<String, String> {
-    let name = text.trim().replace('-', "_");
+    let name = observable_name(text.trim());
     match catalogue::group_of(&name) {
         Some(_) => Ok(name),
         None => Err(nothing_measures(&name)),

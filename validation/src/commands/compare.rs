@@ -137,6 +137,9 @@ fn validate(
                 .into(),
         ));
     }
+    // The other codes know no stages, and all codes run one scene.
+    let plain = (!scene.stage.is_empty()).then(|| scene.without_stages()).transpose().map_err(Failure::Usage)?;
+    let scene = plain.as_ref().unwrap_or(scene);
     let Codes { all, validated, needs_verdict } = Codes::of(arguments, file)?;
     let one_scene = OneScene {
         scene,

@@ -178,6 +178,10 @@ fn manifest(arguments: &MeasureArguments) -> Result<Manifest, Failure> {
 
 /// Returns a note if the measured frames are not those of the scene: its end, or all times from `measure.from` to its end.
 fn other_window(scene: &MeasuredScene, measured: &[&Snapshot]) -> Option<String> {
+    if !scene.stage.is_empty() {
+        // Conditions end stages at times that the scene does not state.
+        return None;
+    }
     let (first, last) = (measured.first()?.time, measured.last()?.time);
     let (end, slack, interval) = (scene.duration, scene.measure.slack(), scene.measure.interval);
     let Some(from) = scene.measure.from else {

@@ -11,7 +11,6 @@ use makadam::scene::{Finding, Reaction, Stop, populate};
 use makadam::solve::{residual_text, residual_unit_name};
 use makadam_frames::execution::threads_for;
 use makadam_frames::plan::MeasuredScene;
-use makadam_frames::stepping::steps_in;
 use makadam_measure::observables::impossible;
 pub use makadam_studies::effects::{Called, called};
 use makadam_view::draw::numbers::{compact, count, duration, plural};
@@ -76,7 +75,7 @@ impl Forecast {
     pub fn of(scene: &MeasuredScene, text: &str) -> Result<Forecast, makadam::scene::SceneError> {
         let grains = populate(scene, scene.seed)?;
         let bed = Bed::of(scene, &grains);
-        let steps = steps_in(scene.duration, scene.solver.step);
+        let steps = scene.most_steps();
         let moving =
             scene.wall.iter().filter_map(|wall| Some(format!("{} {}", wall.name, scales::motion(&wall.motion)?)));
         let active = called(scene, text).into_iter().filter(|called: &Called| called.on);

@@ -88,8 +88,7 @@ impl Work {
     pub(super) fn of(scene: &MeasuredScene, seed: u64) -> Work {
         let grains = scene.most_grains();
         let prepare = scene.prepare.as_ref().filter(|_| !is_ready(scene, seed));
-        let steps = steps_in(scene.duration, scene.solver.step)
-            + prepare.map_or(0, |prepare| steps_in(prepare.duration, prepare.step));
+        let steps = scene.most_steps() + prepare.map_or(0, |prepare| steps_in(prepare.duration, prepare.step));
         let (sweeps, given) = match scene.solver.stop {
             Stop::Sweeps { sweeps } => (f64::from(sweeps), 0.0),
             Stop::Residual { max_sweeps, .. } => (f64::from(max_sweeps).min(TYPICAL_SWEEPS), 0.0),

@@ -23,7 +23,7 @@ fn frames() -> (MeasuredScene, Vec<Snapshot>) {
 }
 
 fn in_memory(scene: &MeasuredScene, frames: &[Snapshot]) -> Measured {
-    let late: Vec<&Snapshot> = frames.iter().filter(|frame| scene.measure.covers(frame.time)).collect();
+    let late: Vec<&Snapshot> = frames.iter().filter(|frame| scene.covers(frame.time, frame.stage)).collect();
     let Ok(measured) = measure_frames(scene, &late[..]);
     measured.unwrap()
 }

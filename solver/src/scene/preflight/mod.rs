@@ -76,20 +76,51 @@ impl Scene {
             let (problem, remedy) = fault.in_words();
             Finding { severity, problem, remedy, line: text.map(|text| fault.line(text)) }
         };
-        let errors = motion::faults(self, beforehand).into_iter().map(|fault| finding(Severity::Error, fault));
+        let errors = self.motion_faults(beforehand).into_iter().map(|fault| finding(Severity::Error, fault));
         let warnings = self.warnings(beforehand).into_iter().map(|fault| finding(Severity::Warning, fault));
         errors.chain(warnings).collect()
     }
 
     fn warnings(&self, beforehand: Option<Beforehand>) -> Vec<Fault> {
-        let mut warnings = units::faults(self);
+        let mut warnings = self.in_stages(units::faults);
         warnings.extend(meshes::faults(self));
         warnings.extend(settings::faults(self));
+        if !self.stage.is_empty() {
+            // Stages have durations of their own.
+            warnings.retain(|fault| fault.place() != "duration");
+            let of_stages = self.in_stages(settings::faults).into_iter();
+            warnings.extend(of_stages.filter(|fault| fault.place().starts_with("stage")));
+        }
         // Failed placement is an error of `placed`, reported elsewhere.
         if let Ok(grains) = placed(self, self.seed) {
-            warnings.extend(speed::faults(self, &grains, beforehand));
+            warnings.extend(self.in_stages(|scene| speed::faults(scene, &grains, beforehand)));
         }
         warnings
+    }
+
+    /// Returns the faults of the scenes of all stages.
+    fn in_stages(&self, faults: impl Fn(&Scene) -> Vec<Fault>) -> Vec<Fault> {
+        if self.stage.is_empty() {
+            return faults(self);
+        }
+        let mut all = Vec::new();
+        for (number, scene) in self.stage_scenes().iter().enumerate() {
+            for fault in faults(scene).into_iter().map(|fault| self.fault_in_stage(number, fault)) {
+                if !all.contains(&fault) {
+                    all.push(fault);
+                }
+            }
+        }
+        all
+    }
+
+    fn motion_faults(&self, beforehand: Option<Beforehand>) -> Vec<Fault> {
+        // A motion that lasts from an earlier stage, or from the scene, begins at a time of another clock.
+        self.in_stages(|scene| {
+            let whole = Scene { duration: self.duration, ..scene.clone() };
+            let of_whole = if self.stage.is_empty() { Vec::new() } else { motion::faults(&whole, beforehand) };
+            motion::faults(scene, beforehand).into_iter().chain(of_whole).collect()
+        })
     }
 
     /// Rejects values out of range, motions that are shorter than a step, and a speed-dependent restitution if the step
@@ -100,7 +131,8 @@ impl Scene {
     pub fn check(&self) -> Result<(), SceneError> {
         super::check::check(self)?;
         self.check_motion(None)?;
-        self.resolved_impact().map_or(Ok(()), |fault| Err(fault.into()))
+        let resolved = self.in_stages(|scene| scene.resolved_impact().into_iter().collect());
+        resolved.into_iter().next().map_or(Ok(()), |fault| Err(fault.into()))
     }
 
     /// Checks a run that starts from a prepared state.
@@ -114,7 +146,7 @@ impl Scene {
 
     /// Rejects motions that the steps do not resolve.
     pub(super) fn check_motion(&self, beforehand: Option<Beforehand>) -> Result<(), SceneError> {
-        motion::faults(self, beforehand).into_iter().next().map_or(Ok(()), |fault| Err(fault.into()))
+        self.motion_faults(beforehand).into_iter().next().map_or(Ok(()), |fault| Err(fault.into()))
     }
 
     /// Estimates the peak memory of a simulation, bytes; grains are assumed to lie in a dense bed.

@@ -37,9 +37,9 @@ use xxhash_rust::xxh3::xxh3_64;
 /// Magic bytes of a file; the last byte is the version of the format.
 const MARK: [u8; 8] = *b"makadam\x11";
 
-/// Magic bytes of a checkpoint with optional state after the state: grains inserted or removed, kinematic walls, extra
-/// candidates, or ledger entries of external actions or tangential springs.
-const MARK_OF_ALTERED: [u8; 8] = *b"makadam\x12";
+/// Magic bytes of a checkpoint with optional state after the state: grains inserted or removed, kinematic walls, stages, extra
+/// candidates, gauges, records of walls, or ledger entries of external actions or tangential springs.
+const MARK_OF_ALTERED: [u8; 8] = *b"makadam\x13";
 
 /// Reason why a checkpoint could not be written or read.
 #[derive(Debug, thiserror::Error)]

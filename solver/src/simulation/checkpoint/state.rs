@@ -8,8 +8,11 @@ use crate::partition::{Layout, Plan};
 use crate::scene::{GrainEntry, Scene, sphere_volume};
 use crate::schedule::Team;
 use crate::simulation::flow::{Counts, Flow};
+use crate::simulation::gauge::{Gauges, Passages};
 use crate::simulation::intervention::Booked;
 use crate::simulation::ledger::Ledger;
+use crate::simulation::stages::{StageState, Stages};
+use crate::simulation::wall_record::WallRecord;
 use crate::wall::Steered;
 use crate::world::{Body, Roll, Sphere, World};
 use nalgebra::Vector3;
@@ -62,8 +65,14 @@ struct Altered {
     roll: Roll,
     /// Counts of the sources and sinks, and the number of grains that the boxes were chosen for.
     flow: Option<(Counts, u64)>,
+    /// Position in the stages of the scene.
+    stages: Option<StageState>,
     /// Ids and surfaces of extra candidates, which were not near each other when the list was built.
     beyond: Vec<(u32, u32)>,
+    /// Sums of the loads and the wear of walls.
+    wall_record: Option<WallRecord>,
+    /// Passages of the gauges.
+    gauges: Vec<[Passages; 2]>,
 }
 
 /// State of a dynamic wall.
@@ -211,6 +220,9 @@ impl State {
                 beyond: candidates.beyond().to_vec(),
                 springs: simulation.ledger.as_ref().map_or(0.0, Ledger::springs),
                 roll: world.roll.clone(),
+                stages: simulation.stages.as_ref().map(|stages| stages.state.clone()),
+                wall_record: simulation.wall_record.clone(),
+                gauges: simulation.gauges.passed.clone(),
                 flow: simulation.flow.as_ref().map(|flow| (flow.counts.clone(), candidates.boxes_for() as u64)),
             },
         }
@@ -265,10 +277,13 @@ impl State {
 
     /// Builds a simulation that continues from this state.
     pub fn resume(&self, scene: &Scene) -> Result<Simulation, String> {
+        let stages = self.stages(scene)?;
+        let present = stages.as_ref().map(Stages::present);
+        let scene = self.check(scene, present.as_ref())?;
         if self.step.to_bits() != scene.solver.step.to_bits() {
             return Err(format!("has a time step of {:e} s where the scene has {:e} s", self.step, scene.solver.step));
         }
-        let mut simulation = self.start(scene)?;
+        let mut simulation = self.start_in(scene, stages)?;
         let drives = simulation.world.drives.len();
         if self.driven_walls.len() != drives {
             return Err(format!("has {} driven walls where the scene has {drives}", self.driven_walls.len()));
@@ -283,6 +298,11 @@ impl State {
         if let Some((flow, (counts, _))) = simulation.flow.as_mut().zip(self.altered.flow.as_ref()) {
             flow.continue_from(counts)?;
         }
+        simulation.gauges.continue_from(&self.altered.gauges)?;
+        if self.altered.wall_record.as_ref().is_some_and(|record| !record.fits(&simulation.world)) {
+            return Err("has loads of other walls than those of the scene".into());
+        }
+        simulation.wall_record = self.altered.wall_record.clone();
         simulation.interventions.booked = self.altered.booked;
         simulation.interventions.disturbed = self.altered.disturbed;
         simulation.steps = self.steps;
@@ -294,10 +314,43 @@ impl State {
 
     /// Builds a simulation of the scene at time zero with these grains, in id order, and the impulses of their contacts.
     pub fn start(&self, scene: &Scene) -> Result<Simulation, String> {
+        let stages = Stages::of(scene);
+        let present = stages.as_ref().map(Stages::present);
+        self.start_in(self.check(scene, present.as_ref())?, stages)
+    }
+
+    /// Returns the stages of a scene at this state.
+    fn stages(&self, scene: &Scene) -> Result<Option<Stages>, String> {
+        match (Stages::of(scene), self.altered.stages.clone()) {
+            (None, None) => Ok(None),
+            (Some(Stages { scene, .. }), Some(state)) if state.is_sound(&scene, self.steps) => {
+                Ok(Some(Stages { scene, state }))
+            }
+            _ => Err("has other stages than the scene".into()),
+        }
+    }
+
+    /// Checks a scene and returns the scene of its present stage, if it has one.
+    fn check<'s>(&self, scene: &'s Scene, present: Option<&'s Scene>) -> Result<&'s Scene, String> {
+        let expected = scene.grain_count();
+        if self.grains.len() != expected && !self.altered.roll.changed {
+            return Err(format!("holds {} grains where the scene has {expected}", self.grains.len()));
+        }
+        scene.check().map_err(|error| format!("cannot go on with the scene: {error}"))?;
+        Ok(present.unwrap_or(scene))
+    }
+
+    /// Builds a simulation of a checked scene, or of the scene of a stage, at time zero.
+    fn start_in(&self, scene: &Scene, stages: Option<Stages>) -> Result<Simulation, String> {
         let seed = self.altered.flow.as_ref().map_or(scene.seed, |(counts, _)| counts.seed);
         let boxes_for = self.altered.flow.as_ref().map_or(self.grains.len(), |(_, grains)| *grains as usize);
-        let mut simulation = Simulation::of_world(&scene.solver, self.world(scene)?, boxes_for);
-        simulation.flow = Flow::of(scene, seed, &simulation.world);
+        let mut world = World::new(scene, &[]);
+        for (&wall, beginning) in stages.iter().flat_map(|stages| &stages.state.beginnings) {
+            world.begin_motion(wall, &scene.wall[wall as usize].motion, beginning);
+        }
+        let mut simulation = Simulation::of_world(&scene.solver, self.populate(world)?, boxes_for);
+        (simulation.flow, simulation.stages) = (Flow::of(scene, seed, &simulation.world), stages);
+        simulation.gauges = Gauges::of(scene);
         // If the scene has other dynamic walls than the source of the grains, its walls start at their initial positions.
         if self.driven_walls.len() == simulation.world.drives.len() {
             self.put_driven_walls(&mut simulation.world, |wall| wall.displacement);
@@ -333,16 +386,6 @@ impl State {
         simulation.layout.replan(1, |plan| *plan = Plan::single(self.pairs.len() as u32, self.walls.len() as u32));
         simulation.candidates.find_borne(&simulation.layout.plan);
         Ok(())
-    }
-
-    /// Returns the world of a scene with the grains in id order.
-    fn world(&self, scene: &Scene) -> Result<World, String> {
-        let expected = scene.grain_count();
-        if self.grains.len() != expected && !self.altered.roll.changed {
-            return Err(format!("holds {} grains where the scene has {expected}", self.grains.len()));
-        }
-        scene.check().map_err(|error| format!("cannot go on with the scene: {error}"))?;
-        self.populate(World::new(scene, &[]))
     }
 
     /// Fills a world without grains with these grains, in id order.

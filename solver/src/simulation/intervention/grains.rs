@@ -6,9 +6,10 @@
 
 use super::{Booked, InterventionError};
 use crate::Simulation;
-use crate::scene::{GrainEntry, MOST_GRAINS, Scene};
+use crate::scene::{GrainEntry, MOST_GRAINS, Scene, SolverSettings};
 use crate::simulation::checkpoint::state::State;
 use crate::wall::WallsAt;
+use crate::world::World;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -81,7 +82,7 @@ impl Simulation {
                 state.add(id, grain, number, scene.material[&grain.material].density);
             }
             let old: Vec<Option<u32>> = (0..before as u32).map(Some).collect();
-            self.begin_anew(&state, &old, all);
+            self.begin_anew(self.world.without_grains(), &self.settings.clone(), &state, &old, all);
         }
         Ok(before as u32..all as u32)
     }
@@ -110,20 +111,31 @@ impl Simulation {
         if (next as usize) < grains {
             let mut state = State::of(self);
             state.renumber(&new_ids);
-            self.begin_anew(&state, &new_ids, next as usize);
+            self.begin_anew(self.world.without_grains(), &self.settings.clone(), &state, &new_ids, next as usize);
         }
         Ok(new_ids)
     }
 
-    /// Restarts with the grains and impulses of a state; `new_ids` maps old ids to new ids.
-    fn begin_anew(&mut self, state: &State, new_ids: &[Option<u32>], grains: usize) {
+    /// Restarts in a world without grains, with settings, and with the grains and impulses of a state; `new_ids` maps old ids to new ids.
+    pub(in crate::simulation) fn begin_anew(
+        &mut self,
+        world: World,
+        settings: &SolverSettings,
+        state: &State,
+        new_ids: &[Option<u32>],
+        grains: usize,
+    ) {
         let before = Booked::of(self);
-        let world = state.populate(self.world.without_grains()).expect("all numbers were checked");
-        let mut next = Simulation::of_world(&self.settings, world, grains);
-        state.give_impulses(&mut next, 1.0).expect("contacts are those of grains that are there");
+        let world = state.populate(world).expect("all numbers were checked");
+        let mut next = Simulation::of_world(settings, world, grains);
+        let scale = settings.step / self.settings.step;
+        state.give_impulses(&mut next, scale).expect("contacts are those of grains that are there");
         next.go_on_as(self);
         next.interventions = self.interventions.after(new_ids, grains);
-        next.world.roll.change(new_ids, std::iter::repeat_n(0, grains - new_ids.iter().flatten().count()));
+        let stay = new_ids.iter().flatten().count();
+        if (stay, stay) != (new_ids.len(), grains) {
+            next.world.roll.change(new_ids, std::iter::repeat_n(0, grains - stay));
+        }
         *self = next;
         if self.ledger.is_some() {
             self.book_disturbance(&before);

@@ -34,8 +34,7 @@ mod balance;
 mod walls;
 
 pub use balance::Balance;
-#[allow(unused_imports)] // For those who will book any.
-pub(crate) use walls::WallImpulse;
+pub(crate) use walls::{WallContact, WallImpulse};
 
 use super::energy::Energy;
 use crate::Simulation;

@@ -53,8 +53,12 @@ impl WallContact<'_> {
 ///
 /// Velocities are those of the wall's point minus those of the grain's surface at this point.
 pub(crate) struct WallImpulse {
+    /// Number of the face.
+    pub surface: u32,
     /// Mass of the grain, kg.
     pub mass: f64,
+    /// Velocity of its centre before the impulse, m/s.
+    pub velocity: [f64; 3],
     /// Unit normal from the grain to the wall.
     pub normal: [f64; 3],
     /// Relative velocity before the impulse and after the solve, m/s.
@@ -127,10 +131,11 @@ impl Simulation {
     /// Books an impulse of a wall on a grain after the ledger has booked the solve and before the grains move: its work, for
     /// ledger and watchdogs, and the parts lost to restitution and friction.
     pub(crate) fn book_wall_impulse(&mut self, one: &WallImpulse) {
-        let WallImpulse { mass, normal, before, after, impulse, wall_velocity, centre, arm, shift } = *one;
+        let WallImpulse { mass, normal, before, after, impulse, wall_velocity, centre, arm, shift, .. } = *one;
         let (gravity, h) = (<[f64; 3]>::from(self.world.gravity), self.settings.step);
         let work = dot(impulse, wall_velocity);
         self.work_outside_of_the_solve += work;
+        self.note_wall_impulse(one);
         let Some(ledger) = &mut self.ledger else { return };
         let entries = &mut ledger.entries;
         // As for all contacts, the velocity gained from gravity in this step does not count before.

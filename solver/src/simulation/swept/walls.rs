@@ -264,12 +264,15 @@ impl Simulation {
         [before, after]: [Vector; 2],
     ) {
         let body = &self.world.bodies[place];
+        let impulse = -normal * along - tangential;
         self.book_wall_impulse(&WallImpulse {
+            surface,
+            velocity: (Vector::from(body.velocity) - impulse * body.inverse_mass).into(),
             mass: 1.0 / body.inverse_mass,
             normal: normal.into(),
             before: before.into(),
             after: after.into(),
-            impulse: (-normal * along - tangential).into(),
+            impulse: impulse.into(),
             wall_velocity: wall_velocity.into(),
             centre: self.world.spheres[place].centre.into(),
             arm: arm.into(),

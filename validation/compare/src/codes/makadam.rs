@@ -11,7 +11,7 @@ use makadam_frames::execution::Execution;
 use makadam_frames::output::WriteError;
 use makadam_frames::provenance::Build;
 use makadam_frames::recording::{Noticed, Recording};
-use makadam_frames::stepping::{Halt, Stepping, Taken, steps_in};
+use makadam_frames::stepping::{Halt, Stepping, Taken};
 
 /// Makadam, in this process, on one thread.
 pub struct Makadam;
@@ -28,8 +28,9 @@ impl Code for Makadam {
     fn simulate(&self, job: &Job<'_>) -> Result<Recording, CodeError> {
         let scene = job.scene;
         let mut simulation = started(job)?;
+        scene.record_walls(&mut simulation);
         let (beginning, step_seconds) = (simulation.time(), simulation.time_step());
-        let steps = steps_in(scene.duration, step_seconds);
+        let steps = scene.most_steps();
         let mut frames = vec![simulation.snapshot()];
         let mut watchdog = Watchdog::new(&scene.watch, &simulation);
         let stepping = Stepping::new(steps, job.progress).framed(scene.measure.interval).watched(&mut watchdog);

@@ -258,6 +258,9 @@ fn refuse_unsupported(
     if scene.prepare.is_some() && scene.wall.iter().any(|wall| wall.motion.is_driven()) {
         return refuse("it starts from a prepared state, in which a wall has been driven");
     }
+    if !scene.stage.is_empty() {
+        return refuse("it has stages");
+    }
     if grains.is_empty() && scene.insert.is_empty() {
         return refuse("it has no grains");
     }

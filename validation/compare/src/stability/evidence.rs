@@ -175,7 +175,7 @@ impl<'a> Evidence<'a> {
 
     /// Walls at their positions in a frame.
     fn walls(&self, frame: &Snapshot) -> PlacedWalls {
-        PlacedWalls::at(&self.scene.wall, &self.scene.domain, frame.time, &frame.driven_walls)
+        PlacedWalls::at(&self.scene.wall, &self.scene.domain, frame.time, &frame.driven_walls, &frame.beginnings)
     }
 }
 

@@ -20,7 +20,7 @@
 //! with a support c of two mean diameters; its width, `c/2`, is one diameter. Nodes are half a support apart. The volume of a grain in place of its
 //! mass gives the solid fraction.
 
-use super::vtp::ImageData;
+use super::vtp::{ImageData, write_collection};
 use super::{ExportError, Written, for_each};
 use crate::output::{create_folder, write_whole};
 use crate::run_frames::columns::{Column, Number, REAL, Shape, VECTOR};
@@ -59,9 +59,7 @@ pub(super) fn write(run: &RunFrames, folder: &Path, progress: &dyn Fn(f64)) -> R
     let grid = Grid::of(run)?;
     let from = run.read(0)?.tables.scene.measure.from.unwrap_or(0.0);
     let (mut mean, mut measured, mut has_contacts) = (Fields::new(grid), 0, true);
-    let mut list = String::from(
-        "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n<Collection>\n",
-    );
+    let mut list = Vec::new();
     for_each(0..run.count(), progress, |number| {
         let frame = run.read(number)?;
         let mut fields = Fields::new(grid);
@@ -69,16 +67,14 @@ pub(super) fn write(run: &RunFrames, folder: &Path, progress: &dyn Fn(f64)) -> R
         has_contacts &= frame.contacts.is_some();
         let file = format!("{FOLDER}/fields-{number:05}.vti");
         write_whole(&folder.join(&file), &fields.encode(frame.time, 1.0, has_contacts))?;
-        list += &format!("<DataSet timestep=\"{}\" part=\"0\" file=\"{file}\"/>\n", frame.time);
+        list.push((frame.time, file));
         if frame.time >= from {
             mean.nodes.iter_mut().zip(&fields.nodes).for_each(|(sum, node)| sum.merge(node));
             measured += 1;
         }
         Ok(())
     })?;
-    let path = folder.join("fields.pvd");
-    write_whole(&path, (list + "</Collection>\n</VTKFile>\n").as_bytes())?;
-    let mut written = vec![Written { path, frames: run.count() }];
+    let mut written = vec![write_collection(folder.join("fields.pvd"), &list)?];
     if measured > 0 {
         let path = folder.join("fields-mean.vti");
         write_whole(&path, &mean.encode(from, measured as f64, has_contacts))?;
@@ -109,11 +105,15 @@ impl Grid {
             }
         }
         let refused = |problem: String| ExportError::Format { file: FOLDER.into(), problem };
-        if grains == 0.0 {
-            return Err(refused("there are no grains, so that no grid can be laid around them".into()));
-        }
-        let support = SUPPORT * 2.0 * radii / grains;
         let domain = &run.read(0)?.tables.scene.domain;
+        let support = match grains > 0.0 {
+            true => SUPPORT * 2.0 * radii / grains,
+            // Without grains the fields are zero: a coarse grid over the domain.
+            false => {
+                (low, high) = (domain.min.into(), domain.max.into());
+                (high - low).max()
+            }
+        };
         let period = domain.period();
         let mut grid =
             Grid { origin: low, spacing: Vector3::repeat(SPACING * support), counts: [0; 3], support, period };

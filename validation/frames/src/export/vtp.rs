@@ -12,7 +12,7 @@ use flate2::Compression;
 use flate2::write::ZlibEncoder;
 use std::fmt::Write as _;
 use std::io::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Folder of the files inside the output folder.
 const FOLDER: &str = "frames";
@@ -33,25 +33,33 @@ pub(super) fn write(run: &RunFrames, folder: &Path, progress: &dyn Fn(f64)) -> R
     let mut written = Vec::new();
     for (part, kind) in Kind::ALL.into_iter().enumerate() {
         let name = kind.name();
-        let mut list = String::from(
-            "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n<Collection>\n",
-        );
+        let mut list = Vec::new();
         let of_all = |fraction| progress((part as f64 + fraction) / Kind::ALL.len() as f64);
         for_each(run.numbers(kind), &of_all, |number| {
             let file = format!("{FOLDER}/{name}-{number:05}.vtp");
             write_whole(&folder.join(&file), &encode(&run.part(number, kind)?))?;
-            list += &format!("<DataSet timestep=\"{}\" part=\"0\" file=\"{file}\"/>\n", run.time(number));
+            list.push((run.time(number), file));
             Ok(())
         })?;
         if !run.numbers(kind).is_empty() {
-            let path = folder.join(format!("{name}.pvd"));
-            write_whole(&path, (list + "</Collection>\n</VTKFile>\n").as_bytes())?;
-            written.push(Written { path, frames: run.numbers(kind).len() });
+            written.push(write_collection(folder.join(format!("{name}.pvd")), &list)?);
         }
     }
     let script = folder.join("open-in-paraview.py");
     std::fs::write(&script, SCRIPT).map_err(|error| WriteError::new(&script, error))?;
     Ok(written)
+}
+
+/// Writes the list of the files of a series, each with its time (s).
+pub(super) fn write_collection(path: PathBuf, files: &[(f64, String)]) -> Result<Written, ExportError> {
+    let mut list = String::from(
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n<Collection>\n",
+    );
+    for (time, file) in files {
+        list += &format!("<DataSet timestep=\"{time}\" part=\"0\" file=\"{file}\"/>\n");
+    }
+    write_whole(&path, (list + "</Collection>\n</VTKFile>\n").as_bytes())?;
+    Ok(Written { path, frames: files.len() })
 }
 
 /// Removes the frames of an earlier export, possibly more numerous.

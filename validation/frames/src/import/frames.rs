@@ -113,7 +113,7 @@ impl<'a> Assembly<'a> {
         let last = frames.iter().rposition(|frame| !frame.grains.values.is_empty());
         for (index, frame) in frames.iter_mut().enumerate() {
             frame.is_measured = match self.scene.measure.from {
-                Some(_) => self.scene.measure.covers(frame.time),
+                Some(_) => self.scene.covers(frame.time, None),
                 None => Some(index) == last,
             };
         }

@@ -107,7 +107,7 @@ fn revolved(part: &Revolution, domain: &Domain, smallest_radius: f64, fineness: 
 }
 
 /// Returns true if a triangle has an area beyond rounding: a triangle without area has no normal either, and codes refuse it.
-fn has_area(triangle: &Triangle) -> bool {
+pub(crate) fn has_area(triangle: &Triangle) -> bool {
     let [a, b, c] = triangle.map(Vector3::from);
     let (first, second, third) = (b - a, c - a, c - b);
     let longest = first.norm_squared().max(second.norm_squared()).max(third.norm_squared());

@@ -6,10 +6,15 @@ use makadam::scene::Watch;
 use serde::Serialize;
 
 /// Returns the hash of the simulated scene (64-bit FNV-1a over its JSON form), the same on every machine. The watchdog settings of a
-/// run are excluded: they change the end of a run, and no earlier state.
+/// run and the limits of its stages are excluded: they change the end of a run, and no earlier state.
 pub fn scene_hash(scene: &MeasuredScene) -> u64 {
     let MeasuredScene { simulated, prepare, measure, output, compare } = scene;
-    let simulated = json(&makadam::scene::Scene { watch: Watch::default(), ..simulated.clone() });
+    let mut simulated = makadam::scene::Scene { watch: Watch::default(), ..simulated.clone() };
+    if !simulated.stage.is_empty() {
+        simulated.duration = 0.0;
+        simulated.stage.iter_mut().for_each(|stage| stage.at_most = None);
+    }
+    let simulated = json(&simulated);
     let accuracy =
         scene.accuracy.as_ref().map_or(String::new(), |accuracy| format!(",\"accuracy\":{}", json(accuracy)));
     let settings = format!("{accuracy},\"solver\":{}", json(&scene.solver));
@@ -48,6 +53,9 @@ fn hash_without(scene: &MeasuredScene, keys: &[&str], of_measure: &[&str]) -> St
     };
     remove("", &["name", "description", "seed", "solver", "accuracy", "watch", "output", "compare"]);
     remove("", keys);
+    for number in 0..scene.stage.len() {
+        remove(&format!("/stage/{number}"), &["name", "solver", "output"]);
+    }
     remove("/measure", of_measure);
     format!("{:016x}", checksum(physics.to_string().as_bytes()))
 }

@@ -4,7 +4,7 @@ use super::columns::{Kind, Part};
 use super::frame::{FrameTables, Quantity, RunFrame};
 use super::store::Store;
 use crate::output::RunFiles;
-use crate::plan::{MeasuredScene, setup_hash};
+use crate::plan::{MeasuredScene, Observable, setup_hash};
 use crate::provenance::VERSION;
 use crate::recording::{Content, Recording};
 use makadam::scene::Motion;
@@ -135,8 +135,15 @@ impl RunFrames {
         }
     }
 
-    /// Returns the number of steps before a frame, by its time.
+    /// Returns the number of steps before a frame, by its stage or its time.
     pub fn step(&self, number: usize) -> u64 {
+        let stage = match &self.source {
+            Source::Store(store) => store.entries()[number].stage,
+            Source::Memory(frames) => frames[number].stage,
+        };
+        if let Some(stage) = stage {
+            return stage.before + stage.steps;
+        }
         (self.time(number) / self.tables.scene.solver.step).round() as u64
     }
 
@@ -178,11 +185,11 @@ impl RunFrames {
         Ok(match kind {
             Kind::Grains => self.tables.grains(&frame),
             Kind::Contacts => self.tables.contacts(&frame),
-            Kind::Walls => self.tables.walls_part(frame.time, &frame.driven_walls),
+            Kind::Walls => self.tables.walls_part(&frame),
         })
     }
 
-    /// Returns the numbers of the frames that have a part: walls at rest are in the first frame alone.
+    /// Returns the numbers of the frames that have a part: walls at rest without wear are in the first frame alone.
     pub(crate) fn numbers(&self, kind: Kind) -> std::ops::Range<usize> {
         let (scene, count) = (&self.tables.scene, self.count());
         let output = scene.output.clone().unwrap_or_default();
@@ -190,7 +197,10 @@ impl RunFrames {
             Kind::Grains => 0..count,
             Kind::Contacts => 0..if output.contacts { count } else { 0 },
             Kind::Walls if !output.walls || scene.wall.is_empty() => 0..0,
-            Kind::Walls if scene.wall.iter().all(|wall| wall.motion == Motion::Fixed) => 0..1,
+            Kind::Walls if scene.measure.observables.contains(&Observable::Wear) => 0..count,
+            Kind::Walls if scene.wall.iter().all(|wall| wall.motion == Motion::Fixed) && !self.tables.stages_move() => {
+                0..1
+            }
             Kind::Walls => 0..count,
         }
     }

@@ -142,6 +142,8 @@ pub struct RunFrame {
     pub contacts: Option<Vec<ContactLine>>,
     /// Walls at their pose; absent if the run has written no walls.
     pub walls: Option<Walls>,
+    /// Name of the stage; absent for a scene without stages.
+    pub stage: Option<String>,
     /// Acceleration of gravity, m/s2.
     pub gravity: [f64; 3],
     /// Lengths of the periodic axes, zero along the others, and their starts, m; absent without periodic axes.
@@ -240,6 +242,8 @@ pub(crate) struct FrameTables {
     /// Density of each material, kg/m3.
     densities: Vec<f64>,
     roster: Roster,
+    /// Scenes of the stages.
+    stages: Vec<MeasuredScene>,
     /// Triangles of each wall at its pose in the scene; planes are cut again at each new pose.
     pub(super) walls: Vec<Triangles>,
 }
@@ -249,9 +253,24 @@ impl FrameTables {
         FrameTables {
             densities: scene.material.values().map(|material| material.density).collect(),
             roster: Roster::new(scene),
+            stages: (0..scene.stage.len()).map(|number| scene.in_stage(number)).collect(),
             walls: scene.wall.iter().map(|wall| Triangles::of(&wall.shape, &scene.domain)).collect(),
             scene: scene.clone(),
         }
+    }
+
+    /// Returns the scene of the stage of a frame.
+    pub fn scene_of(&self, frame: &Snapshot) -> &MeasuredScene {
+        frame.stage.and_then(|stage| self.stages.get(stage.number as usize)).unwrap_or(&self.scene)
+    }
+
+    /// Returns true if a stage gives a motion to a wall.
+    pub fn stages_move(&self) -> bool {
+        self.scene.stage.iter().any(|stage| !stage.motion.is_empty())
+    }
+
+    fn stage_name(&self, frame: &Snapshot) -> Option<String> {
+        Some(self.scene.stage.get(frame.stage?.number as usize)?.name.clone())
     }
 
     /// Returns the names of the materials, in the order of their numbers.
@@ -282,10 +301,11 @@ impl FrameTables {
             let ends = self.ends(snapshot).into_iter();
             ends.zip(forces).map(|(ends, normal_force)| ContactLine { ends, normal_force }).collect()
         };
-        let walls = || self.walls_at(snapshot.time, &snapshot.driven_walls);
+        let walls = || self.walls_at(snapshot);
         RunFrame {
             time: snapshot.time,
-            gravity: self.scene.gravity_field().at(snapshot.time).into(),
+            stage: self.stage_name(snapshot),
+            gravity: self.scene_of(snapshot).gravity_field().at(snapshot.time).into(),
             grains: Grains {
                 positions: snapshot.particles.iter().map(|particle| particle.position).collect(),
                 radii: snapshot.particles.iter().map(|particle| particle.radius).collect(),
@@ -306,8 +326,13 @@ impl FrameTables {
             _ => true,
         };
         let loaded = self.load(frame);
-        let gravity: [f64; 3] = self.scene.gravity_field().at(frame.time).into();
+        let gravity: [f64; 3] = self.scene_of(frame).gravity_field().at(frame.time).into();
         let mut whole = vec![Column::new("gravity", DOUBLES, gravity)];
+        let mut texts = vec![("scene_name", vec![self.scene.name.clone()]), ("material_names", self.materials())];
+        if let Some(stage) = &frame.stage {
+            whole.push(Column::new("stage", WHOLE, [f64::from(stage.number)]));
+            texts.push(("stage_names", self.scene.stage.iter().map(|stage| stage.name.clone()).collect()));
+        }
         if !frame.driven_walls.is_empty() {
             whole.extend(pose_columns(&frame.driven_walls));
         }
@@ -323,7 +348,7 @@ impl FrameTables {
             of_points: FIELDS.iter().filter(is_requested).map(|field| loaded.column(field)).collect(),
             of_cells: Vec::new(),
             whole,
-            texts: vec![("scene_name", vec![self.scene.name.clone()]), ("material_names", self.materials())],
+            texts,
         }
     }
 

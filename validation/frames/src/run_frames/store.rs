@@ -9,7 +9,9 @@
 use crate::output::{WriteError, open_to_grow};
 use crate::plan::MeasuredScene;
 use makadam::checkpoint::{open, seal};
-use makadam::snapshot::{Contact, DrivenWall, Origin, Particle, Passed, Snapshot};
+use makadam::snapshot::{
+    Beginning, Contact, DrivenWall, FaceWear, Origin, Particle, Passages, Passed, PresentStage, Snapshot, WallLoad,
+};
 use serde::{Deserialize, Serialize};
 use std::fs::{File, OpenOptions};
 use std::io::{BufReader, Error, ErrorKind, Read, Seek, SeekFrom, Write};
@@ -18,7 +20,7 @@ use std::path::{Path, PathBuf};
 /// Magic bytes of the scene record; the last byte is the format version.
 const SCENE: [u8; 8] = *b"mkd-scn\x02";
 /// Magic bytes of a frame record; the last byte is the format version.
-const FRAME: [u8; 8] = *b"mkd-frm\x06";
+const FRAME: [u8; 8] = *b"mkd-frm\x07";
 
 /// Bytes before the body of a record.
 const HEAD: u64 = 24;
@@ -32,6 +34,8 @@ pub struct Entry {
     length: u64,
     /// Simulated time, s.
     pub time: f64,
+    /// Stage; absent for a scene without stages.
+    pub stage: Option<PresentStage>,
     /// Number of grains.
     pub grains: u32,
 }
@@ -106,8 +110,23 @@ impl StoreWriter {
     /// # Errors
     /// [`WriteError`] if the system refuses; the frames before it stay readable.
     pub fn append(&mut self, frame: &Snapshot) -> Result<(), WriteError> {
-        let Snapshot { time, particles, contacts, driven_walls, origins, passed } = frame;
-        let parts: (Grains<_, _, _>, _) = ((*time, particles, driven_walls, origins, *passed), contacts);
+        let Snapshot {
+            time,
+            particles,
+            contacts,
+            driven_walls,
+            origins,
+            passed,
+            stage,
+            beginnings,
+            gauges,
+            wall_loads,
+            wear,
+        } = frame;
+        let parts: (Grains<_, _, _, _, _>, _) = (
+            (*time, *stage, particles, driven_walls, origins, *passed, beginnings, gauges),
+            (contacts, wall_loads, wear),
+        );
         let body = postcard::to_stdvec(&parts).expect("a frame holds only numbers and lists");
         let record = seal(FRAME, &body);
         let start = self.store.bytes();
@@ -115,7 +134,7 @@ impl StoreWriter {
         let written = self.file.seek(SeekFrom::Start(start)).and_then(|_| self.file.write_all(&record));
         written.map_err(|error| WriteError::new(&self.store.path, error))?;
         let (length, grains) = (record.len() as u64, frame.particles.len() as u32);
-        self.store.entries.push(Entry { start, length, time: frame.time, grains });
+        self.store.entries.push(Entry { start, length, time: frame.time, stage: frame.stage, grains });
         Ok(())
     }
 
@@ -220,7 +239,7 @@ impl Store {
         numbers.into_iter().try_for_each(|number| {
             let bytes = self.bytes_of(&mut file, number)?;
             let (grains, _) = postcard::take_from_bytes(open(FRAME, &bytes)?).map_err(unfit)?;
-            look(&frame_of(grains, Vec::new()));
+            look(&frame_of(grains, Default::default()));
             Ok(())
         })
     }
@@ -231,8 +250,8 @@ impl Store {
 
     fn read_from(&self, file: &mut BufReader<File>, number: usize) -> Result<Snapshot, String> {
         let bytes = self.bytes_of(file, number)?;
-        let (grains, contacts) = postcard::from_bytes(open(FRAME, &bytes)?).map_err(unfit)?;
-        Ok(frame_of(grains, contacts))
+        let (grains, loads) = postcard::from_bytes(open(FRAME, &bytes)?).map_err(unfit)?;
+        Ok(frame_of(grains, loads))
     }
 
     /// Reads the record of a frame.
@@ -250,14 +269,18 @@ impl Store {
     }
 }
 
-/// First part of a frame record: time, grains, dynamic walls, identities, grains that came and went. The contacts follow.
-type Grains<P, W, O> = (f64, P, W, O, [Passed; 2]);
+/// First part of a frame record: time, stage, grains, dynamic walls, identities, grains that came and went, beginnings of motions,
+/// passages of gauges. The contacts, and the loads and the wear of walls follow.
+type Grains<P, W, O, B, G> = (f64, Option<PresentStage>, P, W, O, [Passed; 2], B, G);
+
+/// First part of a frame record, read.
+type OwnGrains = Grains<Vec<Particle>, Vec<DrivenWall>, Vec<Origin>, Vec<(u32, Beginning)>, Vec<[Passages; 2]>>;
 
 fn frame_of(
-    (time, particles, driven_walls, origins, passed): Grains<Vec<Particle>, Vec<DrivenWall>, Vec<Origin>>,
-    contacts: Vec<Contact>,
+    (time, stage, particles, driven_walls, origins, passed, beginnings, gauges): OwnGrains,
+    (contacts, wall_loads, wear): (Vec<Contact>, Vec<WallLoad>, Vec<FaceWear>),
 ) -> Snapshot {
-    Snapshot { time, particles, contacts, driven_walls, origins, passed }
+    Snapshot { time, particles, contacts, driven_walls, origins, passed, stage, beginnings, gauges, wall_loads, wear }
 }
 
 fn unfit(error: postcard::Error) -> String {
@@ -271,12 +294,12 @@ fn unread(error: Error) -> String {
 /// Reads the position, time and grain count of the frame at a byte; `None` if the file ends before the frame does.
 fn read_entry(file: &mut File, start: u64, size: u64) -> Result<Option<Entry>, String> {
     let Some(length) = record_length(file, start, size, FRAME)? else { return Ok(None) };
-    // A snapshot begins with its time (8 bytes) and its number of grains (at most 5).
-    let mut bytes = vec![0; 13.min((length - HEAD) as usize)];
+    // A snapshot begins with its time (8 bytes), its stage (at most 35) and its number of grains (at most 5).
+    let mut bytes = vec![0; 48.min((length - HEAD) as usize)];
     file.read_exact(&mut bytes).map_err(unread)?;
-    let begin: Result<((f64, u32), _), _> = postcard::take_from_bytes(&bytes);
-    let ((time, grains), _) = begin.map_err(unfit)?;
-    Ok(Some(Entry { start, length, time, grains }))
+    let begin: Result<((f64, Option<PresentStage>, u32), _), _> = postcard::take_from_bytes(&bytes);
+    let ((time, stage, grains), _) = begin.map_err(unfit)?;
+    Ok(Some(Entry { start, length, time, stage, grains }))
 }
 
 /// Reads the length of the record at a byte from its head; `None` if the file ends before the record does.

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::plan::MeasuredScene;
+use makadam::snapshot::DrivenWall;
 use std::f64::consts::TAU;
 
 const WALLS: &str = r#"
@@ -63,13 +64,14 @@ fn corners_lie_on_the_walls_and_move_with_them() {
     let scene = MeasuredScene::parse(WALLS).unwrap();
     let mesh = FrameTables::new(&scene);
     let driven = |displacement| vec![DrivenWall { wall: 3, displacement, rate: 0.25 }];
-    let (early, late) = (mesh.walls_part(0.4, &driven(0.1)), mesh.walls_part(0.5, &driven(0.2)));
+    let at = |time, driven_walls| mesh.walls_part(&Snapshot { time, driven_walls, ..Snapshot::default() });
+    let (early, late) = (at(0.4, driven(0.1)), at(0.5, driven(0.2)));
     let triangles: Vec<[u32; 3]> = late.corners().as_chunks().0.to_vec();
     let (points, before, velocities) = (&late.points.values, &early.points.values, &late.of_points[0].values);
     let vector = |values: &[f64], place: usize| Vector::from_column_slice(&values[3 * place..3 * place + 3]);
     let walls = &late.of_cells[0].values;
     assert_eq!(late.of_cells[1].values.len(), triangles.len());
-    let placed = PlacedWalls::at(&scene.wall, &scene.domain, 0.5, &driven(0.2));
+    let placed = PlacedWalls::at(&scene.wall, &scene.domain, 0.5, &driven(0.2), &[]);
     let mut seen = [0; 6];
     for (triangle, wall) in triangles.iter().zip(walls) {
         for corner in triangle.map(|corner| corner as usize) {
@@ -120,4 +122,30 @@ fn areas_are_those_of_the_shapes() {
     assert!((area(&ball, &domain) / (2.0 * TAU * 4.0) - 1.0).abs() < 0.05);
     let many = Shape::Spheres { centres: vec![[0.0; 3]; 2000], radius: 2.0 };
     assert_eq!(wall_mesh(&many, &domain, 0.0, DRAWN).triangles.len(), 160_000);
+}
+
+#[test]
+fn wear_of_a_mesh_is_on_its_triangles() {
+    let mut scene = MeasuredScene::parse(WALLS).unwrap();
+    let corners =
+        [[[0.0, 0.0, 0.0], [0.2, 0.0, 0.0], [0.0, 0.1, 0.0]], [[0.2, 0.0, 0.0], [0.2, 0.1, 0.0], [0.0, 0.1, 0.0]]];
+    scene.wall.truncate(1);
+    scene.wall[0].shape = Shape::mesh("two", makadam::scene::TriangleMesh::new(&corners).unwrap());
+    let of = |scene: &MeasuredScene| {
+        let wear =
+            [(0, 3.0), (1, 1.0)].map(|(face, archard)| FaceWear { face, archard, ..FaceWear::default() }).to_vec();
+        let part = FrameTables::new(scene).walls_part(&Snapshot { wear, ..Snapshot::default() });
+        part.of_cells.into_iter().find(|column| column.name == "archard").map(|column| column.values)
+    };
+    assert_eq!(of(&scene), None);
+    scene.measure.observables = vec![Observable::Wear];
+    // Each triangle has an area of 0.01 m2.
+    assert_eq!(of(&scene), Some(vec![300.0, 100.0]));
+    // Other shapes have the mean of the wall.
+    scene.wall[0].shape = Shape::Box {
+        min: [0.0; 3],
+        max: [0.2, 0.1, 1.0],
+        open: ["+z", "-x", "+x", "-y", "+y"].map(String::from).to_vec(),
+    };
+    assert!(of(&scene).unwrap().iter().all(|value| (value - 200.0).abs() < 1e-4));
 }

@@ -3,8 +3,8 @@
 use super::measurement::Readings;
 use super::view::View;
 use super::{
-    balances, contact_forces, coordination, discharge, driven_wall, drum_flow, dynamic_angle, intruder, mixing,
-    packing_fraction, static_angle,
+    balances, contact_forces, coordination, discharge, driven_wall, drum_flow, dynamic_angle, gauges, intruder, mixing,
+    packing_fraction, static_angle, wall_loads,
 };
 use makadam::scene::{Motion, SceneFileError, Shape, Wall, line_of, suggestion};
 use makadam_frames::plan::{MeasuredScene, Observable};
@@ -13,7 +13,7 @@ use serde::Serialize;
 use std::path::Path;
 
 /// All groups, in the order of the page.
-pub(super) const GROUPS: [Group; 11] = [
+pub(super) const GROUPS: [Group; 14] = [
     dynamic_angle::GROUP,
     static_angle::GROUP,
     packing_fraction::GROUP,
@@ -23,7 +23,10 @@ pub(super) const GROUPS: [Group; 11] = [
     drum_flow::GROUP,
     mixing::GROUP,
     driven_wall::GROUP,
+    wall_loads::LOADS,
+    wall_loads::WEAR,
     discharge::GROUP,
+    gauges::GROUP,
     intruder::GROUP,
 ];
 
@@ -45,7 +48,7 @@ pub(super) fn nothing_of_a_frame(_: &View<'_>, _: &mut Readings) -> Result<(), S
 /// Definition of a measurable number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Definition {
-    /// Name in `[[compare]]`, tables and documents.
+    /// Name in `[[compare]]`, tables and documents; `(wall)` or `(gauge)` at its end stands for the name of one.
     pub name: &'static str,
     /// Symbol in formulas.
     pub symbol: &'static str,
@@ -67,6 +70,14 @@ pub struct Definition {
 }
 
 impl Definition {
+    /// Returns true for the name of the quantity, with any argument if it has one.
+    fn is_named(&self, quantity: &str) -> bool {
+        match (parts(self.name), parts(quantity)) {
+            (Some((own, _)), Some((other, _))) => own == other,
+            _ => self.name == quantity,
+        }
+    }
+
     pub(super) const fn source(self, source: &'static str) -> Definition {
         Definition { source, ..self }
     }
@@ -105,9 +116,9 @@ pub fn definitions() -> impl Iterator<Item = (&'static str, &'static Definition)
     GROUPS.into_iter().flat_map(|group| group.definitions.iter().map(move |definition| (group.name, definition)))
 }
 
-/// Returns a quantity by its name; `None` for unknown names.
+/// Returns a quantity by its name; `None` for unknown names. The argument of a name, `torque(blade)`, is not checked.
 pub fn definition(quantity: &str) -> Option<&'static Definition> {
-    definitions().map(|(_, definition)| definition).find(|definition| definition.name == quantity)
+    definitions().map(|(_, definition)| definition).find(|definition| definition.is_named(quantity))
 }
 
 /// Returns the content that a quantity needs and the frames of a scene lack, if any. Quantities based on distances from walls need the
@@ -117,6 +128,7 @@ pub fn missing(scene: &MeasuredScene, quantity: &str, lacks: &[Content]) -> Opti
     let is_driven = |wall: &&Wall| wall.motion.is_driven();
     let needs_poses = match group_of(quantity)?.0 {
         Observable::PackingFraction | Observable::CoordinationNumber | Observable::ContactForces => true,
+        Observable::Walls => quantity.starts_with("power"),
         Observable::Discharge => {
             let outlet = scene.wall.iter().find(|wall| matches!(wall.shape, Shape::Disc { hole, .. } if hole > 0.0));
             outlet.as_ref().is_some_and(is_driven)
@@ -163,9 +175,14 @@ pub fn page() -> String {
     page
 }
 
+/// Returns the name of a quantity without its argument, and the argument; `None` without an argument.
+fn parts(name: &str) -> Option<(&str, &str)> {
+    name.strip_suffix(')')?.split_once('(')
+}
+
 /// Returns the group of a quantity, and the group's name in `measure.observables`; `None` for unknown quantities.
 pub fn group_of(quantity: &str) -> Option<(Observable, &'static str)> {
-    let has = |group: &Group| group.definitions.iter().any(|known| known.name == quantity);
+    let has = |group: &Group| group.definitions.iter().any(|known| known.is_named(quantity));
     GROUPS.into_iter().find(has).map(|group| (group.observable, group.name))
 }
 
@@ -193,7 +210,17 @@ pub fn check(scene: &MeasuredScene, text: &str, file: &Path) -> Result<(), Scene
                     format!("add \"{words}\" to measure.observables, which it belongs to"),
                 );
             }
-            Some(_) => {}
+            Some(_) => {
+                let kind = definition(name).and_then(|definition| Some(parts(definition.name)?.1)).unwrap_or_default();
+                let names: Vec<&str> = match kind {
+                    "gauge" => scene.gauge.iter().map(|gauge| gauge.name.as_str()).collect(),
+                    _ => scene.wall.iter().map(|wall| wall.name.as_str()).collect(),
+                };
+                if let Some((_, own)) = parts(name).filter(|(_, own)| !names.contains(own)) {
+                    let remedy = suggestion(own, names, &format!("give the name of a {kind} of the scene"));
+                    return invalid(format!("'{name}': the scene has no {kind} '{own}'"), remedy);
+                }
+            }
         }
     }
     Ok(())

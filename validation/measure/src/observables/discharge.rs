@@ -166,7 +166,7 @@ pub fn measure<F: Frames + ?Sized>(
         frames.visit_grains(0..frames.count(), &mut |frame| passed.push([frame.time, frame.passed[1].mass]))?;
         return Ok(Ok(measurements(&passed)));
     }
-    let Some(outlet) = Outlet::find(properties.scene) else { return Ok(Ok(Vec::new())) };
+    let Some(outlet) = Outlet::find(&properties.scene) else { return Ok(Ok(Vec::new())) };
     let mut grains: HashMap<u64, Known> = HashMap::new();
     let mut passed: Vec<[f64; 2]> = Vec::new();
     let mut side = None;
@@ -227,13 +227,13 @@ fn measurements(passed: &[[f64; 2]]) -> Vec<Measurement> {
 }
 
 /// Returns the mass over the time between the first and the last point, kg/s; points between may have any times.
-fn rate(passed: &[[f64; 2]]) -> Option<f64> {
+pub(super) fn rate(passed: &[[f64; 2]]) -> Option<f64> {
     let ([start, before], [end, after]) = (passed.first()?, passed.last()?);
     (end > start).then(|| (after - before) / (end - start))
 }
 
 /// Returns the standard error of the rate over consecutive blocks, kg/s.
-fn error_of_rate(passed: &[[f64; 2]]) -> Option<f64> {
+pub(super) fn error_of_rate(passed: &[[f64; 2]]) -> Option<f64> {
     let gaps = passed.len().saturating_sub(1);
     let blocks = block_count(gaps)?;
     let part = |block: usize| &passed[block * gaps / blocks..=(block + 1) * gaps / blocks];

@@ -42,7 +42,7 @@ pub(super) const GROUP: Group = Group {
         define(
             ["lacey_mixing_index", "M", ""],
             "(s₀² − s²)/(s₀² − s_r²) of grains marked by the side of the drum on which they were at the first \
-             measured frame",
+             measured frame; needs at least two frames",
         )
         .source("Lacey, J. Appl. Chem. 4, 257 (1954)")
         .of_span(),
@@ -129,13 +129,17 @@ pub fn measure_flow<F: Frames + ?Sized>(
     Ok(measurements)
 }
 
-/// Measures the mixing in the last frame of the grains on either side of their median across the drum in the first frame.
+/// Measures the mixing in the last frame of the grains on either side of their median across the drum in the first frame;
+/// `None` for a single frame.
 pub fn measure_mixing<F: Frames + ?Sized>(
     setting: &Setting<'_>,
     drum: &Drum,
     frames: &F,
 ) -> Result<Option<Measurement>, F::Error> {
     let count = frames.count();
+    if count < 2 {
+        return Ok(None);
+    }
     // Identities and positions across the drum in the first frame, in the order of identities.
     let mut across: Vec<(u64, f64)> = Vec::new();
     frames.visit_grains(0..1, &mut |first| {

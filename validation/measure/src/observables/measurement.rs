@@ -5,6 +5,7 @@ use crate::statistics::block_average;
 use makadam_frames::plan::Observable;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 
 /// One measured quantity of one run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -66,7 +67,7 @@ impl Measured {
 
 /// Readings of single frames by observable and unit, in the order of first appearance.
 #[derive(Default)]
-pub(super) struct Readings(Vec<(&'static str, &'static str, Vec<f64>)>);
+pub(super) struct Readings(Vec<(Cow<'static, str>, &'static str, Vec<f64>)>);
 
 impl Readings {
     /// Adds one frame's value; values that are not finite are left out.
@@ -74,8 +75,15 @@ impl Readings {
         self.add_in(name, definition(name).map_or("", |definition| definition.unit), value);
     }
 
+    /// Adds one frame's value for a wall; `(wall)` at the end of the name becomes that of the wall.
+    pub fn add_of(&mut self, name: &'static str, wall: &str, value: f64) {
+        let unit = definition(name).map_or("", |definition| definition.unit);
+        self.add_in(name.replace("(wall)", &format!("({wall})")), unit, value);
+    }
+
     /// Adds one frame's value in one of the units of its observable.
-    pub fn add_in(&mut self, name: &'static str, unit: &'static str, value: f64) {
+    pub fn add_in(&mut self, name: impl Into<Cow<'static, str>>, unit: &'static str, value: f64) {
+        let name = name.into();
         if !value.is_finite() {
             return;
         }
@@ -106,7 +114,7 @@ impl Readings {
                     (average.mean, average.standard_error)
                 }
             };
-            Measurement { observable: (*name).into(), unit: (*unit).into(), value, standard_error, frames }
+            Measurement { observable: name.to_string(), unit: (*unit).into(), value, standard_error, frames }
         })
     }
 }

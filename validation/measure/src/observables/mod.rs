@@ -53,6 +53,7 @@ mod effort;
 pub mod field;
 mod force_distribution;
 pub mod frames;
+mod gauges;
 mod holes;
 mod intruder;
 pub mod line;
@@ -64,6 +65,7 @@ pub mod setting;
 pub mod sphere_volume;
 pub mod static_angle;
 mod view;
+mod wall_loads;
 pub mod walls;
 
 pub use force_distribution::{ForceDistribution, ForcePool, force_distribution};
@@ -242,12 +244,15 @@ struct Span<'a> {
 }
 
 impl Span<'_> {
-    fn measure_discharge<F: Frames + ?Sized>(&self, frames: &F, measured: &mut Measured) -> Result<(), F::Error> {
+    fn measure_passages<F: Frames + ?Sized>(&self, frames: &F, measured: &mut Measured) -> Result<(), F::Error> {
         if self.setting.scene().measure.observables.contains(&Observable::Discharge) {
             match discharge::measure(self.setting.properties, frames)? {
                 Ok(found) => measured.measurements.extend(found),
                 Err(why) => measured.refuse(Observable::Discharge, &why),
             }
+        }
+        if self.setting.scene().measure.observables.contains(&Observable::Gauges) {
+            measured.measurements.extend(gauges::measure(self.setting.properties, frames)?);
         }
         Ok(())
     }
@@ -257,9 +262,9 @@ impl Span<'_> {
         const NOT_ONE_SENSE: &str = "the drum does not turn in one sense in all measured frames";
         let setting = self.setting;
         let asks = |group: &Observable| setting.scene().measure.observables.contains(group);
-        // Without grains, nothing but the discharge has a value.
+        // Without grains, nothing but what has passed has a value.
         if setting.diameter <= 0.0 {
-            return self.measure_discharge(frames, measured);
+            return self.measure_passages(frames, measured);
         }
         let of_bed = [Observable::DynamicAngleOfRepose, Observable::DrumFlow];
         for group in of_bed.iter().chain([&Observable::StaticAngleOfRepose]).filter(|group| asks(group)) {
@@ -291,7 +296,7 @@ impl Span<'_> {
                 measured.measurements.extend(drum_flow::measure_mixing(setting, drum, frames)?);
             }
         }
-        self.measure_discharge(frames, measured)?;
+        self.measure_passages(frames, measured)?;
         if asks(&Observable::StaticAngleOfRepose) && self.is_steady {
             let found = match self.view {
                 Some(view) => view.heap().map_err(String::from).and_then(|heap| static_angle::measure(setting, heap)),
@@ -325,17 +330,18 @@ pub fn series(scene: &MeasuredScene, recording: &Recording) -> Vec<Series> {
     asked.into_iter().flatten().collect()
 }
 
-/// Returns true if a frame with this number of grains can be measured: frames without grains state what went into the sinks of a scene.
+/// Returns true if a frame with this number of grains can be measured: frames without grains state what passed sinks and gauges.
 pub fn counts(scene: &MeasuredScene, grains: usize) -> bool {
-    grains > 0 || !scene.remove.is_empty()
+    grains > 0 || !scene.remove.is_empty() || !scene.gauge.is_empty()
 }
 
-/// Returns the measured frames: the frames from `scene.measure.from` on, none if the run ended before; without `from`,
+/// Returns the measured frames: the frames of the measured stage from `scene.measure.from` on, none if the run ended before; without `from`,
 /// the last frame.
 pub fn measured_frames<'a>(scene: &MeasuredScene, recording: &'a Recording) -> Vec<&'a Snapshot> {
-    let filled: Vec<&Snapshot> = recording.frames.iter().filter(|frame| counts(scene, frame.particles.len())).collect();
+    let is_filled = |frame: &&Snapshot| counts(scene, frame.particles.len()) && scene.is_of_measured_stage(frame.stage);
+    let filled: Vec<&Snapshot> = recording.frames.iter().filter(is_filled).collect();
     let first = match scene.measure.from {
-        Some(_) => filled.iter().position(|frame| scene.measure.covers(frame.time)).unwrap_or(filled.len()),
+        Some(_) => filled.iter().position(|frame| scene.covers(frame.time, frame.stage)).unwrap_or(filled.len()),
         None => filled.len().saturating_sub(1),
     };
     filled[first..].to_vec()

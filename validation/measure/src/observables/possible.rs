@@ -1,6 +1,6 @@
 //! Requested observables without a value: reported before a run, and after it with the reason.
 
-use super::catalogue::{definitions, group_of, missing};
+use super::catalogue::{Definition, definition, definitions, group_of, missing};
 use super::drum::Drum;
 use super::measurement::Measured;
 use makadam::scene::{DocumentPath, Finding, Severity, Shape};
@@ -46,6 +46,8 @@ fn lack(scene: &MeasuredScene, group: Observable) -> Option<(&'static str, &'sta
         Observable::DrivenWall => {
             (scene.wall.iter().any(|wall| wall.motion.is_driven()), "no wall is driven by a force or a torque")
         }
+        Observable::Walls | Observable::Wear => (!scene.wall.is_empty(), "there are no walls"),
+        Observable::Gauges => (!scene.gauge.is_empty(), "there is no [[gauge]]"),
         Observable::Intruder => (!scene.grain.is_empty(), "no grain is listed by itself under [[grain]]"),
         Observable::StaticAngleOfRepose => {
             (scene.gravity != [0.0; 3] || !scene.gravity_changes.is_empty(), "there is no gravity")
@@ -65,7 +67,11 @@ fn has_drum(scene: &MeasuredScene) -> bool {
 /// Returns the requested numbers without a value, with the reason; `lacks` is content that the frames do not have.
 pub fn unmeasured(scene: &MeasuredScene, lacks: &[Content], measured: &Measured) -> Vec<Unmeasured> {
     let asked = |name: &str| group_of(name).filter(|(group, _)| scene.measure.observables.contains(group));
-    let has = |name: &str| measured.measurements.iter().any(|measured| measured.observable == name);
+    let has = |name: &str| {
+        let is_known = |known: &Definition| known.name == name;
+        measured.measurements.iter().any(|measured| definition(&measured.observable).is_some_and(is_known))
+    };
+    let turns = scene.wall.iter().any(|wall| wall.motion.axis().is_some());
     let refusal = |group: Observable| measured.refusals.iter().find(|(refused, _)| *refused == group);
     let without = definitions().filter_map(|(_, definition)| Some((definition.name, asked(definition.name)?.0)));
     let reason = |name: &str, group: Observable| match (missing(scene, name, lacks), lack(scene, group)) {
@@ -73,7 +79,7 @@ pub fn unmeasured(scene: &MeasuredScene, lacks: &[Content], measured: &Measured)
         (None, Some((_, lacks))) => lacks.into(),
         (None, None) => refusal(group).map_or_else(|| "it has no value in these frames".into(), |(_, why)| why.clone()),
     };
-    let without = without.filter(|(name, _)| !has(name));
+    let without = without.filter(|(name, _)| !has(name) && (turns || *name != "torque(wall)"));
     without.map(|(observable, group)| Unmeasured { observable, reason: reason(observable, group) }).collect()
 }
 

@@ -5,32 +5,42 @@ use makadam::scene::ContactCoefficients;
 use makadam::snapshot::{Contact, Particle, Partner, Snapshot};
 use makadam_frames::plan::{MeasuredScene, Roster};
 use nalgebra::Vector3;
+use std::borrow::Cow;
 
 /// Density, friction and cohesion of a scene's grains and contacts.
 pub struct Properties<'a> {
-    /// Scene.
-    pub scene: &'a MeasuredScene,
+    /// Scene, or the scene of one of its stages.
+    pub scene: Cow<'a, MeasuredScene>,
     /// Materials and populations of grains by their numbers.
     pub roster: Roster,
     density: Vec<f64>,
     grain_contacts: Vec<Vec<ContactCoefficients>>,
     wall_contacts: Vec<Vec<ContactCoefficients>>,
+    /// Properties in each stage.
+    stages: Vec<Properties<'a>>,
 }
 
 impl<'a> Properties<'a> {
     /// Reads a checked scene.
     pub fn new(scene: &'a MeasuredScene) -> Self {
+        let of_stage = |number| Properties::of(Cow::Owned(scene.in_stage(number)));
+        Properties { stages: (0..scene.stage.len()).map(of_stage).collect(), ..Properties::of(Cow::Borrowed(scene)) }
+    }
+
+    fn of(scene: Cow<'a, MeasuredScene>) -> Self {
         let names: Vec<&String> = scene.material.keys().collect();
         let of_pairs = |a: &&String| names.iter().map(|b| scene.contact_coefficients(a, b, false)).collect();
         let of_walls =
             |a: &&String| scene.wall.iter().map(|wall| scene.contact_coefficients(a, &wall.material, true)).collect();
-        Self {
-            scene,
-            roster: Roster::new(scene),
-            density: names.iter().map(|name| scene.material[*name].density).collect(),
-            grain_contacts: names.iter().map(of_pairs).collect(),
-            wall_contacts: names.iter().map(of_walls).collect(),
-        }
+        let (grain_contacts, wall_contacts) =
+            (names.iter().map(of_pairs).collect(), names.iter().map(of_walls).collect());
+        let (roster, density) = (Roster::new(&scene), names.iter().map(|name| scene.material[*name].density).collect());
+        Self { roster, density, grain_contacts, wall_contacts, stages: Vec::new(), scene }
+    }
+
+    /// Returns the properties in the stage of a frame.
+    fn at(&self, frame: &Snapshot) -> &Properties<'a> {
+        frame.stage.and_then(|stage| self.stages.get(stage.number as usize)).unwrap_or(self)
     }
 
     /// Returns true if the scene has friction between grains.
@@ -44,7 +54,7 @@ impl<'a> Properties<'a> {
 
     /// Returns true if the direction of gravity, or its absence, may change over time.
     pub fn gravity_changes(&self) -> bool {
-        !self.scene.gravity_changes.is_empty()
+        !self.scene.gravity_changes.is_empty() || self.scene.stage.iter().any(|stage| stage.gravity.is_some())
     }
 }
 
@@ -73,6 +83,7 @@ pub struct Setting<'a> {
 impl<'a> Setting<'a> {
     /// Makes the setting from gravity at the frame's time and the mean diameter of its grains.
     pub fn new(properties: &'a Properties<'a>, frame: &Snapshot) -> Self {
+        let properties = properties.at(frame);
         let gravity = properties.scene.gravity_field().at(frame.time);
         let count = frame.particles.len().max(1) as f64;
         Self {
@@ -80,13 +91,13 @@ impl<'a> Setting<'a> {
             up: gravity.try_normalize(WEIGHTLESS).map(|down| -down),
             gravity: gravity.norm(),
             diameter: 2.0 * frame.particles.iter().map(|grain| grain.radius).sum::<f64>() / count,
-            drum: Drum::find(properties.scene, gravity).map(|drum| drum.at(properties.scene, frame)),
+            drum: Drum::find(&properties.scene, gravity).map(|drum| drum.at(&properties.scene, frame)),
         }
     }
 
     /// Returns the scene.
     pub fn scene(&self) -> &'a MeasuredScene {
-        self.properties.scene
+        &self.properties.scene
     }
 
     /// Returns the middle of the domain, m: the origin of grids, so that a shifted scene has the same cells.

@@ -16,7 +16,13 @@ pub struct PlacedWalls {
 impl PlacedWalls {
     /// Returns the walls of a scene at the time of a frame.
     pub fn at(scene: &MeasuredScene, frame: &Snapshot) -> Self {
-        let walls = makadam::wall::PlacedWalls::at(&scene.wall, &scene.domain, frame.time, &frame.driven_walls);
+        let walls = makadam::wall::PlacedWalls::at(
+            &scene.wall,
+            &scene.domain,
+            frame.time,
+            &frame.driven_walls,
+            &frame.beginnings,
+        );
         Self { walls, domain: scene.domain.clone() }
     }
 
@@ -35,6 +41,11 @@ impl PlacedWalls {
     /// Returns the position (m) of a wall's point after the wall's motion, from its position in the scene.
     pub fn point_of(&self, wall: usize, point: &Vector3<f64>) -> Vector3<f64> {
         self.walls.point_of(wall, point)
+    }
+
+    /// Returns the velocity of a wall's surface at a contact at a point (m) with a unit normal, m/s.
+    pub fn velocity_at(&self, wall: usize, point: &Vector3<f64>, normal: &Vector3<f64>) -> Vector3<f64> {
+        self.walls.velocity_at(wall, point, normal)
     }
 
     /// Returns the angular velocity of a wall, rad/s; zero without rotation at the time.

@@ -176,7 +176,8 @@ pub(super) fn task(
             if wish.ledger && record.document["balance"].is_null() {
                 return refuse(format!("{shown} holds this run without a ledger, and it has ended: {WAYS}"));
             }
-            if *steps != last_step {
+            // Conditions end stages earlier.
+            if *steps != last_step && (wish.steps.is_some() || scene.stage.is_empty()) {
                 return refuse(format!(
                     "{shown} holds this run, which has ended after {steps} steps, not {last_step}; one that has ended cannot be made \
                      longer or shorter: {WAYS}"

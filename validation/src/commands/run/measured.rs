@@ -38,7 +38,8 @@ pub(super) struct Mark {
 /// Returns true if the measured frames need a store of their own.
 fn needs_own_store(scene: &MeasuredScene) -> bool {
     let contacts = scene.output.as_ref().is_none_or(|output| output.contacts);
-    scene.measure.from.is_some() && !(contacts && scene.output_interval() == scene.measure.interval)
+    let mut intervals = (0..scene.stage.len().max(1)).map(|number| scene.output_interval_in(Some(number)));
+    scene.measure.from.is_some() && !(contacts && intervals.all(|interval| interval == scene.measure.interval))
 }
 
 impl MeasuredFrames {
@@ -72,14 +73,14 @@ impl MeasuredFrames {
 
     /// Measures a frame, and returns its own results.
     pub fn push(&mut self, properties: &Properties<'_>, frame: Snapshot) -> Result<Measured, WriteError> {
-        let scene = properties.scene;
+        let scene = &*properties.scene;
         let (read, alone) = match counts(scene, frame.particles.len()) {
             true => Meter::read(properties, &frame),
             false => Default::default(),
         };
         if scene.measure.from.is_none() {
-            self.last = Some(frame);
-        } else if is_measured(scene, frame.time, frame.particles.len()) {
+            self.last = Some(frame).filter(|frame| scene.is_of_measured_stage(frame.stage)).or(self.last.take());
+        } else if scene.covers(frame.time, frame.stage) && counts(scene, frame.particles.len()) {
             self.meter.append(read);
             self.own.as_mut().map_or(Ok(()), |own| own.append(&frame))?;
         }
@@ -119,11 +120,6 @@ impl MeasuredFrames {
     }
 }
 
-/// Returns true if a frame of this time (s) with this number of grains is measured.
-fn is_measured(scene: &MeasuredScene, time: f64, grains: usize) -> bool {
-    scene.measure.covers(time) && counts(scene, grains)
-}
-
 /// Measured frames of a store.
 struct StoredFrames<'a> {
     store: &'a Store,
@@ -134,7 +130,7 @@ impl<'a> StoredFrames<'a> {
     fn of(scene: &MeasuredScene, store: &'a Store) -> StoredFrames<'a> {
         let is_measured = |number: &usize| {
             let entry = &store.entries()[*number];
-            is_measured(scene, entry.time, entry.grains as usize)
+            scene.covers(entry.time, entry.stage) && counts(scene, entry.grains as usize)
         };
         StoredFrames { store, numbers: (0..store.count()).filter(is_measured).collect() }
     }

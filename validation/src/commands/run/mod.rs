@@ -24,7 +24,6 @@ use makadam_frames::output::{FolderLock, RunFiles, file_stem};
 use makadam_frames::plan::MeasuredScene;
 use makadam_frames::provenance::Provenance;
 use makadam_frames::run_frames::RunFrames;
-use makadam_frames::stepping::steps_in;
 use progress::{Plan, Progress};
 use session::Session;
 use std::path::Path;
@@ -89,13 +88,17 @@ pub(super) fn run(arguments: &RunArguments, console: &Console) -> Result<ExitCod
         console.note(&format!("--accuracy chose {}", chosen(&scene)));
     }
     let findings = tell_findings(&scene, &file, console);
-    let start = scene.clone();
+    let mut start = scene.clone();
     if let Some(precision) = arguments.precision {
         scene.solver.precision = precision;
         // Refused before the preparation of a flow, which may take minutes.
         scene
             .goes_with(scene.solver.method, scene.solver.precision)
             .map_err(|error| Failure::Usage(format!("--precision single: {}: {error}; leave it out", scene.name)))?;
+        // A flowing start is the same for all precisions; stages go on with the settings of their scene.
+        if scene.prepare.is_none() {
+            start.solver.precision = precision;
+        }
     }
     let output = arguments.output.folder(&file_stem(&scene.name));
     let execution = Execution {
@@ -105,7 +108,7 @@ pub(super) fn run(arguments: &RunArguments, console: &Console) -> Result<ExitCod
         prefetch: arguments.prefetch.map(usize::from),
         ..Execution::serial()
     };
-    let last_step = arguments.steps.unwrap_or_else(|| steps_in(scene.duration, scene.solver.step));
+    let last_step = arguments.steps.unwrap_or_else(|| scene.most_steps());
     let plan = || Plan {
         scene: &scene,
         seed,
@@ -129,7 +132,6 @@ pub(super) fn run(arguments: &RunArguments, console: &Console) -> Result<ExitCod
             if arguments.resume && RunFiles::inside(&output).any() {
                 console.note(&format!("{} holds no checkpoint: beginning anew", output.display()));
             }
-            // A flowing start is the same for all precisions.
             let (mut simulation, _) = begin(&start, seed, &file, &execution, console)?;
             simulation.use_precision(scene.solver.precision).map_err(|error| Failure::Usage(error.to_string()))?;
             if arguments.ledger {

@@ -12,12 +12,12 @@ use super::writer::{FrameToWrite, Marks, MarksToCome, Outputs, Writer};
 use crate::commands::{Console, Failure, json};
 use makadam::Simulation;
 use makadam::scene::Reaction;
-use makadam::snapshot::Snapshot;
+use makadam::snapshot::{Passages, Snapshot};
 use makadam::solve::StopReason;
-use makadam::watch::{Alarm, Watchdog};
+use makadam::watch::{Alarm, Trouble, Watchdog};
 use makadam_frames::output::{RunFiles, TimeTable, WriteError, create_folder, write_durably};
 use makadam_frames::run_frames::StoreWriter;
-use makadam_frames::stepping::frame_is_due;
+use makadam_frames::stepping::due_after;
 use std::time::Instant;
 
 /// First columns of `observables.csv`; the observables of a frame follow.
@@ -34,6 +34,9 @@ const COLUMNS: [&str; 8] = [
 
 /// Columns after them in a scene in which grains come or go: grains present, grains (and kg) that have come and gone.
 const FLOW_COLUMNS: [&str; 5] = ["grains", "grains_in", "mass_in", "grains_out", "mass_out"];
+
+/// Column after them in a scene with stages: number of the stage, from 0.
+const STAGE_COLUMN: &str = "stage";
 
 /// Steps between states stored for a stop by the watchdog.
 const HELD_EVERY: u64 = 512;
@@ -77,7 +80,8 @@ pub(super) struct Session<'a> {
 
 impl<'a> Session<'a> {
     /// Begins a run; removes the checkpoint of an earlier run in the folder first, then its other files.
-    pub fn begin(plan: Plan<'a>, simulation: Simulation) -> Result<Session<'a>, Failure> {
+    pub fn begin(plan: Plan<'a>, mut simulation: Simulation) -> Result<Session<'a>, Failure> {
+        plan.scene.record_walls(&mut simulation);
         let progress = Progress {
             started: simulation.time(),
             contact_sweeps_before: simulation.contact_sweeps(),
@@ -90,7 +94,8 @@ impl<'a> Session<'a> {
         create_folder(&plan.output)?;
         let frames = StoreWriter::create(&plan.output.join(RunFiles::FRAMES), plan.scene)?;
         let flow = if plan.scene.flows() { &FLOW_COLUMNS[..] } else { &[] };
-        let columns = [&COLUMNS[..], flow].concat();
+        let stage = if plan.scene.stage.is_empty() { &[][..] } else { &[STAGE_COLUMN] };
+        let columns = [&COLUMNS[..], flow, stage].concat();
         let table = TimeTable::create(&plan.output.join(RunFiles::TABLE), &columns)?;
         let measured = MeasuredFrames::begin(&plan.output, plan.scene)?;
         let outputs = Outputs { folder: plan.output.clone(), frames, table, measured };
@@ -129,20 +134,22 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// Executes the steps, with a frame at the start, at every interval and at the end.
+    /// Executes the steps to the end of the last stage, with a frame at the start, at every interval and at the end of each stage.
     pub fn play(&mut self, last_step: u64, console: &Console) -> Result<(), Failure> {
         self.simulation.set_interrupt(makadam_frames::interrupt::handle());
         let bar = console.bar(&self.plan.scene.name);
-        let (step_seconds, scene) = (self.simulation.time_step(), self.plan.scene);
-        let due = |steps: u64| Due {
-            measured: steps == 0 || steps == last_step || frame_is_due(steps, step_seconds, scene.measure.interval),
-            written: steps == 0 || steps == last_step || frame_is_due(steps, step_seconds, scene.output_interval()),
+        let scene = self.plan.scene;
+        let due = |simulation: &Simulation, steps: u64| {
+            let ends = steps == 0 || steps == last_step || simulation.has_ended();
+            let is_due = |interval: f64| ends || due_after(simulation, steps, interval);
+            let stage = simulation.stage().map(|stage| stage.number as usize);
+            Due { measured: is_due(scene.measure.interval), written: is_due(scene.output_interval_in(stage)) }
         };
         if self.progress.framed_at.is_none() {
-            self.frame(due(0))?;
+            self.frame(due(&self.simulation, 0))?;
         }
         let mut written = Instant::now();
-        while self.progress.steps < last_step {
+        while self.progress.steps < last_step && !self.simulation.has_ended() {
             let clock = Instant::now();
             let report = self.simulation.step();
             self.progress.wall += clock.elapsed();
@@ -154,9 +161,17 @@ impl<'a> Session<'a> {
             self.progress.steps += 1;
             self.progress.note(report);
             let interrupted = makadam_frames::interrupt::requested();
-            let last = self.progress.steps == last_step;
-            let due = due(self.progress.steps);
+            let last = self.progress.steps == last_step || self.simulation.has_ended();
+            let due = due(&self.simulation, self.progress.steps);
             let mut alarms = self.watchdog.observe(&self.simulation, &report);
+            if let Some(late) = alarms.iter().find(|alarm| matches!(alarm.trouble, Trouble::Overdue { .. })) {
+                self.write_checkpoint()?;
+                self.progress.count(late);
+                let state = self.checkpoint.path().display();
+                return Err(Failure::Running(format!(
+                    "{late}; the state is in {state}: --resume goes on with another at_most"
+                )));
+            }
             // States of frames are checked too.
             if last || interrupted {
                 alarms.extend(self.watchdog.last(&self.simulation));
@@ -251,6 +266,9 @@ impl<'a> Session<'a> {
             )));
         }
         let row = due.measured.then(|| self.row(&frame));
+        if due.measured {
+            self.simulation.restart_wall_means();
+        }
         (self.progress.particles, self.progress.contacts) = (frame.particles.len(), frame.contacts.len());
         self.progress.framed_at = Some(self.progress.steps);
         self.writer.write(FrameToWrite { frame, written: due.written, row })?;
@@ -278,7 +296,10 @@ impl<'a> Session<'a> {
         let grains = frame.particles.len() as f64;
         let flow = [grains, came.grains as f64, came.mass, went.grains as f64, went.mass];
         let flow = FLOW_COLUMNS.iter().zip(flow).filter(|_| self.plan.scene.flows());
-        COLUMNS.iter().zip(values).chain(flow).map(|(name, value)| (name.to_string(), value)).collect()
+        let stage = frame.stage.map(|stage| (&STAGE_COLUMN, f64::from(stage.number)));
+        let cells = COLUMNS.iter().zip(values).chain(flow).chain(stage).map(|(name, value)| (name.to_string(), value));
+        let gauges = self.plan.scene.gauge.iter().zip(&frame.gauges);
+        cells.chain(gauges.flat_map(|(gauge, passed)| passages(&gauge.name, passed))).collect()
     }
 
     /// Ends the run: writes waiting frames and the summary to the disk, and removes the checkpoint of a complete run.
@@ -318,6 +339,17 @@ impl<'a> Session<'a> {
         }
         (summary, ended)
     }
+}
+
+/// Returns the cells of a gauge: what has passed it forward and backward.
+fn passages(gauge: &str, passed: &[Passages; 2]) -> Vec<(String, f64)> {
+    let cells = ["forward", "backward"].into_iter().zip(passed).flat_map(|(way, passed)| {
+        let Passages { grains, mass, momentum: [x, y, z] } = *passed;
+        let values =
+            [("grains", grains as f64), ("mass", mass), ("momentum_x", x), ("momentum_y", y), ("momentum_z", z)];
+        values.map(|(name, value)| (format!("{name}_{way}({gauge})"), value))
+    });
+    cells.collect()
 }
 
 /// Writes the summary of an incomplete run to the disk.

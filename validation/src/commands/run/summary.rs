@@ -5,7 +5,7 @@ use super::progress::{AlarmSummary, Plan, Progress};
 use makadam::scene::Finding;
 use makadam::solve::StopReason;
 use makadam::sweep::Residuals;
-use makadam::{Balance, FlowReport, Passed, Simulation};
+use makadam::{Balance, FlowReport, Passed, Simulation, StageReport};
 use makadam_frames::output::JSON_VERSION;
 use makadam_frames::plan::setup_hash;
 use makadam_frames::provenance::{Provenance, peak_bytes};
@@ -43,6 +43,8 @@ pub(super) struct RunSummary {
     balance: Option<Balance>,
     #[serde(skip_serializing_if = "Option::is_none")]
     flow: Option<FlowReport>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    stages: Vec<StageReport>,
     #[serde(flatten)]
     measurements: Measurements,
     output: String,
@@ -127,6 +129,7 @@ impl RunSummary {
             }),
             balance: simulation.balance(),
             flow: simulation.flow(),
+            stages: simulation.stages(),
             measurements,
             output: plan.output.display().to_string(),
             frames: progress.frames.frames,
@@ -145,6 +148,10 @@ impl RunSummary {
             self.simulated_seconds,
             duration(self.wall_seconds)
         );
+        for StageReport { name, start, end, steps, ended } in &self.stages {
+            let ended = if *ended { "" } else { ", not ended" };
+            text += &format!("stage {name:<10} {start:.6} to {end:.6} s, {steps} steps{ended}\n");
+        }
         let observables = self.observables();
         if !observables.is_empty() {
             text += &format!("{observables}\n");
@@ -192,7 +199,8 @@ impl RunSummary {
 
     /// Formats steps, solves, time and memory.
     fn computation(&self) -> String {
-        let mut text = format!("steps            {} of {:e} s\n", self.steps, self.time_step);
+        let steps = if self.stages.is_empty() { format!(" of {:e} s", self.time_step) } else { String::new() };
+        let mut text = format!("steps            {}{steps}\n", self.steps);
         if let Some(solve) = &self.residuals {
             let unconverged = match solve.unconverged {
                 0 => String::new(),
@@ -267,7 +275,7 @@ fn ledger(balance: &Balance) -> String {
     let changes = term("changing gravity", balance.changing_gravity, "");
     let paths = term("paths of walls", balance.wall_paths, "");
     let released = term("contacts let go", balance.let_go, " J") + &term("grains that went", balance.outflow, " J");
-    let inflow = term("grains that came", balance.inflow, "");
+    let inflow = term("grains that came", balance.inflow, "") + &term("changes of stage", balance.outside, "");
     let size = |vector: [f64; 3]| vector.iter().map(|component| component * component).sum::<f64>().sqrt();
     format!(
         "energy           {} J\n\

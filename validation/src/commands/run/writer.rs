@@ -44,7 +44,7 @@ impl Outputs {
         properties: &Properties<'_>,
         FrameToWrite { mut frame, written, row }: FrameToWrite,
     ) -> Result<(), Failure> {
-        let scene = properties.scene;
+        let scene = &*properties.scene;
         if written {
             let has_contacts = scene.output.as_ref().is_none_or(|output| output.contacts);
             let hidden = if has_contacts { Vec::new() } else { std::mem::take(&mut frame.contacts) };

@@ -189,7 +189,7 @@ class Viewer {
       if (walls) load(this[name], this.array(Float32Array, walls[name]));
     }
     $("time").value = this.frame;
-    $("clock").textContent = `${frame.time.toFixed(3)} s  (${this.frame + 1} of ${head.frames.length})`;
+    $("clock").textContent = `${frame.time.toFixed(3)} s  (${this.frame + 1} of ${head.frames.length})${frame.stage ? "  " + frame.stage : ""}`;
     this.dirty = true;
   }
 

@@ -181,8 +181,7 @@ pub fn payload(run: &RunFrames, wishes: &Wishes, progress: &dyn Fn(f64)) -> Resu
                 [a, b, c, d, e, f, share(line.normal_force, [0.0, most_force])]
             }))
         });
-        let mut listed =
-            json!({ "time": frame.time, "state": state, "others": others, "walls": shown, "contacts": lines });
+        let mut listed = json!({ "time": frame.time, "stage": frame.stage, "state": state, "others": others, "walls": shown, "contacts": lines });
         if survey.changes {
             listed["radii"] = arrays.floats(frame.grains.radii.iter().copied());
             let once = constants.iter().map(|constant| match frame.quantity(&constant.name) {
