@@ -70,7 +70,7 @@ use coefficients::Meeting;
 pub use coefficients::{ContactCoefficients, Material, PairRule};
 pub use document::{Checked, Document, DocumentPath};
 pub use error::{Fault, SceneError, SceneFileError, line_of};
-pub use gauge::{Gauge, GaugeShape};
+pub use gauge::Gauge;
 use nalgebra::Vector3;
 pub(crate) use periodic::REACHES;
 pub(crate) use populate::Neighbours;

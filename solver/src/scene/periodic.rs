@@ -74,8 +74,6 @@ fn breaks(wall: &Wall, axis: Axis, ends: [f64; 2]) -> Option<&'static str> {
         }
         Shape::Cylinder { .. } => Some("the cylinder is not parallel to the axis"),
         Shape::Spheres { .. } => None,
-        Shape::Disc { .. } => Some("a disc has an edge"),
-        Shape::Mesh { .. } => Some("a mesh has edges"),
         _ => Some("its shape has edges"),
     };
     face.or_else(|| match (&wall.motion, &wall.shape) {

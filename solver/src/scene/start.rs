@@ -60,11 +60,7 @@ impl Start {
         }
         let (of_material, places) = (place("material"), COLUMNS.map(place));
         if of_material.is_some() == self.material.is_some() {
-            return Err(self.at_line(
-                1,
-                "a column 'material' or start.material names the materials",
-                "give one of them",
-            ));
+            return Err(self.at_line(1, "column 'material' or start.material names materials", "give one of them"));
         }
         let mut grains = Vec::new();
         for (line, cells) in (2..).zip(lines) {

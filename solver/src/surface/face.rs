@@ -159,7 +159,9 @@ impl Face {
             Face::Shell { .. } => None,
             Face::Ball { centre, radius, .. } => around(centre, Vector::repeat(radius)),
             Face::Triangle(triangle) => Some(triangle.bounds()),
-            Face::Frustum(frustum) => Some(frustum.bounds()),
+            Face::Frustum(Frustum { base, axis, radii, length, .. }) => {
+                Face::Shell { base, axis, radius: radii[0].max(radii[1]), ends: [0.0, length] }.bounds()
+            }
         }
     }
 
@@ -170,41 +172,30 @@ impl Face {
 
     /// Returns the face after a translation.
     pub fn moved(self, by: Vector) -> Face {
-        match self {
-            Face::Plane { point, normal } => Face::Plane { point: point + by, normal },
-            Face::Disc { centre, normal, radius } => Face::Disc { centre: centre + by, normal, radius },
-            Face::Ring { centre, normal, radius, hole } => Face::Ring { centre: centre + by, normal, radius, hole },
-            Face::Rim { centre, normal, radius, sine } => Face::Rim { centre: centre + by, normal, radius, sine },
-            Face::Shell { base, axis, radius, ends } => Face::Shell { base: base + by, axis, radius, ends },
-            Face::Ball { centre, radius, period } => Face::Ball { centre: centre + by, radius, period },
-            Face::Triangle(triangle) => Face::Triangle(triangle.mapped(|corner| corner + by)),
-            Face::Frustum(own) => Face::Frustum(Frustum { base: own.base + by, ..own }),
-        }
+        self.mapped(|point| point + by, |direction| direction)
     }
 
     /// Returns the face after a rotation about an axis through `centre`.
     pub fn turned(self, centre: Vector, rotation: &Rotation) -> Face {
-        let place = |point: Vector| centre + rotation.turn(point - centre);
-        match self {
-            Face::Plane { point, normal } => Face::Plane { point: place(point), normal: rotation.turn(normal) },
-            Face::Disc { centre: middle, normal, radius } => {
-                Face::Disc { centre: place(middle), normal: rotation.turn(normal), radius }
+        self.mapped(|point| centre + rotation.turn(point - centre), |direction| rotation.turn(direction))
+    }
+
+    /// Returns the face after a rigid motion of its points and directions.
+    #[inline(always)]
+    fn mapped(mut self, place: impl Fn(Vector) -> Vector, turn: impl Fn(Vector) -> Vector) -> Face {
+        match &mut self {
+            Face::Plane { point: middle, normal }
+            | Face::Disc { centre: middle, normal, .. }
+            | Face::Ring { centre: middle, normal, .. }
+            | Face::Rim { centre: middle, normal, .. }
+            | Face::Shell { base: middle, axis: normal, .. }
+            | Face::Frustum(Frustum { base: middle, axis: normal, .. }) => {
+                (*middle, *normal) = (place(*middle), turn(*normal));
             }
-            Face::Ring { centre: middle, normal, radius, hole } => {
-                Face::Ring { centre: place(middle), normal: rotation.turn(normal), radius, hole }
-            }
-            Face::Rim { centre: middle, normal, radius, sine } => {
-                Face::Rim { centre: place(middle), normal: rotation.turn(normal), radius, sine }
-            }
-            Face::Shell { base, axis, radius, ends } => {
-                Face::Shell { base: place(base), axis: rotation.turn(axis), radius, ends }
-            }
-            Face::Ball { centre: middle, radius, period } => Face::Ball { centre: place(middle), radius, period },
-            Face::Triangle(triangle) => Face::Triangle(triangle.mapped(place)),
-            Face::Frustum(own) => {
-                Face::Frustum(Frustum { base: place(own.base), axis: rotation.turn(own.axis), ..own })
-            }
+            Face::Ball { centre, .. } => *centre = place(*centre),
+            Face::Triangle(triangle) => triangle.corners = triangle.corners.map(place),
         }
+        self
     }
 
     /// Returns true if a rotation about this axis through `pivot` maps the face onto itself.
@@ -215,10 +206,10 @@ impl Face {
             Face::Plane { normal, .. } => along(normal),
             Face::Disc { centre, normal, .. }
             | Face::Ring { centre, normal, .. }
-            | Face::Rim { centre, normal, .. } => along(normal) && on_axis(centre),
-            Face::Shell { base, axis: own, .. } => along(own) && on_axis(base),
+            | Face::Rim { centre, normal, .. }
+            | Face::Shell { base: centre, axis: normal, .. }
+            | Face::Frustum(Frustum { base: centre, axis: normal, .. }) => along(normal) && on_axis(centre),
             Face::Ball { centre, .. } => on_axis(centre),
-            Face::Frustum(Frustum { base, axis: own, .. }) => along(own) && on_axis(base),
             Face::Triangle(_) => false,
         }
     }

@@ -30,13 +30,6 @@ pub(crate) struct Frustum {
 }
 
 impl Frustum {
-    /// Returns the corners of the box around the surface, m.
-    pub fn bounds(&self) -> [Vector; 2] {
-        let span = |radius: f64| self.axis.map(|along| radius * (1.0 - along * along).max(0.0).sqrt());
-        let ([low, high], end) = (self.radii.map(span), self.base + self.axis * self.length);
-        [(self.base - low).inf(&(end - high)), (self.base + low).sup(&(end + high))]
-    }
-
     /// Returns the distance to a point, and the unit normal towards the surface; `travel` decides on the axis.
     #[inline]
     pub fn nearest(&self, centre: &Vector, travel: impl FnOnce() -> Vector) -> (f64, Vector) {

@@ -33,6 +33,9 @@ use serde::{Deserialize, Serialize};
 
 type Vector = Vector3<f64>;
 
+/// Names of the faces of a box.
+pub(crate) const FACES: [&str; 6] = ["-x", "+x", "-y", "+y", "-z", "+z"];
+
 fn is_zero(value: &f64) -> bool {
     *value == 0.0
 }
@@ -59,6 +62,13 @@ pub struct Revolution {
     pub axis: [f64; 3],
     /// Ends of the line: distance from the axis, and position along it from the base, m.
     pub line: [[f64; 2]; 2],
+}
+
+impl Revolution {
+    /// Returns the centre of the circle of an end, m.
+    fn centre(&self, [_, along]: [f64; 2]) -> Vector {
+        Vector::from(self.base) + Vector::from(self.axis) * along
+    }
 }
 
 /// Surface of a wall. Planes and boxes have grains on one side, spheres outside; all other shapes are thin, with grains on both sides.
@@ -231,9 +241,7 @@ impl Shape {
                 .collect(),
             Shape::Box { min, max, open } => {
                 let (min, max) = (Vector::from(*min), Vector::from(*max));
-                ["-x", "+x", "-y", "+y", "-z", "+z"]
-                    .iter()
-                    .enumerate()
+                (FACES.iter().enumerate())
                     .filter(|(_, name)| !open.iter().any(|face| face == *name))
                     .map(|(number, _)| {
                         let inward = Vector::ith(number / 2, if number % 2 == 0 { 1.0 } else { -1.0 });
@@ -261,19 +269,17 @@ impl Shape {
         match self {
             Shape::Plane { .. } => Vec::new(),
             Shape::Box { min, max, .. } => vec![(*min, *max)],
-            Shape::Cylinder { base, axis, radius, length } => ends(base, axis, *radius, *length).into(),
-            Shape::Frustum { base, axis, radii, length } => {
-                [0, 1].map(|end| ends(base, axis, radii[end], *length)[end]).into()
-            }
-            Shape::Disc { centre, normal, radius, .. } => ends(centre, normal, *radius, 0.0).into(),
             Shape::Spheres { centres, radius } => centres.iter().map(|centre| around(centre, &[*radius; 3])).collect(),
-            Shape::Rectangle { .. } | Shape::Mesh { .. } => {
-                let corners: Vec<[f64; 3]> = self.triangles().into_iter().flatten().flatten().collect();
-                let Some(first) = corners.first() else { return Vec::new() };
-                let none = (*first, *first);
-                vec![corners.iter().fold(none, |(low, high), point| {
-                    (std::array::from_fn(|i| low[i].min(point[i])), std::array::from_fn(|i| high[i].max(point[i])))
-                })]
+            _ => {
+                let revolution = self.revolution().into_iter().flat_map(|one| one.line.map(|line| (one, line)));
+                let circles = revolution.map(|(one, line)| {
+                    around(&one.centre(line).into(), &one.axis.map(|x| line[0] * (1.0 - x * x).max(0.0).sqrt()))
+                });
+                let corners = self.triangles().into_iter().flatten().flatten().map(|corner| (corner, corner));
+                let join = |(low, high): ([f64; 3], [f64; 3]), (min, max): ([f64; 3], [f64; 3])| {
+                    (std::array::from_fn(|i| low[i].min(min[i])), std::array::from_fn(|i| high[i].max(max[i])))
+                };
+                circles.chain(corners).reduce(join).into_iter().collect()
             }
         }
     }
@@ -287,9 +293,8 @@ impl Shape {
                 centres.iter().map(|centre| arm(Vector::from(*centre))).fold(0.0, f64::max) + radius
             }
             _ => {
-                let place = |base: [f64; 3], axis: [f64; 3], z: f64| Vector::from(base) + Vector::from(axis) * z;
                 let revolution = self.revolution().into_iter();
-                let circles = revolution.flat_map(|one| one.line.map(|[r, z]| arm(place(one.base, one.axis, z)) + r));
+                let circles = revolution.flat_map(|one| one.line.map(|line| arm(one.centre(line)) + line[0]));
                 let corners = self.triangles().into_iter().flatten().flatten();
                 corners.map(|corner| arm(Vector::from(corner))).chain(circles).fold(0.0, f64::max)
             }
@@ -327,13 +332,6 @@ impl Surface {
         }
         if deepest < 0.0 { f64::NEG_INFINITY } else { deepest }
     }
-}
-
-/// Returns the corners (m) of the boxes around the two ends of a cylinder.
-pub(crate) fn ends(base: &[f64; 3], axis: &[f64; 3], radius: f64, length: f64) -> [([f64; 3], [f64; 3]); 2] {
-    let norm = axis.iter().map(|x| x * x).sum::<f64>().sqrt();
-    let side = axis.map(|x| radius * (1.0 - x * x / (norm * norm)).max(0.0).sqrt());
-    [0.0, length / norm].map(|along| around(&std::array::from_fn(|i| base[i] + axis[i] * along), &side))
 }
 
 /// Returns the corners (m) of a box around a point.
