@@ -111,7 +111,7 @@ fn obj(text: &str) -> Result<Vec<Corners>, String> {
 }
 
 /// Clips corners of a polygon until a triangle is left: the first convex corner, if its triangle holds no other corner. So convex polygons
-/// become fans. Returns `None` for a polygon with an area and without such a corner.
+/// become fans. Returns `None` for a polygon that crosses itself.
 fn clip(mut corners: Vec<[f64; 3]>, triangles: &mut Vec<Corners>) -> Option<()> {
     let turn = |[a, b, c]: Corners| (Vector::from(b) - Vector::from(a)).cross(&(Vector::from(c) - Vector::from(a)));
     let normal: Vector = corners[1..].windows(2).map(|two| turn([corners[0], two[0], two[1]])).sum();
@@ -128,8 +128,9 @@ fn clip(mut corners: Vec<[f64; 3]>, triangles: &mut Vec<Corners>) -> Option<()> 
         triangles.push([middle - 1, middle % count, (middle + 1) % count].map(|place| corners[place]));
         corners.remove(middle % count);
     }
-    triangles.push([corners[0], corners[1], corners[2]]);
-    Some(())
+    let last = [corners[0], corners[1], corners[2]];
+    triangles.push(last);
+    (turn(last).dot(&normal) >= -1e-9 * normal.norm_squared()).then_some(())
 }
 
 /// Reads three coordinates of a line.

@@ -167,7 +167,7 @@ fn a_mesh_in_millimetres_is_found_by_its_size() {
     // Small parts are larger than the grains.
     assert_eq!(of(0.13), Vec::<String>::new());
     assert!(of(0.12)[0].contains("spans 0.0048 x 0.006 x 0.0096 m"), "{:?}", of(0.12));
-    let expected = "wall[0].shape.scale: 'box' spans 40 x 50 x 80 m where the longest side of the domain is 0.2 m; and the smallest grain \
+    let expected = "wall[0].shape.scale: 'box' spans 40 x 50 x 80 m where the longest side of the domain is 0.2 m, and the smallest grain \
                     0.01 m wide; is the file in millimetres? scale = 0.001 makes it fit";
     assert_eq!(of(1000.0), [expected]);
     assert!(of(39.0)[0].contains("is the file in inches? scale = 0.0254"), "{:?}", of(39.0));

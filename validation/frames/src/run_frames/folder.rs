@@ -114,6 +114,11 @@ impl RunFrames {
         self.tables.materials()
     }
 
+    /// Returns the scene.
+    pub fn own_scene(&self) -> &MeasuredScene {
+        &self.tables.scene
+    }
+
     /// Returns the name of the scene.
     pub fn scene(&self) -> &str {
         &self.tables.scene.name
