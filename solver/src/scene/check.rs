@@ -107,10 +107,9 @@ pub(super) fn walls(scene: &Scene) -> Checked {
         known_material(scene, &at.key("material"), &wall.material)?;
         shape(&at.key("shape"), &wall.shape)?;
         at.key("surface_velocity").finite(&wall.surface_velocity)?;
-        if wall.motion.is_driven() && wall.surface_velocity != [0.0; 3] {
-            let problem = "given for a wall that a force or a torque moves, whose surface moves with it".into();
-            return Err(at.key("surface_velocity").fault(problem, "leave it out, or prescribe the motion of the wall"));
-        }
+        let problem = || "given for a wall that a force or a torque moves, whose surface moves with it".into();
+        let (fits, remedy) = (!wall.motion.is_driven(), "leave it out, or prescribe the motion of the wall");
+        at.key("surface_velocity").require(fits || wall.surface_velocity == [0.0; 3], problem, remedy)?;
         let motion = at.key("motion");
         match &wall.motion {
             Motion::Fixed => {}
@@ -262,14 +261,10 @@ pub(super) fn chosen_twice(document: &Document<'_>) -> Checked {
 fn accuracy(scene: &Scene) -> Checked {
     let Some(accuracy) = &scene.accuracy else { return Ok(()) };
     let at = DocumentPath::default().key("accuracy");
-    if accuracy.is_empty() {
-        return Err(at.fault("asks for nothing".into(), "give one of angle, packing_fraction, overlap, relative"));
-    }
-    if scene.largest_gravity() == 0.0 {
-        let problem =
-            "the scene has no gravity, and what accuracy promises is known of grains that settle under gravity";
-        return Err(at.fault(problem.into(), "leave it out, and give solver.step and solver.stop"));
-    }
+    let asks = "give one of angle, packing_fraction, overlap, relative";
+    at.require(!accuracy.is_empty(), || "asks for nothing".into(), asks)?;
+    let problem = || "the scene has no gravity, and accuracies are known of grains that settle under gravity".into();
+    at.require(scene.largest_gravity() > 0.0, problem, "leave it out, and give solver.step and solver.stop")?;
     let asked = [
         ("angle", accuracy.angle, "degrees"),
         ("packing_fraction", accuracy.packing_fraction, "(no unit)"),
@@ -333,11 +328,9 @@ fn tangential_law(settings: &SolverSettings, at: &DocumentPath) -> Checked {
     if let Some(ratio) = stiffness_ratio {
         at.key("stiffness_ratio").range(ratio, 1e-3, 1e3, "of the normal stiffness")?;
     }
-    if settings.normal_law == NormalLaw::Rigid {
-        let remedy = "give normal_law a stiffness, or leave tangential_law out";
-        return Err(at.fault("a spring, beside a rigid normal law that has no stiffness to go by".into(), remedy));
-    }
-    Ok(())
+    let problem = || "a spring, beside a rigid normal law that has no stiffness to go by".into();
+    let remedy = "give normal_law a stiffness, or leave tangential_law out";
+    at.require(settings.normal_law != NormalLaw::Rigid, problem, remedy)
 }
 
 /// Refuses a method or a precision that lacks equations for the scene.

@@ -9,18 +9,17 @@ use std::sync::Arc;
 /// Names of the columns with numbers. Every file has the first four.
 const COLUMNS: [&str; 10] = ["x", "y", "z", "radius", "vx", "vy", "vz", "wx", "wy", "wz"];
 
-/// Initial grains of a file, such as the last frame of another run: `makadam export --format csv` writes one.
+/// Grains of a file, such as a frame that `makadam export --format csv` writes.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Start {
-    /// CSV file, relative to the folder of the scene's file, with the columns x, y, z, radius (m), and optionally vx, vy, vz (m/s), wx, wy,
-    /// wz (rad/s) and material.
+    /// CSV file, relative to the scene's file, with columns x, y, z, radius (m), optionally vx, vy, vz (m/s), wx, wy, wz (rad/s), material.
     pub file: String,
-    /// Material of all grains of a file without a column of materials.
+    /// Material, without a column.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub material: Option<String>,
-    /// Text of the file. Scenes that Makadam writes have this key, so that they are complete without the file.
+    /// Text of the file, in scenes that Makadam writes.
     #[serde(default)]
     pub content: String,
     #[serde(skip)]

@@ -117,15 +117,16 @@ fn clip(mut corners: Vec<[f64; 3]>, triangles: &mut Vec<Corners>) -> Option<()> 
     let normal: Vector = corners[1..].windows(2).map(|two| turn([corners[0], two[0], two[1]])).sum();
     while corners.len() > 3 {
         let count = corners.len();
+        let at = |middle: usize| [middle - 1, middle % count, (middle + 1) % count].map(|place| corners[place]);
         let ear = |&middle: &usize| {
-            let [a, b, c] = [middle - 1, middle % count, (middle + 1) % count].map(|place| corners[place]);
+            let [a, b, c] = at(middle);
             let is_left = |a, b, point| turn([a, b, point]).dot(&normal) >= 0.0;
             let holds = |&point: &[f64; 3]| is_left(a, b, point) && is_left(b, c, point) && is_left(c, a, point);
             let is_other = |point: &&[f64; 3]| ![a, b, c].contains(*point);
             turn([a, b, c]).dot(&normal) > 0.0 && !corners.iter().filter(is_other).any(holds)
         };
         let middle = (1..=count).find(ear).or((normal.norm() == 0.0).then_some(1))?;
-        triangles.push([middle - 1, middle % count, (middle + 1) % count].map(|place| corners[place]));
+        triangles.push(at(middle));
         corners.remove(middle % count);
     }
     let last = [corners[0], corners[1], corners[2]];

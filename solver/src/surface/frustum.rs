@@ -8,8 +8,7 @@
 //! d = n_r (r - R_0) + n_z z                           distance from the endless cone, negative inside
 //! ```
 //!
-//! A grain in a funnel narrower than itself touches the circle around it: lines a third of a turn to either side of the nearest one
-//! represent this circle, as the points of a rim do ([`Face::Rim`](super::Face::Rim)).
+//! A grain in a funnel narrower than itself touches three lines, as it does three points of a rim ([`Face::Rim`](super::Face::Rim)).
 
 use super::face::{Impact, JOINT, perpendicular};
 use nalgebra::Vector3;
