@@ -240,7 +240,7 @@ fn a_sweep_runs_every_combination_and_goes_on_from_what_is_kept() {
 fn unknown_words_are_answered_with_a_way_or_without_a_guess() {
     let folder = tempfile::tempdir().unwrap();
     for (change, code, words, never) in [
-        ("wall.shell.mesh=\"drum.stl\"", 3, "walls have no meshes", "did you mean"),
+        ("wall.shell.mesh=\"drum.stl\"", 3, "a wall of a CAD file is", "did you mean"),
         ("insert.rate=3", 2, "grains that come during a run are an [[insert]]", "did you mean"),
         ("wall.shell.motion.rpm=20", 3, "rate = rpm * 0.10472", "did you mean"),
         ("population.diameter=0.01", 3, "sizes are given as radius", "did you mean"),

@@ -109,8 +109,8 @@ pub use interrupt::Interrupt;
 pub use lanes::InstructionSet;
 pub use partition::Portion;
 pub use scene::{
-    Axis, Cohesion, Domain, Face, Gauge, GaugeShape, GrainEntry, Insertion, Material, Motion, NormalLaw, PairRule,
-    Population, Precision, RadiusDistribution, Region, Removal, Scene, SceneBuilder, SceneError, SceneFileError, Shape,
+    Axis, Cohesion, Domain, Face, Gauge, GrainEntry, Insertion, Material, Motion, NormalLaw, PairRule, Population,
+    Precision, RadiusDistribution, Region, Removal, Scene, SceneBuilder, SceneError, SceneFileError, Shape,
     SolverMethod, SolverSettings, Stage, StageEnd, Stop, Wall,
 };
 pub use scene::{Obstacle, SettingError};

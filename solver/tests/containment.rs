@@ -83,6 +83,18 @@ fn no_centre_crosses_the_walls_of_a_closed_container() {
 }
 
 #[test]
+fn no_centre_crosses_the_walls_of_a_closed_funnel() {
+    for number in 0..100 {
+        let drawn = Drawn::funnel(number);
+        let outcome = run(&drawn, 1);
+        assert_eq!(outcome.0, Outcome::Kept, "funnel {number} ({}): {}", drawn.summary(), drawn.text());
+        if number % 10 == 0 {
+            assert_eq!(run(&drawn, 3), outcome, "funnel {number} on three threads");
+        }
+    }
+}
+
+#[test]
 fn fast_grains_in_containers_have_the_same_bits_on_any_number_of_threads() {
     for number in 0..30 {
         let drawn = Drawn::number(number);

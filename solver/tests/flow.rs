@@ -494,3 +494,56 @@ fn a_source_needs_no_gravity() {
     }
     assert!(counts(&simulation)[0] >= 28, "{:?}", counts(&simulation));
 }
+
+#[test]
+fn a_grain_that_crosses_a_thin_sink_within_a_step_goes() {
+    // 5 mm a step, through sheets of 0.1 mm at many places, straight and oblique; beside the sinks it stays.
+    let regions = |at: f64| {
+        [
+            format!("kind = 'box', min = [-0.05, -0.05, {at}], max = [0.05, 0.05, {}]", at + 1e-4),
+            format!("kind = 'cylinder', base = [0, 0, {at}], axis = [0, 0, 1], radius = 0.05, length = 1e-4"),
+            format!("kind = 'cylinder', base = [-0.05, 0, {at}], axis = [1, 0, 0], radius = 5e-5, length = 0.1"),
+        ]
+    };
+    for place in 0..20 {
+        for region in regions(0.4 + 0.0007 * place as f64) {
+            for (x, vx, goes) in [(0.0, 0.0, true), (-0.01, 1.0, true), (0.06, 0.0, false), (-0.06, -1.0, false)] {
+                let body =
+                    format!("{}[[remove]]\nregion = {{ {region} }}\n", grain(0.002, [x, 0.0, 0.5], [vx, 0.0, -10.0]));
+                let setup = Setup { gravity: [0.0; 3], solver: SOLVER.into(), body, ..Setup::default() };
+                let mut simulation = start(&setup.scene());
+                for _ in 0..40 {
+                    simulation.step();
+                }
+                assert_eq!(simulation.grains(), usize::from(!goes), "{region} from {x} at {vx}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_grain_that_starts_behind_a_sink_or_crosses_it_by_a_period_is_told_apart() {
+    let sink = |low: f64, high: f64| {
+        format!("[[remove]]\nregion = {{ kind = 'box', min = [{low}, -1, -1], max = [{high}, 1, 1] }}\n")
+    };
+    let after = |place: f64, sink: String, periodic: bool, steps: usize| {
+        let body = format!("{}{sink}", grain(0.002, [place, 0.0, 0.0], [10.0, 0.0, 0.0]));
+        let mut scene = Setup { gravity: [0.0; 3], solver: SOLVER.into(), body, ..Setup::default() }.scene();
+        (scene.domain.min, scene.domain.max) = ([-0.5, -1.0, -1.0], [0.5, 1.0, 1.0]);
+        if periodic {
+            scene.domain.periodic.push(makadam::Axis::X);
+        }
+        let mut simulation = start(&scene);
+        for _ in 0..steps {
+            simulation.step();
+        }
+        simulation.grains()
+    };
+    assert_eq!(after(0.001, sink(-1e-4, 0.0), false, 40), 1, "it starts in front");
+    for offset in 0..10 {
+        let place = 0.45 + 0.0005 * f64::from(offset);
+        assert_eq!(after(place, sink(0.4998, 0.4999), true, 20), 0, "before the end of the period, from {place}");
+        assert_eq!(after(place, sink(-0.4999, -0.4998), true, 20), 0, "after it, from {place}");
+        assert_eq!(after(place, sink(0.1, 0.1001), true, 20), 1, "elsewhere, from {place}");
+    }
+}

@@ -106,6 +106,10 @@ fn a_gauge_without_size_or_place_is_refused() {
         (disc("a", [0.0; 3], [1.0, 0.0, 0.0], 0.0), "gauge[0].shape.radius"),
         (disc("a", [0.0, 0.0, 50.0], [0.0, 0.0, 1.0], 1.0), "outside the domain"),
         (disc("a", [0.0; 3], [0.0, 0.0, 1.0], 1.0).repeat(2), "gauge[1].name"),
+        (
+            "[[gauge]]\nname = 'a'\nshape = { kind = 'plane', point = [0, 0, 0], normal = [0, 0, 1] }\n".into(),
+            "a plane that",
+        ),
         (disc("", [0.0; 3], [0.0, 0.0, 1.0], 1.0), "gauge[0].name"),
     ] {
         let text = format!(

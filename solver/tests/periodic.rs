@@ -314,7 +314,7 @@ fn what_cannot_repeat_itself_is_refused() {
         ("{ kind = 'box', min = [0, 0, 0], max = [1, 1, 1], open = ['-x'] }", "as open"),
         ("{ kind = 'cylinder', base = [0, 0.5, 0.5], axis = [1, 0, 0], radius = 0.4, length = 0.9 }", "does not reach"),
         ("{ kind = 'cylinder', base = [0.5, 0.5, 0], axis = [0, 0, 1], radius = 0.4, length = 1.0 }", "not parallel"),
-        ("{ kind = 'disc', centre = [0.5, 0.5, 0], normal = [0, 0, 1], radius = 0.2 }", "has an edge"),
+        ("{ kind = 'disc', centre = [0.5, 0.5, 0], normal = [0, 0, 1], radius = 0.2 }", "has edges"),
     ];
     for (shape, why) in wrong {
         let message = refusal(1.0, &wall(shape)).unwrap_err();

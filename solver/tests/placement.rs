@@ -55,6 +55,30 @@ fn masses_follow_the_grading_curve() {
 }
 
 #[test]
+fn each_draw_meets_the_grading_curve() {
+    for placement in ["random", "lattice"] {
+        let cube = "region = { kind = \"box\", min = [0.0, 0.0, 0.0], max = [0.1, 0.1, 0.1] }";
+        let roomy = "region = { kind = \"box\", min = [0.0, 0.0, 0.0], max = [0.5, 0.5, 0.5] }";
+        let text = scene(&format!("count = 3000\nplacement = \"{placement}\"\n{GRADING}")).replace(cube, roomy);
+        let text = text
+            .replace("max = [0.1, 0.1, 0.1] }", "max = [0.5, 0.5, 0.5] }")
+            .replace("[0.05, 0.05, 0.0]", "[9.0, 9.0, 0.0]");
+        let scene = Scene::parse(&text).unwrap();
+        for seed in 0..20 {
+            let grains = populate(&scene, seed).unwrap();
+            let mass = |most: f64| -> f64 {
+                grains.iter().map(|grain| grain.radius).filter(|r| 2.0 * r <= most).map(|r| r.powi(3)).sum()
+            };
+            let [fine, middle] = [0.002, 0.005].map(|sieve| mass(sieve) / mass(1.0));
+            assert!((fine - 0.1).abs() < 0.004 && (middle - 0.3).abs() < 0.012, "{placement} {seed}: {fine} {middle}");
+            // Sizes do not follow the order of the grains.
+            let half = |range: std::ops::Range<usize>| grains[range].iter().map(|grain| grain.radius).sum::<f64>();
+            assert!((half(0..1500) / half(1500..3000) - 1.0).abs() < 0.1);
+        }
+    }
+}
+
+#[test]
 fn numbers_between_two_sieves_pass_a_chi_squared_test() {
     let text = scene(
         "count = 20000\nplacement = \"random\"\nradius = { kind = \"sieve\", diameters = [0.0005, 0.001], passing = [0.0, 1.0] }",

@@ -108,6 +108,20 @@ fn sharpest_angle(mesh: &Mesh) -> f64 {
 }
 
 #[test]
+fn a_frustum_and_a_rectangle_have_their_areas_as_meshes() {
+    let cone = Shape::Frustum { base: [0.0; 3], axis: [0.0, 0.0, 1.0], radii: [0.1, 0.04], length: 0.08 };
+    let mesh = wall_mesh(&cone, &DOMAIN, 0.005, FINE);
+    let (_, area) = areas(&mesh);
+    let expected = std::f64::consts::PI * 0.14 * 0.1;
+    assert!((area / expected - 1.0).abs() < 1e-3, "{area} m2, not {expected}");
+    assert!(mesh.bend > 0.0);
+    let sheet = Shape::Rectangle { corner: [0.1, 0.0, 0.0], edges: [[0.2, 0.0, 0.0], [0.0, 0.1, 0.1]] };
+    let mesh = wall_mesh(&sheet, &DOMAIN, 0.005, FINE);
+    assert_eq!(mesh.triangles.len(), 2);
+    assert!((areas(&mesh).1 - 0.02 * 2.0_f64.sqrt()).abs() < 1e-15);
+}
+
+#[test]
 fn no_mesh_has_triangles_without_an_area_or_like_needles() {
     // LIGGGHTS refuses meshes with angles of a degree. No grain of 5 mm sees a hole of a micrometre.
     for hole in [1e-300, 1e-9, 1e-6, 4e-4, 6e-4, 0.001, 0.01, 0.05, 0.099] {

@@ -2,7 +2,8 @@
 
 use hdf5_pure::File;
 use makadam::Simulation;
-use makadam_frames::export::write;
+use makadam_frames::export::{csv, write};
+use makadam_frames::import::{StatedColumns, parse};
 use makadam_frames::output::RunFiles;
 use makadam_frames::plan::{FrameFormat, MeasuredScene};
 use makadam_frames::run_frames::{Kind, RunFrames, StoreWriter};
@@ -221,4 +222,45 @@ fn exports_hold_poses_of_driven_walls() {
             assert_eq!(of_hdf(&format!("FieldData/{name}"))[first], value);
         }
     }
+}
+
+#[test]
+fn a_csv_file_starts_another_scene() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = run(folder.path());
+    let written = write(FrameFormat::Csv, &run, folder.path(), &|_| {}).unwrap();
+    assert!(written.iter().map(|written| written.frames).eq([FRAMES]), "{written:?}");
+    let text = std::fs::read_to_string(folder.path().join("csv/grains-00002.csv")).unwrap();
+    assert_eq!(text.lines().count(), 201);
+    // The scene of the run, with these grains instead of its population.
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/scenes/smoke.toml");
+    let mut scene: toml::Table = toml::from_str(&std::fs::read_to_string(file).unwrap()).unwrap();
+    scene.remove("population");
+    scene.insert("start".into(), toml::from_str::<toml::Value>("file = 'csv/grains-00002.csv'").unwrap());
+    scene.insert("largest_start_overlap".into(), toml::Value::Float(0.1));
+    let scene = MeasuredScene::parse_in(&toml::to_string(&scene).unwrap(), folder.path()).unwrap();
+    let grains = makadam::scene::populate(&scene, 1).unwrap();
+    let last = run.snapshot(2).unwrap();
+    assert_eq!(grains.len(), 200);
+    for (grain, particle) in grains.iter().zip(&last.particles) {
+        assert_eq!((grain.position, grain.velocity, grain.spin), (particle.position, particle.velocity, particle.spin));
+        assert_eq!((grain.radius, grain.material.as_str()), (particle.radius, "grain"));
+    }
+}
+
+#[test]
+fn frames_of_other_codes_become_starts() {
+    let dump = "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n2\nITEM: BOX BOUNDS ff ff ff\n0 1\n0 1\n0 1\n\
+                ITEM: ATOMS id type x y z radius vx vy vz\n2 1 0.5 0.5 0.25 0.01 0 0 -1\n1 1 0.25 0.5 0.5 0.02 1 0 0\n";
+    let yade = "#format x_y_z_r\n0.25 0.5 0.5 0.02\n0.5 0.5 0.25 0.01\n";
+    let convert = |name: &str, text: &str| {
+        let tables = parse(Path::new(name), text.as_bytes().to_vec(), &StatedColumns::default()).unwrap();
+        csv::of_table(&tables[0])
+    };
+    let expected = "x,y,z,radius,vx,vy,vz\n0.25,0.5,0.5,0.02,1,0,0\n0.5,0.5,0.25,0.01,0,0,-1\n";
+    assert_eq!(convert("dump.liggghts", dump).unwrap(), expected);
+    assert_eq!(convert("yade.txt", yade).unwrap(), "x,y,z,radius\n0.25,0.5,0.5,0.02\n0.5,0.5,0.25,0.01\n");
+    assert_eq!(convert("a.csv", "x,y,z,diameter\n1,2,3,0.5\n").unwrap(), "x,y,z,radius\n1,2,3,0.25\n");
+    let error = convert("a.csv", "x,y,z\n1,2,3\n").unwrap_err().to_string();
+    assert!(error.contains("no column radius"), "{error}");
 }

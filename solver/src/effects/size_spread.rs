@@ -1,14 +1,14 @@
 //! Size spread: grains of more than one radius.
 
 use super::catalogue::{Call, Change, Effect};
-use crate::scene::{DocumentPath, RadiusDistribution, Scene};
+use crate::scene::{RadiusDistribution, Scene};
 
 /// Size spread.
 pub static SIZE_SPREAD: Effect = Effect {
     off: Some(Change {
         words: "off: all of the mean radius",
         apply: |scene| {
-            let value = Scene { grain: Vec::new(), ..scene.clone() }.mean_radius();
+            let value = Scene { grain: Vec::new(), start: None, ..scene.clone() }.mean_radius();
             scene.population.iter_mut().for_each(|group| group.radius = RadiusDistribution::Fixed { value });
             scene.insert.iter_mut().for_each(|source| source.radius = RadiusDistribution::Fixed { value });
         },
@@ -17,23 +17,13 @@ pub static SIZE_SPREAD: Effect = Effect {
 };
 
 fn call(scene: &Scene) -> Result<Call, &'static str> {
-    let populations = scene.population.iter().map(|group| group.radius.bounds());
-    let sources = scene.insert.iter().map(|source| source.radius.bounds());
-    let grains = scene.grain.iter().map(|grain| (grain.radius, grain.radius));
-    let ranges: Vec<(f64, f64)> = populations.chain(sources).chain(grains).collect();
-    let smallest = ranges.iter().fold(f64::INFINITY, |least, range| least.min(range.0));
-    let largest = ranges.iter().fold(0.0, |most: f64, range| most.max(range.1));
+    let extremes = |(least, most): (f64, f64), (_, (low, high)): (_, (f64, f64))| (least.min(low), most.max(high));
+    let (smallest, largest) = scene.radii().fold((f64::INFINITY, 0.0), extremes);
     if smallest >= largest {
         return Err("all grains are of one size");
     }
-    // The first entry with a distribution of radii, or with a radius that differs from those of earlier entries.
-    let index = ranges.iter().position(|range| *range != (ranges[0].0, ranges[0].0)).unwrap_or(0);
-    let (populations, sources) = (scene.population.len(), scene.insert.len());
-    let (table, entry) = match index {
-        _ if index < populations => ("population", index),
-        _ if index < populations + sources => ("insert", index - populations),
-        _ => ("grain", index - populations - sources),
-    };
-    let place = DocumentPath::default().key(table).index(entry).key("radius");
+    // The first entry with a distribution of radii, or with a radius that differs from that of the first.
+    let first = scene.radii().next().map_or(0.0, |(_, (radius, _))| radius);
+    let place = scene.radii().find(|(_, range)| *range != (first, first)).map(|(place, _)| place).unwrap_or_default();
     Ok(Call { why: format!("radii from {smallest} to {largest} m"), place })
 }

@@ -164,7 +164,7 @@ impl Bed {
         let placed = scene.population.iter().map(|population| {
             (population.count as f64, population.radius.mean(), scene.material[&population.material].density)
         });
-        let listed = scene.grain.iter().map(|grain| (1.0, grain.radius, scene.material[&grain.material].density));
+        let listed = scene.listed().map(|grain| (1.0, grain.radius, scene.material[&grain.material].density));
         let come = scene
             .insert
             .iter()

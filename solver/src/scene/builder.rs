@@ -5,7 +5,7 @@ use super::{
     Accuracy, Axis, GrainEntry, Insertion, Material, Motion, PairRule, Placement, Population, RadiusDistribution,
     Region, Removal, Scene, SceneError, Shape, SolverSettings, Stage, Wall, Watch,
 };
-use crate::surface::{around, ends};
+use crate::surface::{FACES, around};
 
 /// Builder of a scene: [`Scene::builder`].
 ///
@@ -110,16 +110,8 @@ impl SceneBuilder {
 
 /// Returns the corners (m) of the smallest box around all positions in a scene; an empty box for a scene without positions.
 fn extent(scene: &Scene) -> ([f64; 3], [f64; 3]) {
-    let mut all = Vec::new();
-    for population in &scene.population {
-        match &population.region {
-            Region::Box { min, max } => all.push((*min, *max)),
-            Region::Cylinder { base, axis, radius, length } => all.extend(ends(base, axis, *radius, *length)),
-        }
-    }
-    for wall in &scene.wall {
-        all.extend(wall.shape.bounds());
-    }
+    let mut all: Vec<_> = scene.wall.iter().flat_map(|wall| wall.shape.bounds()).collect();
+    all.extend(scene.population.iter().map(|population| population.region.bounds()));
     all.extend(scene.insert.iter().map(|source| source.region.bounds()));
     all.extend(scene.grain.iter().map(|grain| around(&grain.position, &[grain.radius; 3])));
     let none = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
@@ -155,7 +147,7 @@ pub enum Face {
 impl Face {
     /// Returns the name of the face in a scene file.
     pub fn name(self) -> &'static str {
-        ["-x", "+x", "-y", "+y", "-z", "+z"][self as usize]
+        FACES[self as usize]
     }
 }
 

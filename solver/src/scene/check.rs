@@ -6,9 +6,11 @@ use super::error::{Fault, is_printable, short};
 use super::settings::{Obstacle, SettingError};
 use super::types::SPACING;
 use super::{
-    ContactCoefficients, MOST_MEMORY, NormalLaw, Placement, Scene, Shape, SolverMethod, SolverSettings, Stop,
-    TangentialLaw, flow, gauge, motion, periodic, stages,
+    ContactCoefficients, GrainEntry, MOST_MEMORY, NormalLaw, Placement, Scene, Shape, SolverMethod, SolverSettings,
+    Stop, TangentialLaw, flow, gauge, motion, periodic, stages,
 };
+use crate::surface::FACES;
+use nalgebra::Vector3;
 use std::collections::HashMap;
 
 /// Largest number of grains of a scene: grains and contacts have 32-bit indices.
@@ -48,12 +50,9 @@ pub(super) fn gravity(scene: &Scene) -> Checked {
         let at = root.key("gravity_changes").index(index);
         at.key("gravity").finite(&change.gravity)?;
         at.key("time").range(change.time, 0.0, 1e6, "s")?;
-        if change.time <= before {
-            let problem = format!("{} s is not after {} s, the time before it", short(change.time), short(before));
-            return Err(at
-                .key("time")
-                .fault(problem, "list the changes in the order of their times, the first above 0"));
-        }
+        let problem = || format!("{} s is not after {} s, the time before it", short(change.time), short(before));
+        let remedy = "list the changes in the order of their times, the first above 0";
+        at.key("time").require(change.time > before, problem, remedy)?;
         before = change.time;
     }
     Ok(())
@@ -67,12 +66,8 @@ fn watch(scene: &Scene) -> Checked {
 }
 
 pub(super) fn materials(scene: &Scene) -> Checked {
-    if scene.material.len() > MOST_MATERIALS {
-        let problem = format!("{} materials", scene.material.len());
-        return Err(DocumentPath::default()
-            .key("material")
-            .fault(problem, &format!("define at most {MOST_MATERIALS}")));
-    }
+    let (all, problem) = (DocumentPath::default().key("material"), || format!("{} materials", scene.material.len()));
+    all.require(scene.material.len() <= MOST_MATERIALS, problem, &format!("define at most {MOST_MATERIALS}"))?;
     for (name, material) in &scene.material {
         let at = DocumentPath::default().key("material").name(name);
         at.key("density").usual(material.density, [1.0, 3e4], [1e-6, 1e9], scene.unusual_values, "kg/m3")?;
@@ -110,77 +105,84 @@ pub(super) fn walls(scene: &Scene) -> Checked {
     for (index, wall) in scene.wall.iter().enumerate() {
         let at = DocumentPath::default().key("wall").index(index);
         known_material(scene, &at.key("material"), &wall.material)?;
-        let shape = at.key("shape");
-        match &wall.shape {
-            Shape::Plane { point, normal } => {
-                shape.key("point").finite(point)?;
-                shape.key("normal").direction(normal)?;
-            }
-            Shape::Box { min, max, open } => {
-                extent(&shape, min, max)?;
-                for face in open {
-                    if !["-x", "+x", "-y", "+y", "-z", "+z"].contains(&face.as_str()) {
-                        return Err(shape
-                            .key("open")
-                            .fault(format!("'{face}' is not a face"), "use -x, +x, -y, +y, -z or +z"));
-                    }
-                }
-            }
-            Shape::Cylinder { base, axis, radius, length } => {
-                shape.key("base").finite(base)?;
-                shape.key("axis").direction(axis)?;
-                shape.key("radius").range(*radius, 1e-9, 1e4, "m")?;
-                shape.key("length").range(*length, 1e-9, 1e4, "m")?;
-            }
-            Shape::Spheres { centres, radius } => {
-                for (number, centre) in centres.iter().enumerate() {
-                    shape.key("centres").index(number).finite(centre)?;
-                }
-                shape.key("radius").range(*radius, 1e-9, 1e4, "m")?;
-            }
-            Shape::Mesh { file, scale, rotate, translate, content } => {
-                shape.key("scale").range(*scale, 1e-9, 1e9, "m")?;
-                shape.key("translate").finite(translate)?;
-                if let Some(rotate) = rotate {
-                    shape.key("rotate").key("axis").direction(&rotate.axis)?;
-                    shape.key("rotate").key("angle").range(rotate.angle, -360.0, 360.0, "degrees")?;
-                }
-                if content.is_empty() {
-                    let remedy = "parse the scene with its folder, or create the shape by Shape::mesh";
-                    return Err(shape.key("file").fault(format!("'{file}' has not been read"), remedy));
-                }
-                let far = wall
-                    .shape
-                    .bounds()
-                    .iter()
-                    .flat_map(|(low, high)| low.iter().chain(high))
-                    .any(|x| x.is_nan() || x.abs() >= 1e6);
-                if far {
-                    let problem = format!("'{file}' has corners beyond 1e6 m");
-                    return Err(shape
-                        .key("scale")
-                        .fault(problem, "give the metres per unit of the file, such as 0.001 for millimetres"));
-                }
-            }
-            Shape::Disc { centre, normal, radius, hole } => {
-                shape.key("centre").finite(centre)?;
-                shape.key("normal").direction(normal)?;
-                shape.key("radius").range(*radius, 1e-9, 1e4, "m")?;
-                shape.key("hole").range(*hole, 0.0, *radius, "m, the radius of the disc")?;
-            }
-        }
+        shape(&at.key("shape"), &wall.shape)?;
         at.key("surface_velocity").finite(&wall.surface_velocity)?;
-        if wall.motion.is_driven() && wall.surface_velocity != [0.0; 3] {
-            let problem = "given for a wall that a force or a torque moves, whose surface moves with it".into();
-            return Err(at.key("surface_velocity").fault(problem, "leave it out, or prescribe the motion of the wall"));
-        }
+        let problem = || "given for a wall that a force or a torque moves, whose surface moves with it".into();
+        let (fits, remedy) = (!wall.motion.is_driven(), "leave it out, or prescribe the motion of the wall");
+        at.key("surface_velocity").require(fits || wall.surface_velocity == [0.0; 3], problem, remedy)?;
         wall.motion.check(&at.key("motion"))?;
     }
     motion::check_parents(scene)
 }
 
+/// Checks the values of a shape.
+pub(super) fn shape(at: &DocumentPath, shape: &Shape) -> Checked {
+    match shape {
+        Shape::Plane { point, normal } => {
+            at.key("point").finite(point)?;
+            at.key("normal").direction(normal)
+        }
+        Shape::Box { min, max, open } => {
+            extent(at, min, max)?;
+            open.iter().try_for_each(|face| {
+                let (known, remedy) = (FACES.contains(&face.as_str()), "use -x, +x, -y, +y, -z or +z");
+                at.key("open").require(known, || format!("'{face}' is not a face"), remedy)
+            })
+        }
+        Shape::Cylinder { base, axis, radius, length } => tube(at, (base, axis), (&[*radius], "radius"), *length),
+        Shape::Frustum { base, axis, radii, length } => tube(at, (base, axis), (radii, "radii"), *length),
+        Shape::Rectangle { corner, edges } => {
+            at.key("corner").finite(corner)?;
+            edges.iter().try_for_each(|edge| at.key("edges").finite(edge))?;
+            let [one, other] = edges.map(Vector3::from);
+            let (least, most) = (one.norm().min(other.norm()), one.norm().max(other.norm()));
+            let spans = least >= 1e-9 && one.cross(&other).norm() >= 1e-6 * least * most;
+            let remedy = "give two sides of at least 1e-9 m in different directions";
+            at.key("edges").require(spans, || format!("{edges:?} span no area"), remedy)
+        }
+        Shape::Spheres { centres, radius } => {
+            let mut all = centres.iter().enumerate();
+            all.try_for_each(|(number, centre)| at.key("centres").index(number).finite(centre))?;
+            at.key("radius").range(*radius, 1e-9, 1e4, "m")
+        }
+        Shape::Mesh { file, scale, rotate, translate, content } => {
+            at.key("scale").range(*scale, 1e-9, 1e9, "m")?;
+            at.key("translate").finite(translate)?;
+            if let Some(rotate) = rotate {
+                at.key("rotate").key("axis").direction(&rotate.axis)?;
+                at.key("rotate").key("angle").range(rotate.angle, -360.0, 360.0, "degrees")?;
+            }
+            let remedy = "parse the scene with its folder, or create the shape by Shape::mesh";
+            at.key("file").require(!content.is_empty(), || format!("'{file}' has not been read"), remedy)?;
+            let near = shape.bounds().iter().flat_map(|(low, high)| low.iter().chain(high)).all(|x| x.abs() < 1e6);
+            let remedy = "give the metres per unit of the file, such as 0.001 for millimetres";
+            at.key("scale").require(near, || format!("'{file}' has corners beyond 1e6 m"), remedy)
+        }
+        Shape::Disc { centre, normal, radius, hole } => {
+            at.key("centre").finite(centre)?;
+            at.key("normal").direction(normal)?;
+            at.key("radius").range(*radius, 1e-9, 1e4, "m")?;
+            at.key("hole").range(*hole, 0.0, *radius, "m, the radius of the disc")
+        }
+    }
+}
+
+/// Checks a cylinder or a frustum, of which one radius may be zero.
+pub(super) fn tube(
+    at: &DocumentPath,
+    (base, axis): (&[f64; 3], &[f64; 3]),
+    (radii, key): (&[f64], &'static str),
+    length: f64,
+) -> Checked {
+    at.key("base").finite(base)?;
+    at.key("axis").direction(axis)?;
+    at.key(key).range(radii[0].max(radii[radii.len() - 1]), 1e-9, 1e4, "m")?;
+    radii.iter().try_for_each(|radius| at.key(key).range(*radius, 0.0, 1e4, "m"))?;
+    at.key("length").range(length, 1e-9, 1e4, "m")
+}
+
 fn grains(scene: &Scene) -> Checked {
-    let mut count = scene.grain.len() as f64;
+    let mut count = scene.listed().count() as f64;
     for (index, population) in scene.population.iter().enumerate() {
         let at = DocumentPath::default().key("population").index(index);
         known_material(scene, &at.key("material"), &population.material)?;
@@ -189,21 +191,28 @@ fn grains(scene: &Scene) -> Checked {
         at.key("spacing").range(population.spacing, 1.0, 100.0, "largest diameters")?;
         at.key("agitation").range(population.agitation, 0.0, 1e3, "m/s")?;
         population.radius.check(&at.key("radius"))?;
-        if population.placement == Placement::Random && population.spacing != SPACING {
-            let remedy = "leave it out, or let placement = 'lattice'";
-            return Err(at.key("spacing").fault("given with random places, which have no lattice".into(), remedy));
-        }
+        let (fits, remedy) = (population.spacing == SPACING, "leave it out, or let placement = 'lattice'");
+        let problem = || "given with random places, which have no lattice".into();
+        at.key("spacing").require(fits || population.placement != Placement::Random, problem, remedy)?;
         population.region.check(&at.key("region"))?;
     }
     for (index, grain) in scene.grain.iter().enumerate() {
-        let at = DocumentPath::default().key("grain").index(index);
-        known_material(scene, &at.key("material"), &grain.material)?;
-        at.key("radius").range(grain.radius, 1e-9, 100.0, "m")?;
-        at.key("position").finite(&grain.position)?;
-        at.key("velocity").finite(&grain.velocity)?;
-        at.key("spin").finite(&grain.spin)?;
+        listed(scene, &DocumentPath::default().key("grain").index(index), grain)?;
     }
-    Ok(())
+    let Some(start) = &scene.start else { return Ok(()) };
+    let mut grains = start.grains().iter().enumerate();
+    grains.try_for_each(|(index, grain)| {
+        listed(scene, &DocumentPath::default(), grain).map_err(|fault| start.of_grain(index, &fault))
+    })
+}
+
+/// Checks the values of a grain with a given position.
+fn listed(scene: &Scene, at: &DocumentPath, grain: &GrainEntry) -> Checked {
+    known_material(scene, &at.key("material"), &grain.material)?;
+    at.key("radius").range(grain.radius, 1e-9, 100.0, "m")?;
+    at.key("position").finite(&grain.position)?;
+    at.key("velocity").finite(&grain.velocity)?;
+    at.key("spin").finite(&grain.spin)
 }
 
 /// Refuses a step or a stop in addition to an accuracy, which chooses both.
@@ -220,17 +229,10 @@ pub(super) fn chosen_twice(document: &Document<'_>) -> Checked {
 fn accuracy(scene: &Scene) -> Checked {
     let Some(accuracy) = &scene.accuracy else { return Ok(()) };
     let at = DocumentPath::default().key("accuracy");
-    if accuracy.is_empty() {
-        return Err(at.fault(
-            "asks for nothing".into(),
-            "give one of angle, packing_fraction, friction_mobilisation, overlap, relative",
-        ));
-    }
-    if scene.largest_gravity() == 0.0 {
-        let problem =
-            "the scene has no gravity, and what accuracy promises is known of grains that settle under gravity";
-        return Err(at.fault(problem.into(), "leave it out, and give solver.step and solver.stop"));
-    }
+    let asks = "give one of angle, packing_fraction, friction_mobilisation, overlap, relative";
+    at.require(!accuracy.is_empty(), || "asks for nothing".into(), asks)?;
+    let problem = || "the scene has no gravity, and accuracies are known of grains that settle under gravity".into();
+    at.require(scene.largest_gravity() > 0.0, problem, "leave it out, and give solver.step and solver.stop")?;
     let asked = [
         ("angle", accuracy.angle, "degrees"),
         ("packing_fraction", accuracy.packing_fraction, "(no unit)"),
@@ -285,14 +287,9 @@ pub(super) fn solver(scene: &Scene) -> Checked {
     let (sweeps, inner) = (f64::from(settings.stop.max_sweeps()), f64::from(settings.inner_sweeps));
     most.range(sweeps, 1.0, MOST_SWEEPS, "sweeps")?;
     at.key("inner_sweeps").range(inner, 1.0, MOST_INNER_SWEEPS, "sweeps over a box for each over all")?;
-    match sweeps * inner <= MOST_SWEEPS {
-        true => Ok(()),
-        false => {
-            let problem = format!("{inner} for each of {sweeps} sweeps are {} sweeps a step", short(sweeps * inner));
-            let remedy = format!("lower it or solver.stop, to at most {} sweeps a step", short(MOST_SWEEPS));
-            Err(at.key("inner_sweeps").fault(problem, &remedy))
-        }
-    }
+    let problem = || format!("{inner} for each of {sweeps} sweeps are {} sweeps a step", short(sweeps * inner));
+    let remedy = format!("lower it or solver.stop, to at most {} sweeps a step", short(MOST_SWEEPS));
+    at.key("inner_sweeps").require(sweeps * inner <= MOST_SWEEPS, problem, &remedy)
 }
 
 fn tangential_law(settings: &SolverSettings, at: &DocumentPath) -> Checked {
@@ -300,11 +297,9 @@ fn tangential_law(settings: &SolverSettings, at: &DocumentPath) -> Checked {
     if let Some(ratio) = stiffness_ratio {
         at.key("stiffness_ratio").range(ratio, 1e-3, 1e3, "of the normal stiffness")?;
     }
-    if settings.normal_law == NormalLaw::Rigid {
-        let remedy = "give normal_law a stiffness, or leave tangential_law out";
-        return Err(at.fault("a spring, beside a rigid normal law that has no stiffness to go by".into(), remedy));
-    }
-    Ok(())
+    let problem = || "a spring, beside a rigid normal law that has no stiffness to go by".into();
+    let remedy = "give normal_law a stiffness, or leave tangential_law out";
+    at.require(settings.normal_law != NormalLaw::Rigid, problem, remedy)
 }
 
 /// Refuses a method or a precision that lacks equations for the scene.
@@ -343,27 +338,18 @@ pub(super) fn interval(at: &DocumentPath, start: f64, stop: Option<f64>) -> Chec
 pub(super) fn extent(at: &DocumentPath, min: &[f64; 3], max: &[f64; 3]) -> Checked {
     at.key("min").finite(min)?;
     at.key("max").finite(max)?;
-    match (0..3).all(|i| min[i] < max[i]) {
-        true => Ok(()),
-        false => Err(at.key("max").fault(
-            format!("max {max:?} is not above min {min:?} along every axis"),
-            "give the lower corner as min and the upper corner as max",
-        )),
-    }
+    let problem = || format!("max {max:?} is not above min {min:?} along every axis");
+    let remedy = "give the lower corner as min and the upper corner as max";
+    at.key("max").require((0..3).all(|i| min[i] < max[i]), problem, remedy)
 }
 
 pub(super) fn known_material(scene: &Scene, at: &DocumentPath, name: &str) -> Checked {
-    match scene.material.contains_key(name) {
-        true => Ok(()),
-        false => Err(at.fault(
-            format!("there is no material '{name}'"),
-            &format!("add [material.{name}] or name one of: {}", join(scene)),
-        )),
+    if scene.material.contains_key(name) {
+        return Ok(());
     }
-}
-
-fn join(scene: &Scene) -> String {
-    scene.material.keys().cloned().collect::<Vec<_>>().join(", ")
+    let known = scene.material.keys().cloned().collect::<Vec<_>>().join(", ");
+    let remedy = format!("add [material.{name}] or name one of: {known}");
+    Err(at.fault(format!("there is no material '{name}'"), &remedy))
 }
 
 /// Longest name, bytes: file names are limited to 255 bytes, and results add a suffix to the name of the scene.

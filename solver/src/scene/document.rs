@@ -185,6 +185,11 @@ impl DocumentPath {
         Fault::new(self.path(), format!("{}: {problem}", label(&self.0)), remedy)
     }
 
+    /// Rejects a value that breaks a rule.
+    pub(super) fn require(&self, holds: bool, problem: impl FnOnce() -> String, remedy: &str) -> Checked {
+        if holds { Ok(()) } else { Err(self.fault(problem(), remedy)) }
+    }
+
     /// Rejects a number outside a range. The remedy names `unit`.
     ///
     /// # Errors
@@ -226,10 +231,8 @@ impl DocumentPath {
     /// # Errors
     /// [`Fault`].
     pub fn finite(&self, vector: &[f64; 3]) -> Checked {
-        match vector.iter().all(|x| x.is_finite() && x.abs() < 1e6) {
-            true => Ok(()),
-            false => Err(self.fault(format!("{vector:?} is not usable"), "give three finite SI numbers below 1e6")),
-        }
+        let usable = vector.iter().all(|x| x.is_finite() && x.abs() < 1e6);
+        self.require(usable, || format!("{vector:?} is not usable"), "give three finite SI numbers below 1e6")
     }
 
     /// Rejects a zero vector.
@@ -238,9 +241,7 @@ impl DocumentPath {
     /// [`Fault`].
     pub fn direction(&self, vector: &[f64; 3]) -> Checked {
         self.finite(vector)?;
-        match vector.iter().map(|x| x * x).sum::<f64>() > 1e-24 {
-            true => Ok(()),
-            false => Err(self.fault("has no direction".into(), "give a vector that is not zero")),
-        }
+        let square: f64 = vector.iter().map(|x| x * x).sum();
+        self.require(square > 1e-24, || "has no direction".into(), "give a vector that is not zero")
     }
 }

@@ -1,12 +1,11 @@
 //! Grains that come and go during a run: sources, sinks, their regions and their checks.
 
-use super::check::{MOST_GRAINS, extent, known_material};
+use super::check::{MOST_GRAINS, extent, known_material, tube};
 use super::document::{Checked, DocumentPath};
 use super::error::short;
 use super::populate::{symmetric, uniform};
 use super::stages::known_stage;
 use super::{Insertion, Region, Removal, Scene, Stage, sphere_volume};
-use crate::surface::ends;
 use nalgebra::Vector3;
 use rand_chacha::ChaCha8Rng;
 
@@ -16,12 +15,34 @@ const FULL: f64 = 0.5;
 impl Region {
     /// Returns true if a point (m) is inside.
     pub(crate) fn holds(&self, point: &Vector3<f64>) -> bool {
+        self.meets(point, &Vector3::zeros())
+    }
+
+    /// Returns true if a straight path (m) from a point (m) meets the region.
+    pub(crate) fn meets(&self, from: &Vector3<f64>, path: &Vector3<f64>) -> bool {
+        // Part of the path, 0 to 1, between two parallel planes.
+        let clip = |[first, last]: [f64; 2], place: f64, rate: f64, low: f64, high: f64| {
+            let [enter, leave] = [low, high].map(|end| (end - place) / rate);
+            match rate == 0.0 {
+                true if place >= low && place <= high => [first, last],
+                true => [1.0, 0.0],
+                false => [first.max(enter.min(leave)), last.min(enter.max(leave))],
+            }
+        };
         match self {
-            Region::Box { min, max } => (0..3).all(|axis| point[axis] >= min[axis] && point[axis] <= max[axis]),
+            Region::Box { min, max } => {
+                let part = |part, axis: usize| clip(part, from[axis], path[axis], min[axis], max[axis]);
+                let [first, last] = (0..3).fold([0.0, 1.0], part);
+                first <= last
+            }
             Region::Cylinder { base, axis, radius, length } => {
-                let (axis, arm) = (Vector3::from(*axis).normalize(), point - Vector3::from(*base));
-                let along = axis.dot(&arm);
-                (0.0..=*length).contains(&along) && (arm - axis * along).norm() <= *radius
+                let (axis, arm) = (Vector3::from(*axis).normalize(), from - Vector3::from(*base));
+                let (along, rise) = (axis.dot(&arm), axis.dot(path));
+                let [first, last] = clip([0.0, 1.0], along, rise, 0.0, *length);
+                let (across, moved) = (arm - axis * along, path - axis * rise);
+                // Nearest to the axis; without motion across it, not a number.
+                let nearest = (-across.dot(&moved) / moved.norm_squared()).max(first).min(last);
+                first <= last && (across + moved * nearest).norm() <= *radius
             }
         }
     }
@@ -53,8 +74,10 @@ impl Region {
         match self {
             Region::Box { min, max } => (*min, *max),
             Region::Cylinder { base, axis, radius, length } => {
-                let [(a, b), (c, d)] = ends(base, axis, *radius, *length);
-                (std::array::from_fn(|i| a[i].min(c[i])), std::array::from_fn(|i| b[i].max(d[i])))
+                let axis = Vector3::from(*axis).normalize();
+                let (a, b) = (Vector3::from(*base), Vector3::from(*base) + axis * *length);
+                let side = axis.map(|c| radius * (1.0 - c * c).max(0.0).sqrt());
+                ((a.inf(&b) - side).into(), (a.sup(&b) + side).into())
             }
         }
     }
@@ -76,12 +99,7 @@ impl Region {
     pub(super) fn check(&self, at: &DocumentPath) -> Checked {
         match self {
             Region::Box { min, max } => extent(at, min, max),
-            Region::Cylinder { base, axis, radius, length } => {
-                at.key("base").finite(base)?;
-                at.key("axis").direction(axis)?;
-                at.key("radius").range(*radius, 1e-9, 1e4, "m")?;
-                at.key("length").range(*length, 1e-9, 1e4, "m")
-            }
+            Region::Cylinder { base, axis, radius, length } => tube(at, (base, axis), (&[*radius], "radius"), *length),
         }
     }
 }
@@ -108,17 +126,30 @@ impl Scene {
 
     /// Returns material and smallest and largest radius (m) of the listed grains, the populations with grains, and the sources.
     pub fn grain_kinds(&self) -> impl Iterator<Item = (&str, (f64, f64))> {
-        let listed = self.grain.iter().map(|grain| (grain.material.as_str(), (grain.radius, grain.radius)));
+        let listed = self.listed().map(|grain| (grain.material.as_str(), (grain.radius, grain.radius)));
         let populations = self.population.iter().filter(|group| group.count > 0);
         let placed = populations.map(|group| (group.material.as_str(), group.radius.bounds()));
         listed.chain(placed).chain(self.insert.iter().map(|source| (source.material.as_str(), source.radius.bounds())))
+    }
+
+    /// Iterates over the smallest and largest radii (m) of populations, sources and listed grains, with their places in the scene.
+    pub(crate) fn radii(&self) -> impl Iterator<Item = (DocumentPath, (f64, f64))> {
+        let of = |table, index| DocumentPath::default().key(table).index(index).key("radius");
+        let populations = self.population.iter().map(|group| group.radius.bounds()).enumerate();
+        let sources = self.insert.iter().map(|source| source.radius.bounds()).enumerate();
+        let listed = self.listed().enumerate().map(move |(index, grain)| {
+            let start = || DocumentPath::default().key("start").key("file");
+            (if index < self.grain.len() { of("grain", index) } else { start() }, (grain.radius, grain.radius))
+        });
+        let populations = populations.map(move |(index, range)| (of("population", index), range));
+        populations.chain(sources.map(move |(index, range)| (of("insert", index), range))).chain(listed)
     }
 
     /// Returns the mean radius (m) over the grains at the start and those that come. A source counts as its total, or as
     /// a thousand grains: the mean depends on no time.
     pub(crate) fn mean_radius(&self) -> f64 {
         let placed = self.population.iter().map(|group| (group.count as f64, group.radius.mean()));
-        let listed = self.grain.iter().map(|grain| (1.0, grain.radius));
+        let listed = self.listed().map(|grain| (1.0, grain.radius));
         let to_come = |total: Option<u64>| total.map_or(1000.0, |total| total as f64);
         let come = self.insert.iter().map(|source| (to_come(source.total), source.radius.mean()));
         let all = placed.chain(listed).chain(come);

@@ -1,7 +1,7 @@
 //! Gauges: surfaces in space that count the grains that pass.
 
-use super::Scene;
 use super::document::{Checked, DocumentPath};
+use super::{Scene, Shape};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -15,53 +15,30 @@ use serde::{Deserialize, Serialize};
 pub struct Gauge {
     /// Name, used in tables and errors.
     pub name: String,
-    /// Surface.
-    pub shape: GaugeShape,
+    /// Rectangle, with the vector product of its edges as normal, or disc without a hole.
+    pub shape: Shape,
 }
 
-/// Surface of a gauge.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
-pub enum GaugeShape {
-    /// Rectangle or parallelogram; the normal is the vector product of the edges.
-    Rectangle {
-        /// Corner, metres.
-        corner: [f64; 3],
-        /// The two edges from the corner, metres.
-        edges: [[f64; 3]; 2],
-    },
-    /// Disc.
-    Disc {
-        /// Centre, metres.
-        centre: [f64; 3],
-        /// Normal; need not be of unit length.
-        normal: [f64; 3],
-        /// Radius, metres.
-        radius: f64,
-    },
-}
-
-impl GaugeShape {
-    /// Returns the centre (m), the unit normal (not a number without a direction), and half the extent along each axis, m.
-    pub(crate) fn place(&self) -> [Vector3<f64>; 3] {
-        match self {
-            GaugeShape::Rectangle { corner, edges } => {
+impl Gauge {
+    /// Returns the centre (m) and the unit normal; `None` for shapes other than a rectangle or a disc without a hole.
+    pub(crate) fn place(&self) -> Option<[Vector3<f64>; 2]> {
+        match &self.shape {
+            Shape::Rectangle { corner, edges } => {
                 let [first, second] = edges.map(Vector3::from);
-                let centre = Vector3::from(*corner) + (first + second) * 0.5;
-                [centre, first.cross(&second).normalize(), (first.abs() + second.abs()) * 0.5]
+                Some([Vector3::from(*corner) + (first + second) * 0.5, first.cross(&second).normalize()])
             }
-            GaugeShape::Disc { centre, normal, radius } => {
-                let normal = Vector3::from(*normal).normalize();
-                [(*centre).into(), normal, normal.map(|along| radius * (1.0 - along * along).max(0.0).sqrt())]
+            Shape::Disc { centre, normal, hole: 0.0, .. } => {
+                Some([(*centre).into(), Vector3::from(*normal).normalize()])
             }
+            _ => None,
         }
     }
 }
 
 /// Checks the gauges.
 pub(super) fn check(scene: &Scene) -> Checked {
-    for (index, Gauge { name, shape }) in scene.gauge.iter().enumerate() {
+    for (index, gauge) in scene.gauge.iter().enumerate() {
+        let Gauge { name, shape } = gauge;
         let root = DocumentPath::default().key("gauge").index(index);
         super::check::fit(&root.key("name"), "a gauge's name", name)?;
         if let Some(before) = scene.gauge[..index].iter().position(|gauge| gauge.name == *name) {
@@ -69,31 +46,20 @@ pub(super) fn check(scene: &Scene) -> Checked {
             return Err(root.key("name").fault(problem, "give each gauge a name of its own"));
         }
         let at = root.key("shape");
-        match shape {
-            GaugeShape::Rectangle { corner, edges } => {
-                at.key("corner").finite(corner)?;
-                edges.iter().try_for_each(|edge| at.key("edges").finite(edge))?;
-                let [first, second] = edges.map(Vector3::from);
-                if first.cross(&second).norm() <= 1e-9 * first.norm() * second.norm() {
-                    let problem = format!("{edges:?} span no surface");
-                    return Err(at.key("edges").fault(problem, "give two edges of different directions, in metres"));
-                }
-            }
-            GaugeShape::Disc { centre, normal, radius } => {
-                at.key("centre").finite(centre)?;
-                at.key("normal").direction(normal)?;
-                at.key("radius").range(*radius, 1e-9, 1e4, "m")?;
-            }
+        if gauge.place().is_none() {
+            let problem = format!("a {} that is no gauge", shape.kind());
+            return Err(at.fault(problem, "give a rectangle, or a disc without a hole"));
         }
-        let ([centre, _, half], domain) = (shape.place(), &scene.domain);
-        let (low, high, period) = (centre - half, centre + half, domain.period());
+        super::check::shape(&at, shape)?;
+        let ((low, high), domain, period) = (shape.bounds()[0], &scene.domain, scene.domain.period());
         if (0..3).any(|axis| low[axis] > domain.max[axis] || high[axis] < domain.min[axis]) {
-            let problem = format!("from {:?} to {:?} m, outside the domain", low.as_slice(), high.as_slice());
+            let problem = format!("from {low:?} to {high:?} m, outside the domain");
             return Err(at.fault(problem, "move it into [domain], or enlarge [domain]"));
         }
-        let wide = |axis: &usize| period.is_periodic(*axis) && 2.0 * half[*axis] > period.length(*axis) * (1.0 + 1e-9);
+        let width = |axis: usize| high[axis] - low[axis];
+        let wide = |&axis: &usize| period.is_periodic(axis) && width(axis) > period.length(axis) * (1.0 + 1e-9);
         if let Some(axis) = (0..3).find(wide) {
-            let problem = format!("{} m wide along a periodic axis of {} m", 2.0 * half[axis], period.length(axis));
+            let problem = format!("{} m wide along a periodic axis of {} m", width(axis), period.length(axis));
             return Err(at.fault(problem, "end it within one period, or a grain would pass it twice at once"));
         }
     }

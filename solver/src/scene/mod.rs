@@ -57,12 +57,13 @@ mod preflight;
 mod radii;
 mod settings;
 mod stages;
+mod start;
 mod suggestions;
 mod types;
 
 pub use crate::laws::cohesion::Cohesion;
 pub use crate::laws::compliance::NormalLaw;
-pub use crate::surface::{MeshRotation, Shape, TriangleMesh};
+pub use crate::surface::{MeshRotation, Revolution, Shape, TriangleMesh};
 pub use accuracy::Accuracy;
 pub use builder::{Face, SceneBuilder};
 pub(crate) use check::MOST_GRAINS;
@@ -70,7 +71,7 @@ use coefficients::Meeting;
 pub use coefficients::{ContactCoefficients, Material, PairRule};
 pub use document::{Checked, Document, DocumentPath};
 pub use error::{Fault, SceneError, SceneFileError, line_of};
-pub use gauge::{Gauge, GaugeShape};
+pub use gauge::Gauge;
 pub(crate) use motion::course;
 pub use motion::{Motion, PoseTable};
 use nalgebra::Vector3;
@@ -86,6 +87,7 @@ pub use settings::{
 };
 pub(crate) use settings::{method_goes_with, precision_goes_with};
 pub use stages::{Stage, StageEnd, StageMaterial, StageOutput, StageSolver};
+pub use start::Start;
 use std::collections::BTreeMap;
 use std::path::Path;
 pub use suggestions::{nearest, suggestion, wish};
@@ -145,6 +147,9 @@ pub struct Scene {
     /// Grains placed one by one.
     #[serde(default)]
     pub grain: Vec<GrainEntry>,
+    /// Grains of a CSV file, after those placed one by one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub start: Option<Start>,
     /// Sources: grains that come during the run.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[cfg_attr(feature = "schema", schemars(!skip_serializing_if))]
@@ -223,6 +228,7 @@ impl Scene {
         }
         document.first_unread(&scene).map_or(Ok(()), Err)?;
         scene.read_files(document)?;
+        scene.read_start(document)?;
         check::check(&scene)?;
         if let Some(accuracy) = scene.accuracy {
             check::chosen_twice(document)?;
@@ -279,9 +285,9 @@ impl Scene {
         Obstacle::of_scene(torques, driven, spring)
     }
 
-    /// Returns the initial number of grains: listed grains plus those of the populations.
+    /// Returns the initial number of grains: listed grains, those of the start file, and those of the populations.
     pub fn grain_count(&self) -> usize {
-        self.population.iter().fold(self.grain.len(), |all, population| all.saturating_add(population.count))
+        self.population.iter().fold(self.listed().count(), |all, population| all.saturating_add(population.count))
     }
 
     /// Returns true if the scene can be solved with these settings and all settings are in range.

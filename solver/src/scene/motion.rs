@@ -207,10 +207,8 @@ impl Motion {
             Motion::Table { file, point, start, stop, content } => {
                 motion.key("point").finite(point)?;
                 interval(motion, *start, *stop)?;
-                match content.fault() {
-                    Some((problem, remedy)) => Err(motion.key("file").fault(format!("'{file}' {problem}"), remedy)),
-                    None => Ok(()),
-                }
+                let (problem, remedy) = content.fault().unwrap_or_default();
+                motion.key("file").require(problem.is_empty(), || format!("'{file}' {problem}"), remedy)
             }
             Motion::ForceDriven { axis, force, mass, largest_speed, start } => {
                 motion.key("largest_speed").range(largest_speed.unwrap_or(1.0), 1e-12, 1e4, "m/s")?;
@@ -228,18 +226,14 @@ impl Motion {
                 interval(motion, *start, None)
             }
             Motion::List(parts) => {
-                if parts.is_empty() {
-                    return Err(motion.fault("an empty list".into(), "list one motion or more, or leave it out"));
-                }
-                for (index, part) in parts.iter().enumerate() {
-                    let at = motion.index(index);
-                    if part.is_driven() || matches!(part, Motion::List(_)) {
-                        let problem = "a list composes prescribed motions alone".into();
-                        return Err(at.fault(problem, "use translating, rotating, vibrating or table"));
-                    }
-                    part.check(&at)?;
-                }
-                Ok(())
+                let problem = || "an empty list".into();
+                motion.require(!parts.is_empty(), problem, "list one motion or more, or leave it out")?;
+                parts.iter().enumerate().try_for_each(|(index, part)| {
+                    let fits = !part.is_driven() && !matches!(part, Motion::List(_));
+                    let problem = || "a list composes prescribed motions alone".into();
+                    motion.index(index).require(fits, problem, "use translating, rotating, vibrating or table")?;
+                    part.check(&motion.index(index))
+                })
             }
         }
     }
@@ -400,17 +394,14 @@ pub(super) fn check_parents(scene: &Scene) -> Checked {
     for (index, wall) in scene.wall.iter().enumerate() {
         let Some(parent) = &wall.parent else { continue };
         let at = DocumentPath::default().key("wall").index(index).key("parent");
-        if scene.wall.iter().all(|one| one.name != *parent) {
-            return Err(at.fault(format!("there is no wall '{parent}'"), "name another wall of the scene"));
-        }
+        let is_known = scene.wall.iter().any(|one| one.name == *parent);
+        at.require(is_known, || format!("there is no wall '{parent}'"), "name another wall of the scene")?;
         let chain: Vec<&Wall> = carriers(&scene.wall, index).collect();
-        if chain.len() > scene.wall.len() {
-            return Err(at.fault(format!("wall '{}' would carry itself", wall.name), "leave one parent out"));
-        }
-        if let Some(driven) = chain.iter().find(|wall| wall.motion.is_driven()) {
-            let problem = format!("a force or a torque moves wall '{}'", driven.name);
-            return Err(at.fault(problem, "leave parent out, or prescribe the motion of this wall"));
-        }
+        let ends = chain.len() <= scene.wall.len();
+        at.require(ends, || format!("wall '{}' would carry itself", wall.name), "leave one parent out")?;
+        let driven = chain.iter().find(|wall| wall.motion.is_driven()).map(|wall| &wall.name);
+        let problem = || format!("a force or a torque moves wall '{}'", driven.map_or("", |name| name));
+        at.require(driven.is_none(), problem, "leave parent out, or prescribe the motion of this wall")?;
     }
     Ok(())
 }

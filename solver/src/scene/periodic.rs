@@ -73,9 +73,8 @@ fn breaks(wall: &Wall, course: &Motion, axis: Axis, ends: [f64; 2]) -> Option<&'
                 .then_some("the cylinder does not reach both ends of the domain")
         }
         Shape::Cylinder { .. } => Some("the cylinder is not parallel to the axis"),
-        Shape::Disc { .. } => Some("a disc has an edge"),
-        Shape::Mesh { .. } => Some("a mesh has edges"),
         Shape::Spheres { .. } => None,
+        _ => Some("its shape has edges"),
     };
     face.or_else(|| course.parts().iter().find_map(|motion| turns_wrongly(motion, &wall.shape, &parallel)))
 }

@@ -30,7 +30,7 @@ pub struct Grain {
     pub spin: [f64; 3],
 }
 
-/// Places the scene's grains: listed grains first, then each population, all numbered in that order.
+/// Places the scene's grains: listed grains first, then those of the start file and each population, all numbered in that order.
 ///
 /// The generator is ChaCha8 seeded with `seed`; equal scenes and seeds give equal bits.
 ///
@@ -55,7 +55,7 @@ pub(super) fn placed(scene: &Scene, seed: u64) -> Result<Vec<Grain>, Unplaced> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut grains = Vec::new();
     reserve(&mut grains, scene.grain_count().min(MOST_SITES as usize))?;
-    grains.extend(scene.grain.iter().map(|entry| Grain {
+    grains.extend(scene.listed().map(|entry| Grain {
         material: entry.material.clone(),
         radius: entry.radius,
         position: entry.position,
@@ -74,9 +74,12 @@ pub(super) fn placed(scene: &Scene, seed: u64) -> Result<Vec<Grain>, Unplaced> {
 
 /// Path in the scene of the entry that defines a grain.
 pub(super) fn origin(scene: &Scene, grain: usize) -> Vec<Step> {
-    let mut before = scene.grain.len();
-    if grain < before {
+    let mut before = scene.listed().count();
+    if grain < scene.grain.len() {
         return vec![Step::Key("grain"), Step::Index(grain), Step::Key("position")];
+    }
+    if grain < before {
+        return vec![Step::Key("start"), Step::Key("file")];
     }
     let index = scene.population.iter().position(|population| {
         before += population.count;
@@ -173,6 +176,7 @@ fn jittered_lattice(
     }
     // The lowest sites come first, so that the bed forms without a long fall; sites of equal height retain lattice order.
     let up = -Vector3::from(scene.gravity);
+    let mut radii = population.radius.all(population.count, random);
     let layer = |site: &Vector3<f64>| (site.dot(&up) / (up.norm().max(1e-300) * 0.5 * lattice.pitch)).round() as i64;
     sites.sort_by_key(layer);
     grains.extend(sites[..population.count].iter().map(|site| {
@@ -180,7 +184,7 @@ fn jittered_lattice(
         let velocity = Vector3::from_fn(|_, _| population.agitation * symmetric(random));
         Grain {
             material: population.material.clone(),
-            radius: population.radius.draw(random),
+            radius: radii(random),
             position: (site + offset).into(),
             velocity: velocity.into(),
             spin: [0.0; 3],
@@ -197,7 +201,8 @@ fn random_places(
     random: &mut ChaCha8Rng,
     grains: &mut Vec<Grain>,
 ) -> Result<(), Misfit> {
-    let radii: Vec<f64> = (0..population.count).map(|_| population.radius.draw(random)).collect();
+    let mut draw = population.radius.all(population.count, random);
+    let radii: Vec<f64> = (0..population.count).map(|_| draw(random)).collect();
     let mut order: Vec<usize> = (0..radii.len()).collect();
     order.sort_by(|&one, &other| radii[other].total_cmp(&radii[one]));
     let ((_, width), diameter) = (population.region.size(), order.first().map_or(0.0, |&largest| 2.0 * radii[largest]));
@@ -252,15 +257,8 @@ impl Lattice {
         let pitch = 2.0 * largest * population.spacing;
         let jitter = 0.5 * (pitch - 2.0 * largest);
         let reach = largest + jitter;
-        let (min, max) = match &population.region {
-            Region::Box { min, max } => (Vector3::from(*min), Vector3::from(*max)),
-            Region::Cylinder { base, axis, radius, length } => {
-                let axis = Vector3::from(*axis).normalize();
-                let (a, b) = (Vector3::from(*base), Vector3::from(*base) + axis * *length);
-                let side = axis.map(|c| radius * (1.0 - c * c).max(0.0).sqrt());
-                (a.inf(&b) - side, a.sup(&b) + side)
-            }
-        };
+        let (min, max) = population.region.bounds();
+        let (min, max) = (Vector3::from(min), Vector3::from(max));
         let room = (max - min).map(|width| width - 2.0 * reach);
         let beyond = room.map(|width| if width < 0.0 { -1.0 } else { (width / pitch + 1e-9).floor() });
         let start = min + (max - min - beyond * pitch) * 0.5;

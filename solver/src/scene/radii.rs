@@ -118,18 +118,35 @@ impl RadiusDistribution {
                 }
                 radii[radii.len() - 1]
             }
-            Self::Sieve { diameters, passing } => {
-                let total: f64 = classes(diameters, passing).map(|class| class.number).sum();
-                let (mut left, u) = (uniform(random) * total, uniform(random));
-                let chosen = classes(diameters, passing).reduce(|chosen, next| {
-                    // The class in which the sum of the numbers passes the drawn one.
-                    left -= chosen.number;
-                    if left < 0.0 { chosen } else { next }
-                });
-                chosen.map_or(0.0, |class| 0.5 * class.diameter(u))
-            }
+            Self::Sieve { .. } => self.all(1, random)(random),
         }
     }
+
+    /// Returns a generator of the radii of a number of grains, m. Sieves have strata, one for each grain, in random order: each draw meets the
+    /// curve, within a grain for each class.
+    pub(crate) fn all(&self, count: usize, random: &mut ChaCha8Rng) -> impl FnMut(&mut ChaCha8Rng) -> f64 + use<'_> {
+        let (mut list, mut strata): (Vec<Class>, Vec<usize>) = Default::default();
+        if let Self::Sieve { diameters, passing } = self {
+            (list, strata) = (classes(diameters, passing).collect(), (0..count).collect());
+            (1..count).rev().for_each(|last| strata.swap(last, (uniform(random) * (last + 1) as f64) as usize));
+        }
+        let total: f64 = list.iter().map(|class| class.number).sum();
+        move |random| {
+            let Some(stratum) = strata.pop() else { return self.draw(random) };
+            let mut left = (stratum as f64 + uniform(random)) / count as f64 * total;
+            // The class in which the sum of the numbers passes the drawn one.
+            let is_it = |class: &&Class| {
+                class.number > left || {
+                    left -= class.number;
+                    false
+                }
+            };
+            let last = list[list.len() - 1];
+            let class = list.iter().find(is_it).copied().unwrap_or(last);
+            0.5 * class.diameter((left / class.number).min(1.0))
+        }
+    }
+
     /// Checks the values of a distribution.
     pub(super) fn check(&self, at: &DocumentPath) -> Checked {
         match self {
@@ -143,56 +160,34 @@ impl RadiusDistribution {
                 at.key("deviation").range(*deviation, 0.0, *max, "m")?;
                 at.key("min").range(*min, 1e-9, *max, "m")?;
                 at.key("max").range(*max, *min, 100.0, "m")?;
-                match *deviation <= MOST_DEVIATIONS * (max - min) {
-                    true => Ok(()),
-                    false => Err(at.key("deviation").fault(
-                        format!(
-                            "{} m is far wider than the radii from {} to {} m that are kept",
-                            short(*deviation),
-                            short(*min),
-                            short(*max)
-                        ),
-                        "lower it, or use kind = 'uniform'",
-                    )),
-                }
+                let (fits, all) = (*deviation <= MOST_DEVIATIONS * (max - min), [*deviation, *min, *max].map(short));
+                let problem = || {
+                    format!("{} m is far wider than the radii from {} to {} m that are kept", all[0], all[1], all[2])
+                };
+                at.key("deviation").require(fits, problem, "lower it, or use kind = 'uniform'")
             }
             Self::Discrete { radii, shares } => {
-                if radii.is_empty() || radii.len() != shares.len() {
-                    return Err(at.fault(
-                        format!("{} radii and {} shares", radii.len(), shares.len()),
-                        "list as many shares as radii, at least one",
-                    ));
-                }
-                for &radius in radii {
-                    at.key("radii").range(radius, 1e-9, 100.0, "m")?;
-                }
-                for &share in shares {
-                    at.key("shares").range(share, 1e-12, 1e12, "(no unit)")?;
-                }
-                Ok(())
+                let problem = || format!("{} radii and {} shares", radii.len(), shares.len());
+                let is_whole = !radii.is_empty() && radii.len() == shares.len();
+                at.require(is_whole, problem, "list as many shares as radii, at least one")?;
+                radii.iter().try_for_each(|radius| at.key("radii").range(*radius, 1e-9, 100.0, "m"))?;
+                shares.iter().try_for_each(|share| at.key("shares").range(*share, 1e-12, 1e12, "(no unit)"))
             }
             Self::Sieve { diameters, passing } => {
                 let ascends = |list: &[f64]| list.windows(2).all(|two| two[0] <= two[1]);
                 let is_strict = diameters.windows(2).all(|two| two[0] < two[1]);
-                if diameters.len() < 2 || diameters.len() != passing.len() || !is_strict {
-                    let problem = format!("{} diameters and {} fractions", diameters.len(), passing.len());
-                    return Err(
-                        at.fault(problem, "list at least two diameters, ascending, and as many fractions that pass")
-                    );
-                }
-                for &diameter in diameters {
-                    at.key("diameters").range(diameter, 1e-9, 200.0, "m")?;
-                }
-                for &share in passing {
-                    at.key("passing").range(share, 0.0, 1.0, "(no unit)")?;
-                }
-                match ascends(passing) && passing[0] == 0.0 && passing[passing.len() - 1] == 1.0 {
-                    true => Ok(()),
-                    false => Err(at.key("passing").fault(
-                        format!("{passing:?} is no grading curve"),
-                        "begin with 0 at the smallest diameter, ascend, and end with 1 (fractions, not percent)",
-                    )),
-                }
+                let problem = || format!("{} diameters and {} fractions", diameters.len(), passing.len());
+                let is_whole = diameters.len() >= 2 && diameters.len() == passing.len() && is_strict;
+                at.require(
+                    is_whole,
+                    problem,
+                    "list at least two diameters, ascending, and as many fractions that pass",
+                )?;
+                diameters.iter().try_for_each(|diameter| at.key("diameters").range(*diameter, 1e-9, 200.0, "m"))?;
+                passing.iter().try_for_each(|share| at.key("passing").range(*share, 0.0, 1.0, "(no unit)"))?;
+                let is_curve = ascends(passing) && passing[0] == 0.0 && passing[passing.len() - 1] == 1.0;
+                let remedy = "begin with 0 at the smallest diameter, ascend, and end with 1 (fractions, not percent)";
+                at.key("passing").require(is_curve, || format!("{passing:?} is no grading curve"), remedy)
             }
         }
     }

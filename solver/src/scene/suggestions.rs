@@ -73,10 +73,10 @@ fn edits(word: &[char], name: &[char]) -> usize {
 }
 
 /// Lower-case words with hyphens, with one answer per group.
-const WISHES: [(&[&str], &str); 24] = [
+const WISHES: [(&[&str], &str); 25] = [
     (
         &["mesh", "stl", "obj", "triangles", "facets", "polyhedron", "cad", "file"],
-        "walls have no meshes: compose the surface of planes, boxes, cylinders, discs and wall spheres, or use LIGGGHTS or YADE",
+        "a wall of a CAD file is { kind = \"mesh\", file, scale }; grains of a CSV file are a [start]",
     ),
     (
         &["insert", "insertion", "inflow", "inlet", "feed", "factory", "source", "emitter", "pour"],
@@ -91,14 +91,11 @@ const WISHES: [(&[&str], &str); 24] = [
         "grains are spheres: rolling_friction of the material stands for their shape, or use YADE, LIGGGHTS or Chrono",
     ),
     (
-        &["cube", "cuboid", "rectangle", "hexahedron"],
+        &["cube", "cuboid", "hexahedron"],
         "a container with flat faces is { kind = \"box\", min, max }; grains are spheres",
     ),
-    (
-        &["cone", "funnel", "hopper"],
-        "there are no cones: an outlet in a flat floor is a disc with a hole (`makadam new silo`), a steep wall can be composed of \
-         wall spheres (kind = \"spheres\")",
-    ),
+    (&["cone", "funnel", "hopper"], "a cone is { kind = \"frustum\", base, axis, radii, length }"),
+    (&["sheet", "plate", "parallelogram"], "a flat sheet is { kind = \"rectangle\", corner, edges }"),
     (
         &["ball", "particle", "particles", "sphere", "grains"],
         "one grain is a [[grain]], many are a [[population]]; a ball as a wall is { kind = \"spheres\" }",

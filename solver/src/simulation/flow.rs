@@ -1,8 +1,8 @@
 //! Grains that come and go by the scene: sources and sinks.
 //!
 //! Grains come and go at the start of a step that rebuilds the candidate list. If grains are due and the list is still valid, it
-//! is rebuilt once a grain could have fallen by its mean diameter since ([`Flow::every`]), or at once if a grain could cross a sink
-//! within the step. A source places each grain at a random free place of its region, without overlap; after some tries the grain
+//! is rebuilt once a grain could have fallen by its mean diameter since ([`Flow::every`]), or at once if a grain could leave a sink
+//! within the step or has crossed it in the last one. A grain is due for a sink if its straight path in the last step meets it. A source places each grain at a random free place of its region, without overlap; after some tries the grain
 //! waits for the next rebuild. The radius of a grain is a function of seed, source and its number among the grains of the
 //! source. The place is one of seed, source and try. So bits do not depend on threads, and a checkpoint holds the counts alone.
 
@@ -237,7 +237,7 @@ impl Simulation {
     /// Returns true if the list has to be rebuilt.
     pub(super) fn let_flow(&mut self, stale: bool, team: &Team) -> bool {
         let Some(flow) = self.flow.take() else { return stale };
-        let (time, due) = (self.world.time, self.who_is_due(&flow, team));
+        let (time, due) = (self.world.time, self.most_urgent(&flow, team));
         let age =
             self.candidates.built_from().map_or(f64::INFINITY, |(_, built_at)| (time - built_at) / self.settings.step);
         let now = due != Due::None && (stale || due == Due::AtOnce || age.round() >= flow.every);
@@ -246,28 +246,40 @@ impl Simulation {
         stale || now
     }
 
-    /// Finds out whether grains are due. Allocates nothing.
-    fn who_is_due(&self, flow: &Flow, team: &Team) -> Due {
+    /// Returns the number of the sink that a grain is in (true), or has crossed in the last step (false).
+    fn sink(&self, flow: &Flow, sphere: &Sphere, body: &Body) -> Option<(usize, bool)> {
+        let (world, centre) = (&self.world, self.world.wrapped(&sphere.centre));
+        let path = Vector3::from(body.velocity) * if self.steps > 0 { self.settings.step } else { 0.0 };
+        let starts = [centre - path, world.wrapped(&(centre - path))];
+        let met = |region: &Region| {
+            starts[..1 + usize::from(world.period.any())].iter().any(|start| region.meets(start, &path))
+        };
+        flow.sinks(world.time)
+            .find_map(|(index, region)| (region.holds(&centre) || met(region)).then(|| (index, region.holds(&centre))))
+    }
+
+    /// Finds the most urgent grain that is due. Allocates nothing.
+    fn most_urgent(&self, flow: &Flow, team: &Team) -> Due {
         let (world, h) = (&self.world, self.settings.step);
-        let (some, at_once) = (AtomicBool::new(false), AtomicBool::new(false));
+        let (leaves, at_once) = (AtomicBool::new(false), AtomicBool::new(false));
         if flow.sinks(world.time).next().is_some() {
             let grains = world.grains();
             team.each(Phase::Detect, chunks(grains), |number| {
                 let places = chunk(number, grains);
                 for (sphere, body) in world.spheres[places.clone()].iter().zip(&world.bodies[places]) {
-                    let centre = world.wrapped(&sphere.centre);
-                    if let Some((_, region)) = flow.sinks(world.time).find(|(_, region)| region.holds(&centre)) {
-                        some.store(true, Ordering::Relaxed);
+                    if let Some((index, is_inside)) = self.sink(flow, sphere, body) {
+                        leaves.store(true, Ordering::Relaxed);
                         let velocity = Vector3::from(body.velocity) + world.gravity * h;
-                        let next = world.wrapped(&(centre + velocity * h));
-                        at_once.fetch_or(!region.holds(&next), Ordering::Relaxed);
+                        let next = world.wrapped(&(world.wrapped(&sphere.centre) + velocity * h));
+                        let stays = is_inside && flow.scene.remove[index].region.holds(&next);
+                        at_once.fetch_or(!stays, Ordering::Relaxed);
                     }
                 }
             });
         }
         let sources = 0..flow.counts.inserted.len();
         let comes = || sources.clone().any(|source| flow.due_at(source) <= world.time * (1.0 + 1e-12));
-        match (at_once.into_inner(), some.into_inner() || comes()) {
+        match (at_once.into_inner(), leaves.into_inner() || comes()) {
             (true, _) => Due::AtOnce,
             (false, true) => Due::Later,
             (false, false) => Due::None,
@@ -299,12 +311,10 @@ impl Simulation {
     fn leaving(&self, flow: &mut Flow) -> Vec<u32> {
         let world = &self.world;
         let mut gone = Vec::new();
-        for (place, sphere) in world.spheres[..world.grains()].iter().enumerate() {
-            let centre = world.wrapped(&sphere.centre);
-            let sink = flow.sinks(world.time).find(|(_, region)| region.holds(&centre)).map(|(index, _)| index);
-            if let Some(sink) = sink {
+        for (place, (sphere, body)) in world.spheres[..world.grains()].iter().zip(&world.bodies).enumerate() {
+            if let Some((sink, _)) = self.sink(flow, sphere, body) {
                 gone.push(place as u32);
-                flow.counts.removed[sink].add(1.0 / world.bodies[place].inverse_mass);
+                flow.counts.removed[sink].add(1.0 / body.inverse_mass);
             }
         }
         gone
@@ -391,13 +401,13 @@ impl Simulation {
         if places.is_empty() {
             return (sum, ContactEnergy::default());
         }
-        let mut are_these = vec![false; self.world.bodies.len()];
+        let mut is_listed = vec![false; self.world.bodies.len()];
         for &place in places {
-            are_these[place as usize] = true;
+            is_listed[place as usize] = true;
             sum = sum.with(&self.booked_of(&self.world.spheres[place as usize], &self.world.bodies[place as usize]));
         }
-        let of_these = |places: [u32; 2]| places.iter().any(|&place| are_these[place as usize]);
-        (sum, ContactEnergy::of_some(&self.world, &self.candidates, self.settings.normal_law, of_these))
+        let counts = |places: [u32; 2]| places.iter().any(|&place| is_listed[place as usize]);
+        (sum, ContactEnergy::of_some(&self.world, &self.candidates, self.settings.normal_law, counts))
     }
 }
 

@@ -7,7 +7,7 @@
 use crate::Simulation;
 use crate::lanes::{plus, times};
 use crate::laws::period::Period;
-use crate::scene::{GaugeShape, Scene};
+use crate::scene::{Scene, Shape};
 use crate::schedule::{Each, Phase, Team};
 use crate::world::{chunk, chunks};
 use nalgebra::Vector3;
@@ -39,7 +39,7 @@ pub(crate) struct Gauges {
 
 #[derive(Clone, Debug)]
 struct Surface {
-    shape: GaugeShape,
+    shape: Shape,
     centre: Vector3<f64>,
     normal: Vector3<f64>,
 }
@@ -61,13 +61,14 @@ impl Surface {
         let at = start + path * (before / (before - after));
         let at = period.arm(&Vector3::zeros(), &at);
         let inside = match &self.shape {
-            GaugeShape::Disc { radius, .. } => at.norm() <= radius * (1.0 + ROUNDING),
-            GaugeShape::Rectangle { edges, .. } => {
+            Shape::Disc { radius, .. } => at.norm() <= radius * (1.0 + ROUNDING),
+            Shape::Rectangle { edges, .. } => {
                 let [first, second] = edges.map(Vector3::from);
                 let area = first.cross(&second).norm();
                 let (along, across) = (at.cross(&second), first.cross(&at));
                 [along, across].iter().all(|part| self.normal.dot(part).abs() <= area * (0.5 + ROUNDING))
             }
+            _ => false,
         };
         inside.then_some(usize::from(after < 0.0))
     }
@@ -77,7 +78,7 @@ impl Gauges {
     /// Creates the gauges of a scene, without passages.
     pub fn of(scene: &Scene) -> Gauges {
         let surface = |gauge: &crate::scene::Gauge| {
-            let [centre, normal, _] = gauge.shape.place();
+            let [centre, normal] = gauge.place().unwrap_or_default();
             Surface { shape: gauge.shape.clone(), centre, normal }
         };
         let passed = vec![Default::default(); scene.gauge.len()];

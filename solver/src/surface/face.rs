@@ -6,7 +6,7 @@
 //! ```text
 //! plane      n.(x + s d - p) = level                              x: start, d: path, 0 <= s <= 1
 //! cylinder   |across(x + s d - b)| = R -+ level                   from inside, from outside
-//! sphere     |x + s d - c| = R + level
+//! sphere     |x + s d - c| = R + level                            frustum: frustum.rs
 //! ```
 //!
 //! A grain over a hole, or over the mouth of a tube, that is smaller than the grain is in contact with the rim on all sides, but a nearest
@@ -19,6 +19,7 @@
 //! nearest point  sqrt(z^2 + (R - e)^2)        the two others  sqrt(z^2 + R^2 + e^2 + R e)
 //! ```
 
+use super::frustum::Frustum;
 use super::triangle::Triangle;
 use crate::laws::period::Period;
 use nalgebra::Vector3;
@@ -32,7 +33,7 @@ pub(super) const JOINT: f64 = 1e-9;
 const SAME: f64 = 1e-6;
 
 /// Sines of a third of a turn in either direction, `sqrt(3)/2`.
-const THIRD_OF_A_TURN: [f64; 2] = [0.866_025_403_784_438_6, -0.866_025_403_784_438_6];
+pub(super) const THIRD_OF_A_TURN: [f64; 2] = [0.866_025_403_784_438_6, -0.866_025_403_784_438_6];
 
 /// Position of a smooth surface, m.
 #[derive(Clone, Copy, Debug)]
@@ -77,6 +78,8 @@ pub(crate) enum Face {
     },
     /// Thin triangle with two sides.
     Triangle(Triangle),
+    /// Thin conical shell, or a line of one.
+    Frustum(Frustum),
 }
 
 /// First point of the path of a grain's centre within some distance of a face.
@@ -156,6 +159,9 @@ impl Face {
             Face::Shell { .. } => None,
             Face::Ball { centre, radius, .. } => around(centre, Vector::repeat(radius)),
             Face::Triangle(triangle) => Some(triangle.bounds()),
+            Face::Frustum(Frustum { base, axis, radii, length, .. }) => {
+                Face::Shell { base, axis, radius: radii[0].max(radii[1]), ends: [0.0, length] }.bounds()
+            }
         }
     }
 
@@ -166,37 +172,30 @@ impl Face {
 
     /// Returns the face after a translation.
     pub fn moved(self, by: Vector) -> Face {
-        match self {
-            Face::Plane { point, normal } => Face::Plane { point: point + by, normal },
-            Face::Disc { centre, normal, radius } => Face::Disc { centre: centre + by, normal, radius },
-            Face::Ring { centre, normal, radius, hole } => Face::Ring { centre: centre + by, normal, radius, hole },
-            Face::Rim { centre, normal, radius, sine } => Face::Rim { centre: centre + by, normal, radius, sine },
-            Face::Shell { base, axis, radius, ends } => Face::Shell { base: base + by, axis, radius, ends },
-            Face::Ball { centre, radius, period } => Face::Ball { centre: centre + by, radius, period },
-            Face::Triangle(triangle) => Face::Triangle(triangle.mapped(|corner| corner + by)),
-        }
+        self.mapped(|point| point + by, |direction| direction)
     }
 
     /// Returns the face after a rotation about an axis through `centre`.
     pub fn turned(self, centre: Vector, rotation: &Rotation) -> Face {
-        let place = |point: Vector| centre + rotation.turn(point - centre);
-        match self {
-            Face::Plane { point, normal } => Face::Plane { point: place(point), normal: rotation.turn(normal) },
-            Face::Disc { centre: middle, normal, radius } => {
-                Face::Disc { centre: place(middle), normal: rotation.turn(normal), radius }
+        self.mapped(|point| centre + rotation.turn(point - centre), |direction| rotation.turn(direction))
+    }
+
+    /// Returns the face after a rigid motion of its points and directions.
+    #[inline(always)]
+    fn mapped(mut self, place: impl Fn(Vector) -> Vector, turn: impl Fn(Vector) -> Vector) -> Face {
+        match &mut self {
+            Face::Plane { point: middle, normal }
+            | Face::Disc { centre: middle, normal, .. }
+            | Face::Ring { centre: middle, normal, .. }
+            | Face::Rim { centre: middle, normal, .. }
+            | Face::Shell { base: middle, axis: normal, .. }
+            | Face::Frustum(Frustum { base: middle, axis: normal, .. }) => {
+                (*middle, *normal) = (place(*middle), turn(*normal));
             }
-            Face::Ring { centre: middle, normal, radius, hole } => {
-                Face::Ring { centre: place(middle), normal: rotation.turn(normal), radius, hole }
-            }
-            Face::Rim { centre: middle, normal, radius, sine } => {
-                Face::Rim { centre: place(middle), normal: rotation.turn(normal), radius, sine }
-            }
-            Face::Shell { base, axis, radius, ends } => {
-                Face::Shell { base: place(base), axis: rotation.turn(axis), radius, ends }
-            }
-            Face::Ball { centre: middle, radius, period } => Face::Ball { centre: place(middle), radius, period },
-            Face::Triangle(triangle) => Face::Triangle(triangle.mapped(place)),
+            Face::Ball { centre, .. } => *centre = place(*centre),
+            Face::Triangle(triangle) => triangle.corners = triangle.corners.map(place),
         }
+        self
     }
 
     /// Returns true if a rotation about this axis through `pivot` maps the face onto itself.
@@ -207,8 +206,9 @@ impl Face {
             Face::Plane { normal, .. } => along(normal),
             Face::Disc { centre, normal, .. }
             | Face::Ring { centre, normal, .. }
-            | Face::Rim { centre, normal, .. } => along(normal) && on_axis(centre),
-            Face::Shell { base, axis: own, .. } => along(own) && on_axis(base),
+            | Face::Rim { centre, normal, .. }
+            | Face::Shell { base: centre, axis: normal, .. }
+            | Face::Frustum(Frustum { base: centre, axis: normal, .. }) => along(normal) && on_axis(centre),
             Face::Ball { centre, .. } => on_axis(centre),
             Face::Triangle(_) => false,
         }
@@ -236,6 +236,7 @@ impl Face {
             (Face::Triangle(one), Face::Triangle(other)) => {
                 one.corners.iter().zip(&other.corners).all(|(one, other)| near(other - one))
             }
+            (Face::Frustum(one), Face::Frustum(other)) => aligned(one.axis, other.axis) && near(other.base - one.base),
             _ => false,
         }
     }
@@ -322,6 +323,7 @@ impl Face {
                 let near = triangle.nearest(centre);
                 (near.distance, near.normal)
             }
+            Face::Frustum(frustum) => frustum.nearest(centre, travel),
         }
     }
 
@@ -371,6 +373,7 @@ impl Face {
                 (share <= 1.0).then(|| Impact { share, distance: -normal.dot(&arm) - radius, normal })
             }
             Face::Triangle(triangle) => triangle.time_of_impact(centre, shift, level),
+            Face::Frustum(frustum) => frustum.time_of_impact(centre, shift, level),
         }
     }
 }
@@ -399,7 +402,7 @@ fn flat(normal: Vector, arm: Vector, shift: &Vector, level: f64, [hole, radius]:
 
 /// Returns a unit vector normal to a unit vector: the normal part of `travel`, or any direction if that part is zero.
 #[cold]
-fn perpendicular(axis: Vector, travel: Vector) -> Vector {
+pub(super) fn perpendicular(axis: Vector, travel: Vector) -> Vector {
     let across = travel - axis * axis.dot(&travel);
     across.try_normalize(0.0).unwrap_or_else(|| {
         let other = if axis.x.abs() < 0.9 { Vector::x() } else { Vector::y() };

@@ -3,12 +3,13 @@
 //! ```text
 //! STL binary  80 bytes, number of triangles (u32), then 50 bytes a triangle: normal and three corners (f32), two bytes
 //! STL text    solid ... facet normal x y z / outer loop / vertex x y z (three times) / endloop / endfacet ... endsolid
-//! OBJ         v x y z; f corner corner corner ..., counted from 1, or backwards from -1; polygons become fans of triangles
+//! OBJ         v x y z; f corner corner corner ..., counted from 1, or backwards from -1; polygons lose corner after corner
 //! ```
 //!
 //! Normals of a file are ignored. A file is binary STL if its length is that of its number of triangles: binary files may begin with
 //! "solid", too.
 
+use super::Vector;
 use super::mesh::MOST_TRIANGLES;
 
 /// Corners of a triangle.
@@ -96,12 +97,41 @@ fn obj(text: &str) -> Result<Vec<Corners>, String> {
                 let corners = corners.filter(|corners| corners.len() >= 3).ok_or_else(|| {
                     format!("has a face without three known corners in line {}; export it again", number + 1)
                 })?;
-                triangles.extend(corners[1..].windows(2).map(|two| [corners[0], two[0], two[1]]));
+                clip(corners, &mut triangles).ok_or_else(|| {
+                    format!(
+                        "has a polygon that crosses itself in line {}; triangulate it before the export",
+                        number + 1
+                    )
+                })?;
             }
             _ => {}
         }
     }
     Ok(triangles)
+}
+
+/// Clips corners of a polygon until a triangle is left: the first convex corner, if its triangle holds no other corner. So convex polygons
+/// become fans. Returns `None` for a polygon that crosses itself.
+fn clip(mut corners: Vec<[f64; 3]>, triangles: &mut Vec<Corners>) -> Option<()> {
+    let turn = |[a, b, c]: Corners| (Vector::from(b) - Vector::from(a)).cross(&(Vector::from(c) - Vector::from(a)));
+    let normal: Vector = corners[1..].windows(2).map(|two| turn([corners[0], two[0], two[1]])).sum();
+    while corners.len() > 3 {
+        let count = corners.len();
+        let at = |middle: usize| [middle - 1, middle % count, (middle + 1) % count].map(|place| corners[place]);
+        let ear = |&middle: &usize| {
+            let [a, b, c] = at(middle);
+            let is_left = |a, b, point| turn([a, b, point]).dot(&normal) >= 0.0;
+            let holds = |&point: &[f64; 3]| is_left(a, b, point) && is_left(b, c, point) && is_left(c, a, point);
+            let is_other = |point: &&[f64; 3]| ![a, b, c].contains(*point);
+            turn([a, b, c]).dot(&normal) > 0.0 && !corners.iter().filter(is_other).any(holds)
+        };
+        let middle = (1..=count).find(ear).or((normal.norm() == 0.0).then_some(1))?;
+        triangles.push(at(middle));
+        corners.remove(middle % count);
+    }
+    let last = [corners[0], corners[1], corners[2]];
+    triangles.push(last);
+    (turn(last).dot(&normal) >= -1e-9 * normal.norm_squared()).then_some(())
 }
 
 /// Reads three coordinates of a line.

@@ -4,16 +4,18 @@
 //! mod.rs       Shape         shape of a wall in a scene; its faces, bounds and depth of a grain
 //! face.rs      Face          smooth surface: nearest point, time of impact, displacement
 //! triangle.rs  Triangle      face of a mesh
+//! frustum.rs   Frustum       face of a cone
 //! mesh.rs      TriangleMesh  triangles of a file, welded
 //! files.rs                   readers of STL and OBJ
 //! index.rs     FaceIndex     search for faces near a point
 //! minima.rs    Minima        contacts of a sphere with a mesh: local minima of the distance
 //! ```
 //!
-//! A new shape is a file here, a variant of [`Shape`], its faces, and its range checks (`scene/check.rs`).
+//! A new shape is a file here, a variant of [`Shape`] with its faces and its triangles or [`Revolution`], and its checks (`scene/check.rs`).
 
 mod face;
 mod files;
+mod frustum;
 mod index;
 mod mesh;
 mod minima;
@@ -25,10 +27,14 @@ pub use mesh::{MeshRotation, TriangleMesh};
 pub(crate) use minima::{MOST_CONTACTS, MeshFaces, Minima, Minimum, Near, NearPart};
 
 use crate::laws::period::Period;
+use frustum::Frustum;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 type Vector = Vector3<f64>;
+
+/// Names of the faces of a box.
+pub(crate) const FACES: [&str; 6] = ["-x", "+x", "-y", "+y", "-z", "+z"];
 
 fn is_zero(value: &f64) -> bool {
     *value == 0.0
@@ -47,7 +53,25 @@ pub(crate) fn is_nowhere(vector: &[f64; 3]) -> bool {
     *vector == [0.0; 3]
 }
 
-/// Surface of a wall.
+/// Surface that a straight line sweeps around an axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Revolution {
+    /// Point of the axis, m.
+    pub base: [f64; 3],
+    /// Direction of the axis, of unit length.
+    pub axis: [f64; 3],
+    /// Ends of the line: distance from the axis, and position along it from the base, m.
+    pub line: [[f64; 2]; 2],
+}
+
+impl Revolution {
+    /// Returns the centre of the circle of an end, m.
+    fn centre(&self, [_, along]: [f64; 2]) -> Vector {
+        Vector::from(self.base) + Vector::from(self.axis) * along
+    }
+}
+
+/// Surface of a wall. Planes and boxes have grains on one side, spheres outside; all other shapes are thin, with grains on both sides.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
@@ -69,7 +93,7 @@ pub enum Shape {
         #[serde(default)]
         open: Vec<String>,
     },
-    /// Thin cylindrical shell without ends; grains are inside, or outside after leaving by an end.
+    /// Thin cylindrical shell without ends.
     Cylinder {
         /// Centre of the first end, metres.
         base: [f64; 3],
@@ -80,6 +104,24 @@ pub enum Shape {
         /// Length along the axis, metres.
         length: f64,
     },
+    /// Thin conical shell without ends, such as a funnel.
+    Frustum {
+        /// Centre of the first end, metres.
+        base: [f64; 3],
+        /// Direction of the axis; need not be of unit length.
+        axis: [f64; 3],
+        /// Radii of the first and of the second end, metres; one may be zero, for a tip.
+        radii: [f64; 2],
+        /// Length along the axis, metres.
+        length: f64,
+    },
+    /// Thin rectangle or parallelogram.
+    Rectangle {
+        /// Corner, metres.
+        corner: [f64; 3],
+        /// The two sides from the corner, metres.
+        edges: [[f64; 3]; 2],
+    },
     /// Spheres of one size, seen from outside: a rough bed, or obstacles.
     Spheres {
         /// Centres, metres.
@@ -87,12 +129,11 @@ pub enum Shape {
         /// Radius, metres.
         radius: f64,
     },
-    /// Flat disc, such as a drum's end cap; grains are on the side of the normal. With a hole it is a thin ring, such as the floor of a
-    /// silo, with grains on both sides.
+    /// Thin flat disc, such as a drum's end cap; with a hole, a ring, such as the floor of a silo.
     Disc {
         /// Centre, metres.
         centre: [f64; 3],
-        /// Normal towards the grains; need not be of unit length.
+        /// Normal; need not be of unit length. Observables take its side for that of the grains.
         normal: [f64; 3],
         /// Radius, metres.
         radius: f64,
@@ -127,6 +168,8 @@ impl Shape {
             Shape::Plane { .. } => "plane",
             Shape::Box { .. } => "box",
             Shape::Cylinder { .. } => "cylinder",
+            Shape::Frustum { .. } => "frustum",
+            Shape::Rectangle { .. } => "rectangle",
             Shape::Spheres { .. } => "spheres",
             Shape::Disc { .. } => "disc",
             Shape::Mesh { .. } => "mesh",
@@ -138,8 +181,12 @@ impl Shape {
         Shape::Mesh { file: name.into(), scale: 1.0, rotate: None, translate: [0.0; 3], content: mesh }
     }
 
-    /// Returns the triangles of a mesh at their positions in the scene (m); `None` for other shapes.
+    /// Returns the triangles (m) of a mesh or a rectangle; `None` for other shapes.
     pub fn triangles(&self) -> Option<Vec<[[f64; 3]; 3]>> {
+        if let Shape::Rectangle { corner, edges: [one, other] } = self {
+            let at = |x: f64, y: f64| std::array::from_fn(|axis| corner[axis] + x * one[axis] + y * other[axis]);
+            return Some(vec![[*corner, at(1.0, 0.0), at(1.0, 1.0)], [*corner, at(1.0, 1.0), at(0.0, 1.0)]]);
+        }
         let Shape::Mesh { scale, rotate, translate, content, .. } = self else { return None };
         let rotation = rotate.as_ref().map(MeshRotation::rotation);
         let place = |point: [f64; 3]| {
@@ -148,6 +195,17 @@ impl Shape {
             <[f64; 3]>::from(point + Vector::from(*translate))
         };
         Some(content.corners().map(|corners| corners.map(place)).collect())
+    }
+
+    /// Returns a cylinder, a frustum or a disc as a surface of revolution; `None` for other shapes.
+    pub fn revolution(&self) -> Option<Revolution> {
+        let (base, axis, line) = match self {
+            Shape::Cylinder { base, axis, radius, length } => (base, axis, [[*radius, 0.0], [*radius, *length]]),
+            Shape::Frustum { base, axis, radii, length } => (base, axis, [[radii[0], 0.0], [radii[1], *length]]),
+            Shape::Disc { centre, normal, radius, hole } => (centre, normal, [[*hole, 0.0], [*radius, 0.0]]),
+            _ => return None,
+        };
+        Some(Revolution { base: *base, axis: Vector::from(*axis).normalize().into(), line })
     }
 
     /// Returns the faces of the shape in a space of this period: along a periodic axis, faces repeat or have no end.
@@ -164,6 +222,11 @@ impl Shape {
                 let ring = Face::Ring { centre, normal, radius: *radius, hole: *hole };
                 std::iter::once(ring).chain(Face::rim(centre, normal, *hole)).collect()
             }
+            Shape::Frustum { base, axis, radii, length } => {
+                let (base, axis) = (Vector::from(*base), Vector::from(*axis).normalize());
+                let lines = [0.0].into_iter().chain(face::THIRD_OF_A_TURN);
+                lines.map(|sine| Face::Frustum(Frustum { base, axis, radii: *radii, length: *length, sine })).collect()
+            }
             Shape::Cylinder { base, axis, radius, length } => {
                 let (base, normal) = (Vector::from(*base), Vector::from(*axis).normalize());
                 let shell = |ends| Face::Shell { base, axis: normal, radius: *radius, ends };
@@ -178,9 +241,7 @@ impl Shape {
                 .collect(),
             Shape::Box { min, max, open } => {
                 let (min, max) = (Vector::from(*min), Vector::from(*max));
-                ["-x", "+x", "-y", "+y", "-z", "+z"]
-                    .iter()
-                    .enumerate()
+                (FACES.iter().enumerate())
                     .filter(|(_, name)| !open.iter().any(|face| face == *name))
                     .map(|(number, _)| {
                         let inward = Vector::ith(number / 2, if number % 2 == 0 { 1.0 } else { -1.0 });
@@ -188,14 +249,17 @@ impl Shape {
                     })
                     .collect()
             }
-            Shape::Mesh { .. } => self.triangles().into_iter().flatten().map(Face::triangle).collect(),
+            Shape::Rectangle { .. } | Shape::Mesh { .. } => {
+                self.triangles().into_iter().flatten().map(Face::triangle).collect()
+            }
         }
     }
 
-    /// Returns the width (m) of seams between triangles of a mesh that count as closed; `None` for other shapes.
+    /// Returns the width (m) of seams between triangles that count as closed; `None` for shapes whose contacts are not those of triangles.
     pub(crate) fn seam(&self) -> Option<f64> {
         match self {
             Shape::Mesh { scale, content, .. } => Some(content.seam() * scale),
+            Shape::Rectangle { .. } => Some(TriangleMesh::new(&self.triangles()?).ok()?.seam()),
             _ => None,
         }
     }
@@ -205,37 +269,34 @@ impl Shape {
         match self {
             Shape::Plane { .. } => Vec::new(),
             Shape::Box { min, max, .. } => vec![(*min, *max)],
-            Shape::Cylinder { base, axis, radius, length } => ends(base, axis, *radius, *length).into(),
-            Shape::Disc { centre, normal, radius, .. } => ends(centre, normal, *radius, 0.0).into(),
             Shape::Spheres { centres, radius } => centres.iter().map(|centre| around(centre, &[*radius; 3])).collect(),
-            Shape::Mesh { .. } => {
-                let corners: Vec<[f64; 3]> = self.triangles().into_iter().flatten().flatten().collect();
-                let Some(first) = corners.first() else { return Vec::new() };
-                let none = (*first, *first);
-                vec![corners.iter().fold(none, |(low, high), point| {
-                    (std::array::from_fn(|i| low[i].min(point[i])), std::array::from_fn(|i| high[i].max(point[i])))
-                })]
+            _ => {
+                let revolution = self.revolution().into_iter().flat_map(|one| one.line.map(|line| (one, line)));
+                let circles = revolution.map(|(one, line)| {
+                    around(&one.centre(line).into(), &one.axis.map(|x| line[0] * (1.0 - x * x).max(0.0).sqrt()))
+                });
+                let corners = self.triangles().into_iter().flatten().flatten().map(|corner| (corner, corner));
+                let join = |(low, high): ([f64; 3], [f64; 3]), (min, max): ([f64; 3], [f64; 3])| {
+                    (std::array::from_fn(|i| low[i].min(min[i])), std::array::from_fn(|i| high[i].max(max[i])))
+                };
+                circles.chain(corners).reduce(join).into_iter().collect()
             }
         }
     }
 
     /// Returns an upper bound of the distance (m) of the points of the shape from an axis, given the distance of one point.
-    pub(crate) fn furthest(&self, arm: impl Fn(Vector) -> f64) -> f64 {
+    pub fn furthest(&self, arm: impl Fn(Vector) -> f64) -> f64 {
         match self {
             Shape::Plane { .. } => f64::INFINITY,
             Shape::Box { min, max, .. } => furthest_corner(min, max, arm),
-            Shape::Cylinder { base, axis, radius, length } => {
-                let base = Vector::from(*base);
-                let end = base + Vector::from(*axis).normalize() * *length;
-                arm(base).max(arm(end)) + radius
-            }
-            Shape::Disc { centre, radius, .. } => arm(Vector::from(*centre)) + radius,
             Shape::Spheres { centres, radius } => {
                 centres.iter().map(|centre| arm(Vector::from(*centre))).fold(0.0, f64::max) + radius
             }
-            Shape::Mesh { .. } => {
+            _ => {
+                let revolution = self.revolution().into_iter();
+                let circles = revolution.flat_map(|one| one.line.map(|line| arm(one.centre(line)) + line[0]));
                 let corners = self.triangles().into_iter().flatten().flatten();
-                corners.map(|corner| arm(Vector::from(corner))).fold(0.0, f64::max)
+                corners.map(|corner| arm(Vector::from(corner))).chain(circles).fold(0.0, f64::max)
             }
         }
     }
@@ -271,13 +332,6 @@ impl Surface {
         }
         if deepest < 0.0 { f64::NEG_INFINITY } else { deepest }
     }
-}
-
-/// Returns the corners (m) of the boxes around the two ends of a cylinder.
-pub(crate) fn ends(base: &[f64; 3], axis: &[f64; 3], radius: f64, length: f64) -> [([f64; 3], [f64; 3]); 2] {
-    let norm = axis.iter().map(|x| x * x).sum::<f64>().sqrt();
-    let side = axis.map(|x| radius * (1.0 - x * x / (norm * norm)).max(0.0).sqrt());
-    [0.0, length / norm].map(|along| around(&std::array::from_fn(|i| base[i] + axis[i] * along), &side))
 }
 
 /// Returns the corners (m) of a box around a point.

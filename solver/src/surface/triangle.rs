@@ -62,11 +62,6 @@ impl Triangle {
         [a.inf(b).inf(c), a.sup(b).sup(c)]
     }
 
-    /// Returns the triangle with displaced corners.
-    pub fn mapped(self, place: impl Fn(Vector) -> Vector) -> Triangle {
-        Triangle { corners: self.corners.map(place) }
-    }
-
     /// Returns the normal by the right-hand rule, with the length of twice the area, m2.
     #[inline]
     pub fn area_vector(&self) -> Vector {

@@ -26,6 +26,8 @@ pub enum Shape {
     Obstacle { radius: f64, half: f64, ball: f64 },
     /// A drum whose upper end is a plane that a force drives down or up.
     Piston { radius: f64, half: f64, force: f64, mass: f64 },
+    /// A cone with a disc at its wide end and at the other a disc or its tip.
+    Funnel { radii: [f64; 2], half: f64 },
     /// A shell without ends along x, which repeats itself.
     Pipe { radius: f64, half: f64 },
 }
@@ -91,6 +93,9 @@ impl Container {
                     && place.z >= -half * (1.0 + ROUNDING)
                     && place.z <= top + half * ROUNDING
             }
+            Shape::Funnel { radii: [low, high], half } => {
+                within(low + (high - low) * 0.5 * (place.z / half + 1.0) + ROUNDING * half, half)
+            }
             Shape::Pipe { radius, .. } => across <= radius * (1.0 + ROUNDING),
         }
     }
@@ -111,6 +116,11 @@ impl Container {
             Shape::Obstacle { radius, half, ball } => {
                 (radius - across).min(place.norm() - ball).min(half - place.z.abs())
             }
+            Shape::Funnel { radii: [low, high], half } => {
+                let lean = 2.0 * half / (2.0 * half).hypot(high - low);
+                let radius = low + (high - low) * 0.5 * (place.z / half + 1.0);
+                ((radius - across) * lean).min(half - place.z.abs())
+            }
         }
     }
 
@@ -125,6 +135,7 @@ impl Container {
             | Shape::Obstacle { radius, half, .. }
             | Shape::Piston { radius, half, .. }
             | Shape::Pipe { radius, half } => Vector::new(radius, radius, half),
+            Shape::Funnel { radii: [low, high], half } => Vector::new(low.max(high), low.max(high), half),
         }
     }
 
@@ -221,6 +232,16 @@ impl Container {
                     place(z)
                 );
                 wall_that(plane(z * half, -z), &driven);
+            }
+            Shape::Funnel { radii: [low, high], half } => {
+                let (base, axis, length) = (place(-z * half), place(z), 2.0 * half);
+                wall(format!(
+                    "kind = 'frustum', base = {base}, axis = {axis}, radii = [{low:?}, {high:?}], length = {length:?}"
+                ));
+                wall(disc(z * half, -z, high, 0.0));
+                if low > 0.0 {
+                    wall(disc(-z * half, z, low, 0.0));
+                }
             }
             Shape::Pipe { radius, half } => wall(shell(radius, half, 2.0 * half)),
         }

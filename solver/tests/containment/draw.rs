@@ -93,6 +93,13 @@ fn shape(dice: &mut Dice) -> Shape {
     }
 }
 
+fn funnel(dice: &mut Dice) -> Shape {
+    let size = |dice: &mut Dice| RADIUS * dice.scale(4.0, 24.0);
+    let (radius, half) = (size(dice), size(dice));
+    let low = radius * if dice.below(2) == 0 { 0.0 } else { dice.between(0.05, 1.0) };
+    Shape::Funnel { radii: [low, radius], half }
+}
+
 fn motion(dice: &mut Dice, shape: &Shape) -> Motion {
     let speed = 2.0 * RADIUS / STEP * dice.scale(0.01, 0.5);
     match (dice.below(5), shape) {
@@ -112,6 +119,15 @@ fn motion(dice: &mut Dice, shape: &Shape) -> Motion {
 impl Drawn {
     /// The container of a number.
     pub fn number(number: u64) -> Drawn {
+        Drawn::of(number, shape)
+    }
+
+    /// The funnel of a number.
+    pub fn funnel(number: u64) -> Drawn {
+        Drawn::of(number, funnel)
+    }
+
+    fn of(number: u64, shape: fn(&mut Dice) -> Shape) -> Drawn {
         let mut dice = Dice(ChaCha8Rng::seed_from_u64(number));
         let shape = shape(&mut dice);
         let turned = match shape {
@@ -125,7 +141,8 @@ impl Drawn {
             | Shape::Drum { .. }
             | Shape::Tube { .. }
             | Shape::Plugged { .. }
-            | Shape::Annulus { .. } => {
+            | Shape::Annulus { .. }
+            | Shape::Funnel { .. } => {
                 Rotation3::from_axis_angle(&Unit::new_normalize(dice.direction()), dice.between(0.0, 6.0))
             }
         };

@@ -57,6 +57,28 @@ fn a_polygon_of_an_obj_file_is_a_fan() {
 }
 
 #[test]
+fn a_concave_polygon_of_an_obj_file_keeps_its_area() {
+    // The letter L, from each of its corners, and with one point on a side; then a square with a slit to a square hole.
+    let ell = [[0, 0], [2, 0], [2, 1], [1, 1], [1, 3], [0, 3], [0, 2]];
+    let hole = [[0, 0], [3, 0], [3, 3], [0, 3], [0, 0], [1, 1], [1, 2], [2, 2], [2, 1], [1, 1]];
+    let area = |polygon: &[[i32; 2]], first: usize| {
+        let points: String = polygon.iter().map(|[x, y]| format!("v {x} {y} {}\n", x + 2 * y)).collect();
+        let face: String = (0..polygon.len()).map(|i| format!(" {}", (first + i) % polygon.len() + 1)).collect();
+        let mesh = TriangleMesh::read(format!("{points}f{face}\n").as_bytes()).unwrap();
+        let double = |[a, b, c]: [[f64; 3]; 3]| (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+        // All triangles have the sense of the polygon, so that none overlap.
+        assert!(mesh.corners().all(|corners| double(corners) > 0.0), "from corner {first}");
+        mesh.corners().map(|corners| 0.5 * double(corners)).sum::<f64>()
+    };
+    for first in 0..7 {
+        assert!((area(&ell, first) - 4.0).abs() < 1e-12, "from corner {first}");
+    }
+    for first in 0..10 {
+        assert!((area(&hole, first) - 8.0).abs() < 1e-12, "from corner {first}");
+    }
+}
+
+#[test]
 fn triangles_without_area_and_repeated_ones_are_dropped_and_counted() {
     let [a, b, c, d] = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.5, 0.0, 0.0]];
     let last_bit = [1.0 + 1e-7, 0.0, 0.0];
@@ -77,6 +99,7 @@ fn what_is_no_mesh_is_refused_with_a_remedy() {
         (b"name = 'scene'\n", "neither STL nor OBJ; "),
         (&[0xff; 100], "neither STL nor OBJ"),
         (b"v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 4\n", "without three known corners in line 4; "),
+        (b"v 0 0 0\nv 2 0 0\nv 0 1 0\nv 3 2 0\nf 1 2 3 4\n", "crosses itself in line 5; triangulate"),
         (b"v 0 0 0\nv 1 0 0\nf 1 2\n", "without three known corners in line 3; "),
     ] {
         let message = TriangleMesh::read(bytes).unwrap_err();
@@ -141,8 +164,11 @@ fn a_mesh_in_millimetres_is_found_by_its_size() {
     };
     assert_eq!(of(1.0), Vec::<String>::new());
     assert_eq!(of(20.0), Vec::<String>::new());
-    let expected = "wall[0].shape.scale: 'box' spans 40 x 50 x 80 m where the longest side of the domain is 0.2 m; is the file in \
-                    millimetres? scale = 0.001 makes it fit";
+    // Small parts are larger than the grains.
+    assert_eq!(of(0.13), Vec::<String>::new());
+    assert!(of(0.12)[0].contains("spans 0.0048 x 0.006 x 0.0096 m"), "{:?}", of(0.12));
+    let expected = "wall[0].shape.scale: 'box' spans 40 x 50 x 80 m where the longest side of the domain is 0.2 m, and the smallest grain \
+                    0.01 m wide; is the file in millimetres? scale = 0.001 makes it fit";
     assert_eq!(of(1000.0), [expected]);
     assert!(of(39.0)[0].contains("is the file in inches? scale = 0.0254"), "{:?}", of(39.0));
     let triangle = [[0.0; 3], [0.04, 0.0, 0.0], [0.0, 0.04, 0.0]];
@@ -161,5 +187,5 @@ fn grains_in_a_mesh_at_the_start_and_meshes_on_periodic_axes_are_refused() {
     assert!(error.contains("inside or behind wall 'shell'"), "{error}");
     scene.domain.periodic.push(makadam::Axis::Y);
     let error = scene.check().unwrap_err().to_string();
-    assert!(error.contains("a mesh has edges"), "{error}");
+    assert!(error.contains("its shape has edges"), "{error}");
 }

@@ -425,6 +425,7 @@ macro_rules! with_frame_formats {
             Vtp vtp "ParaView: one file per frame, and a script that opens them.",
             Vtkhdf vtkhdf "ParaView: one file for all frames of grains, contacts or walls.",
             Gsd gsd "OVITO and HOOMD-blue: grains over time.",
+            Csv csv "Tables of the grains, which [start] of a scene reads.",
             Fields fields "ParaView: coarse-grained fields of density, velocity and stress on a grid.",
         }
     };

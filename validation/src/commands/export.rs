@@ -6,8 +6,9 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use makadam_compare::codes::{CodeName, Job, Purpose};
 use makadam_compare::scenes::Change;
-use makadam_frames::export::{Written, write};
-use makadam_frames::output::file_stem;
+use makadam_frames::export::{Written, csv, write};
+use makadam_frames::import::{StatedColumns, parse};
+use makadam_frames::output::{create_folder, file_stem, write_whole};
 use makadam_frames::plan::FrameFormat;
 use makadam_frames::run_frames::RunFrames;
 use std::path::{Path, PathBuf};
@@ -16,7 +17,7 @@ use std::time::Duration;
 
 #[derive(Debug, Args)]
 pub(super) struct ExportArguments {
-    /// Folder of a run, or the name of a folder below results; with --for, a scene.
+    /// Folder of a run, or the name of a folder below results; with --format csv, also a file of frames of any code; with --for, a scene.
     #[arg(value_name = "RUN or SCENE")]
     pub what: String,
     /// Format of the frames of a run, as `[output] formats` of a scene.
@@ -87,9 +88,29 @@ fn export_scene(arguments: &ExportArguments, code: CodeName, console: &Console) 
 }
 
 fn export_run(arguments: &ExportArguments, format: FrameFormat, console: &Console) -> Result<ExitCode, Failure> {
+    let file = Path::new(&arguments.what);
+    if file.is_file() && format == FrameFormat::Csv {
+        return convert(arguments, file, console);
+    }
     let run = RunFrames::open(Path::new(&arguments.what))?;
     let folder = arguments.output.clone().unwrap_or_else(|| run.folder().to_path_buf());
     console.result(&export_frames(&run, format, &folder, console)?)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Writes the frames of a file of any code as tables of grains.
+fn convert(arguments: &ExportArguments, file: &Path, console: &Console) -> Result<ExitCode, Failure> {
+    let bytes = std::fs::read(file).map_err(|error| Failure::Input(format!("{}: {error}", file.display())))?;
+    let frames = parse(file, bytes, &StatedColumns::default())?;
+    let folder = arguments.output.clone().unwrap_or_else(|| PathBuf::from("."));
+    create_folder(&folder)?;
+    let stem = file.file_stem().unwrap_or_default().to_string_lossy();
+    for (number, frame) in frames.iter().enumerate() {
+        let name = if frames.len() == 1 { format!("{stem}-start.csv") } else { format!("{stem}-{number:05}.csv") };
+        write_whole(&folder.join(&name), csv::of_table(frame)?.as_bytes())?;
+        let grains = frame.rows().len();
+        console.result(&format!("{}: {grains} grains; give start.material for them", folder.join(name).display()))?;
+    }
     Ok(ExitCode::SUCCESS)
 }
 

@@ -4,7 +4,7 @@ use super::arguments::{load, positive};
 use super::{Console, Failure, within_tolerance};
 use clap::Args;
 use makadam::snapshot::Snapshot;
-use makadam_compare::scenes::Change;
+use makadam_compare::scenes::{Change, with_changes};
 use makadam_frames::import::{FilePattern, Manifest, StatedColumns, Tables, assemble, unlike};
 use makadam_frames::output::JSON_VERSION;
 use makadam_frames::plan::MeasuredScene;
@@ -23,9 +23,9 @@ pub(super) struct MeasureArguments {
     /// missing from them.
     #[arg(required = true, value_name = "FILES")]
     pub grains: Vec<FilePattern>,
-    /// Simulated scene: a file, a name (see `makadam print scenes`), or - for standard input.
+    /// Simulated scene: a file, a name (see `makadam print scenes`), or - for standard input; if absent, that of the folder of a run.
     #[arg(long)]
-    pub scene: String,
+    pub scene: Option<String>,
     /// Replace a value of the scene, such as measure.from=0.5; can be given several times.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub changes: Vec<Change>,
@@ -105,13 +105,18 @@ fn run_folder(manifest: &Manifest) -> Result<Option<PathBuf>, Failure> {
 }
 
 pub(super) fn measure(arguments: &MeasureArguments, console: &Console) -> Result<ExitCode, Failure> {
-    let (_, scene) = load(&arguments.scene, &arguments.changes)?;
     let manifest = manifest(arguments)?;
+    let run = run_folder(&manifest)?.map(|folder| RunFrames::open(&folder)).transpose()?;
+    let scene = match (&arguments.scene, &run) {
+        (Some(name), _) => load(name, &arguments.changes)?.1,
+        (None, Some(run)) => with_changes(run.own_scene(), run.folder(), &arguments.changes)?,
+        (None, None) => return Err(Failure::Usage("files have no scene; give it by --scene".into())),
+    };
     manifest.check(&scene).map_err(Failure::Usage)?;
-    let mut recording = match run_folder(&manifest)? {
-        Some(folder) => {
-            let seed = manifest.seed.unwrap_or(scene.seed);
-            RunFrames::open(&folder)?.recording(manifest.name.as_deref().unwrap_or("frames"), seed, &scene)?
+    let mut recording = match run {
+        Some(run) => {
+            let seed = manifest.seed.or(run.seed()).unwrap_or(scene.seed);
+            run.recording(manifest.name.as_deref().unwrap_or("frames"), seed, &scene)?
         }
         None => assemble(&scene, &manifest, &Tables::read(&manifest)?)?,
     };

@@ -129,12 +129,10 @@ fn ground(scene: &MeasuredScene, gravity: &Vector3<f64>) -> f64 {
 fn fastest(scene: &MeasuredScene) -> Option<(f64, f64)> {
     let speeds = scene.wall.iter().filter_map(|wall| match (&wall.motion, &wall.shape) {
         (Motion::Rotating { rate, .. }, Shape::Cylinder { radius, .. }) => Some((rate.abs() * radius, *radius)),
-        (Motion::Rotating { point, axis, rate, .. }, Shape::Mesh { .. }) => {
+        (Motion::Rotating { point, axis, rate, .. }, shape) => {
             let axis = Vector3::from(*axis).normalize();
-            let arm = |corner: &[f64; 3]| (Vector3::from(*corner) - Vector3::from(*point)).cross(&axis).norm();
-            let arms = wall.shape.triangles().unwrap_or_default();
-            let radius = arms.as_flattened().iter().map(arm).fold(0.0, f64::max);
-            Some((rate.abs() * radius, radius))
+            let radius = shape.furthest(|place| (place - Vector3::from(*point)).cross(&axis).norm());
+            radius.is_finite().then_some((rate.abs() * radius, radius))
         }
         (Motion::Translating { velocity, .. }, _) => Some((Vector3::from(*velocity).norm(), 0.0)),
         _ => None,

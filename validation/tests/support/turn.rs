@@ -72,7 +72,7 @@ pub fn turned(turn: &Turn, scene: &MeasuredScene, frames: &[Snapshot]) -> (Measu
                 turn.point(point);
                 turn.vector(normal);
             }
-            Shape::Box { min, max, open } => {
+            Shape::Box { min, max, open, .. } => {
                 turn.corners(min, max);
                 open.iter_mut().for_each(|face| turn.face(face));
             }
@@ -85,7 +85,7 @@ pub fn turned(turn: &Turn, scene: &MeasuredScene, frames: &[Snapshot]) -> (Measu
                 turn.vector(normal);
             }
             Shape::Spheres { centres, .. } => centres.iter_mut().for_each(|centre| turn.point(centre)),
-            Shape::Mesh { .. } => unreachable!("the turned scenes have no mesh"),
+            other => unreachable!("the turned scenes have no {}", other.kind()),
         }
         match &mut wall.motion {
             Motion::Fixed => {}

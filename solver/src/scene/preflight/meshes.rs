@@ -1,14 +1,14 @@
 //! Checks of meshes from files: their unit of length, their place, and triangles that were dropped.
 //!
-//! Files of CAD programs have no unit of length. A mesh whose longest side is beyond `1/10` to 10 times the longest side of the domain is in
-//! another unit; the remedy names the unit of the largest mesh within this range whose longest side is at most that of the domain.
+//! Files of CAD programs have no unit of length. A mesh is in another unit if its longest side is above 10 times the longest side of the domain, or
+//! below the diameter of the smallest grain. The remedy names the longest unit with which the mesh is at least a tenth of the domain and fits.
 
 use crate::scene::Scene;
 use crate::scene::document::DocumentPath;
 use crate::scene::error::{Fault, short};
 use crate::surface::Shape;
 
-/// Largest plausible ratio of the sizes of a mesh and the domain, and of the domain and a mesh.
+/// Largest plausible ratio of the sizes of a mesh and the domain.
 const RATIO: f64 = 10.0;
 
 /// Units of length, m, the longest first.
@@ -26,15 +26,17 @@ fn of_wall(scene: &Scene, index: usize, shape: &Shape) -> Vec<Fault> {
     let (domain, mut faults) = (&scene.domain, Vec::new());
     let size = |low: [f64; 3], high: [f64; 3]| (0..3).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
     let extent = size(domain.min, domain.max);
+    let smallest = scene.grain_kinds().map(|(_, (least, _))| 2.0 * least).fold(f64::INFINITY, f64::min);
     for (low, high) in shape.bounds() {
         let longest = size(low, high);
         let fits = |factor: f64| (extent / RATIO..=extent).contains(&(longest * factor));
-        if !(extent / RATIO..=extent * RATIO).contains(&longest) {
+        if longest > extent * RATIO || (longest < smallest && smallest.is_finite()) {
             let sides: Vec<String> = (0..3).map(|axis| rounded(high[axis] - low[axis])).collect();
             let problem = format!(
-                "'{file}' spans {} m where the longest side of the domain is {} m",
+                "'{file}' spans {} m where the longest side of the domain is {} m, and the smallest grain {} m wide",
                 sides.join(" x "),
-                short(extent)
+                short(extent),
+                short(smallest)
             );
             let remedy = match UNITS.iter().find(|(_, metres)| fits(metres / scale)) {
                 Some((unit, metres)) => format!("is the file in {unit}? scale = {metres} makes it fit"),

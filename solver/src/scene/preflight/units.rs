@@ -47,23 +47,7 @@ pub(super) fn faults(scene: &Scene) -> Vec<Fault> {
 
 /// Returns the fault of the first population or grain with an implausible size in metres; one fault is enough.
 fn sizes(scene: &Scene) -> Option<Fault> {
-    let root = DocumentPath::default();
-    let populations = scene
-        .population
-        .iter()
-        .enumerate()
-        .map(|(index, population)| (root.key("population").index(index).key("radius"), population.radius.bounds()));
-    let grains = scene
-        .grain
-        .iter()
-        .enumerate()
-        .map(|(index, grain)| (root.key("grain").index(index).key("radius"), (grain.radius, grain.radius)));
-    let sources = scene
-        .insert
-        .iter()
-        .enumerate()
-        .map(|(index, source)| (root.key("insert").index(index).key("radius"), source.radius.bounds()));
-    populations.chain(grains).chain(sources).find_map(|(at, (least, most))| {
+    scene.radii().find_map(|(at, (least, most))| {
         let (least, most) = (2.0 * least, 2.0 * most);
         if most > BOULDER {
             let problem = format!("grains of {} m in diameter are boulders (above {BOULDER} m)", short(most));

@@ -208,7 +208,7 @@ impl Simulation {
             Some(GrainEntry { material, radius, position, velocity, spin })
         });
         let grain = there.chain(grains.iter().cloned()).collect();
-        let all = Scene { grain, population: Vec::new(), ..scene.clone() };
+        let all = Scene { grain, start: None, population: Vec::new(), ..scene.clone() };
         all.check().map_err(|error| InterventionError::Rule(error.to_string()))
     }
 

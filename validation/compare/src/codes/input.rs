@@ -231,9 +231,7 @@ fn of_wall(wall: &Wall, closed: &[Tube], scene: &MeasuredScene, grains: &[Grain]
         Shape::Disc { centre, normal, .. } if fixed && closed.iter().any(|tube| tube.has_lid(&wall.shape)) => {
             plane(centre, normal)
         }
-        Shape::Plane { .. } | Shape::Box { .. } | Shape::Disc { .. } | Shape::Spheres { .. } | Shape::Mesh { .. } => {
-            Vec::new()
-        }
+        _ => Vec::new(),
     }
 }
 

@@ -66,8 +66,7 @@ pub fn run_cases(
 
 /// Returns the work of a case: grains times steps.
 pub fn work(case: &Case) -> f64 {
-    let grains: usize = case.scene.population.iter().map(|population| population.count).sum();
-    (grains + case.scene.grain.len()) as f64 * case.scene.duration / case.scene.solver.step
+    case.scene.grain_count() as f64 * case.scene.duration / case.scene.solver.step
 }
 
 /// Returns the row of a case and a seed, from the cache or from a new run; `progress` receives the completed fraction of the run.

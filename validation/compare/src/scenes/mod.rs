@@ -140,6 +140,12 @@ pub fn take(name: &str, roots: &[PathBuf], changes: &[Change]) -> Result<PathBuf
     Ok(path)
 }
 
+/// Returns a scene with the content of its files after changes; errors name its place.
+pub fn with_changes(scene: &MeasuredScene, place: &Path, changes: &[Change]) -> Result<MeasuredScene, SceneError> {
+    let text = toml::to_string(scene).expect("a scene is made of plain tables");
+    parse(&changed(&text, place, changes)?, place)
+}
+
 fn standard_input() -> Result<String, SceneError> {
     let mut text = String::new();
     let read = std::io::stdin().lock().read_to_string(&mut text);

@@ -1,6 +1,7 @@
 //! Frames of a run in the formats of other programs. A format is a file of this module and a line of the table in
 //! `plan.rs`.
 
+pub mod csv;
 mod fields;
 mod gsd;
 mod vtkhdf;

@@ -2,7 +2,7 @@
 //!
 //! Triangles are few and large: near an edge, some codes count a contact with both triangles.
 
-use makadam::scene::{Domain, Shape};
+use makadam::scene::{Domain, Revolution, Shape};
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
@@ -71,34 +71,38 @@ pub fn wall_mesh(shape: &Shape, domain: &Domain, smallest_radius: f64, fineness:
             let own = Domain { min: *min, max: *max, periodic: Vec::new() };
             open_box(*min, *max, open, if fineness.ends { &own } else { &limits })
         }
-        Shape::Cylinder { base, axis, radius, length } => {
-            let (base, axis) = (Vector3::from(*base), unit(axis));
-            let [from, to] = extent(&base, &axis, *length, domain);
-            cylinder(base + axis * from, axis, *radius, to - from, smallest_radius, fineness)
-        }
         Shape::Spheres { .. } if !fineness.ends => Mesh::default(),
         Shape::Spheres { centres, radius } => Mesh { triangles: spheres(centres, *radius), bend: 0.0 },
-        Shape::Disc { centre, normal, radius, hole } => {
-            let circle = |radius: f64| circle(Vector3::from(*centre), unit(normal), radius, fineness);
-            // Over a smaller hole a grain sinks by less than the sagitta of cylinders: `hole^2 / 2 r`.
-            let smallest = 2.0 * FINE.sagitta * smallest_radius.powi(2);
-            let triangles = match hole * hole > if fineness.ends { 0.0 } else { smallest } {
-                true => ring(*radius, *hole, circle),
-                false => triangulate(circle(*radius)),
-            };
-            Mesh { triangles, bend: 0.0 }
-        }
-        Shape::Mesh { .. } => Mesh { triangles: shape.triangles().unwrap_or_default(), bend: 0.0 },
+        _ => match shape.revolution() {
+            Some(part) => revolved(&part, domain, smallest_radius, fineness),
+            None => Mesh { triangles: shape.triangles().unwrap_or_default(), bend: 0.0 },
+        },
     };
     mesh.triangles.retain(has_area);
     mesh
 }
 
-/// Returns the ends of a cylinder along its axis from its base, m; along a periodic axis, the ends of the domain.
-fn extent(base: &Vector3<f64>, axis: &Vector3<f64>, length: f64, domain: &Domain) -> [f64; 2] {
+/// Triangulates a surface of revolution. A line parallel to a periodic axis leads from end to end of the domain.
+fn revolved(part: &Revolution, domain: &Domain, smallest_radius: f64, fineness: Fineness) -> Mesh {
+    let (base, axis) = (Vector3::from(part.base), Vector3::from(part.axis));
+    let [[first, start], [last, end]] = part.line;
+    if start == end {
+        let (hole, radius) = (first, last);
+        let circle = |radius: f64| circle(base, axis, radius, fineness);
+        // Over a smaller hole a grain sinks by less than the sagitta of cylinders: `hole^2 / 2 r`.
+        let smallest = 2.0 * FINE.sagitta * smallest_radius.powi(2);
+        let triangles = match hole * hole > if fineness.ends { 0.0 } else { smallest } {
+            true => ring(radius, hole, circle),
+            false => triangulate(circle(radius)),
+        };
+        return Mesh { triangles, bend: 0.0 };
+    }
     match (0..3).find(|&along| domain.period().is_periodic(along) && axis[along] != 0.0) {
-        None => [0.0, length],
-        Some(along) => [domain.min[along], domain.max[along]].map(|end| (end - base[along]) / axis[along]),
+        None => cone([base, axis], part.line, smallest_radius, fineness),
+        Some(along) => {
+            let [from, to] = [domain.min[along], domain.max[along]].map(|end| (end - base[along]) / axis[along]);
+            cone([base + axis * from, axis], [[first, 0.0], [last, to - from]], smallest_radius, fineness)
+        }
     }
 }
 
@@ -214,26 +218,23 @@ fn open_box(min: [f64; 3], max: [f64; 3], open: &[String], limits: &Domain) -> M
     Mesh { triangles, bend: 0.0 }
 }
 
-fn cylinder(
-    base: Vector3<f64>,
-    axis: Vector3<f64>,
-    radius: f64,
-    length: f64,
-    smallest_radius: f64,
-    fineness: Fineness,
-) -> Mesh {
+/// Triangulates the surface that a line sweeps, which is not across the axis.
+fn cone([base, axis]: [Vector3<f64>; 2], line: [[f64; 2]; 2], smallest_radius: f64, fineness: Fineness) -> Mesh {
+    let [[first, start], [last, end]] = line;
     let (u, v) = frame(&axis);
+    let (radius, slant) = (first.max(last), (end - start).hypot(last - first));
     let [fewest, most] = fineness.facets;
     let sagitta = (fineness.sagitta * smallest_radius / radius).clamp(1e-6, 0.5);
     let segments = ((PI / (1.0 - sagitta).acos()).ceil() as usize).clamp(fewest, most);
     let half_angle = PI / segments as f64;
-    let corner_radius = corner_radius(radius, half_angle, fineness);
-    let width = 2.0 * corner_radius * half_angle.sin();
+    let width = 2.0 * corner_radius(radius, half_angle, fineness) * half_angle.sin();
     let angle = fineness.sharpest.unwrap_or(3.0 * half_angle);
-    let rings = (length / (width / angle.tan())).ceil().max(1.0) as usize;
+    let rings = (slant / (width / angle.tan())).ceil().max(1.0) as usize;
     let corner = |segment: usize, ring: usize| {
         let (sine, cosine) = (2.0 * half_angle * (segment % segments) as f64).sin_cos();
-        base + (u * cosine + v * sine) * corner_radius + axis * (length * ring as f64 / rings as f64)
+        let radius = first + (last - first) * ring as f64 / rings as f64;
+        let along = start + (end - start) * ring as f64 / rings as f64;
+        base + (u * cosine + v * sine) * corner_radius(radius, half_angle, fineness) + axis * along
     };
     let mut triangles = Vec::with_capacity(2 * rings * segments);
     for ring in 0..rings {

@@ -40,7 +40,7 @@ impl Roster {
     pub fn new(scene: &MeasuredScene) -> Roster {
         // In a checked scene all named materials exist.
         let number = |name: &str| scene.material.keys().position(|material| material == name).unwrap_or(0) as u8;
-        let listed = scene.grain.iter().map(|grain| (1, (grain.radius, grain.radius), &grain.material, None));
+        let listed = scene.listed().map(|grain| (1, (grain.radius, grain.radius), &grain.material, None));
         let placed = (0..).zip(&scene.population).filter(|(_, population)| population.count > 0);
         let placed = placed.map(|(index, population)| {
             (population.count as u64, population.radius.bounds(), &population.material, Some(index))

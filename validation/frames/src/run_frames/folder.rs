@@ -109,6 +109,16 @@ impl RunFrames {
         self.seed
     }
 
+    /// Returns the names of the materials, in the order of their numbers.
+    pub(crate) fn materials(&self) -> Vec<String> {
+        self.tables.materials()
+    }
+
+    /// Returns the scene.
+    pub fn own_scene(&self) -> &MeasuredScene {
+        &self.tables.scene
+    }
+
     /// Returns the name of the scene.
     pub fn scene(&self) -> &str {
         &self.tables.scene.name

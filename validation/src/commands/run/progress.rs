@@ -50,8 +50,6 @@ pub(super) struct Progress {
     pub table: TableWritten,
     /// Steps before the last frame; absent before the first frame.
     pub framed_at: Option<u64>,
-    /// Grains of the last frame.
-    pub particles: usize,
     /// Contacts of the last frame.
     pub contacts: usize,
     /// Frames to measure at the end.

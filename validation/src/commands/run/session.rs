@@ -269,7 +269,7 @@ impl<'a> Session<'a> {
         if due.measured {
             self.simulation.restart_wall_means();
         }
-        (self.progress.particles, self.progress.contacts) = (frame.particles.len(), frame.contacts.len());
+        self.progress.contacts = frame.contacts.len();
         self.progress.framed_at = Some(self.progress.steps);
         self.writer.write(FrameToWrite { frame, written: due.written, row })?;
         self.progress.output_time += clock.elapsed();

@@ -103,7 +103,7 @@ impl RunSummary {
             time_step: simulation.time_step(),
             simulated_seconds: simulation.time() - progress.started,
             wall_seconds: (progress.wall + progress.output_time).as_secs_f64(),
-            particles: progress.particles,
+            particles: simulation.grains(),
             contacts: progress.contacts,
             contact_sweeps,
             nanoseconds_per_contact_sweep: has_sweeps.then(|| 1e9 * sweep / contact_sweeps as f64),
@@ -117,7 +117,7 @@ impl RunSummary {
             },
             peak_bytes: peak_bytes(),
             simulation_bytes: bytes,
-            bytes_per_particle: bytes as f64 / progress.particles.max(1) as f64,
+            bytes_per_particle: bytes as f64 / simulation.grains().max(1) as f64,
             residuals: progress.last.map(|report| SolveSummary {
                 sweeps: report.solve.sweeps,
                 mean_sweeps: progress.solves.sweeps as f64 / progress.solves.count.max(1) as f64,

@@ -139,7 +139,7 @@ struct Table<'a> {
 impl Table<'_> {
     /// Young's modulus of the first grains at a stiffness, Pa.
     fn youngs_modulus(&self, factor: f64) -> f64 {
-        let listed = self.scene.grain.first().map(|grain| &grain.material);
+        let listed = self.scene.listed().next().map(|grain| &grain.material);
         let material = listed.or_else(|| self.scene.population.first().map(|population| &population.material));
         material.and_then(|name| self.scene.material.get(name)).map_or(f64::NAN, |m| factor * m.youngs_modulus)
     }

@@ -255,6 +255,7 @@ fn regions(shape: &Shape, thickness: f64) -> Result<Vec<String>, String> {
         }
         Shape::Spheres { .. } => return Err("a wall is made of spheres".into()),
         Shape::Mesh { .. } => return Err("it has no region like a mesh of triangles".into()),
+        other => return Err(format!("no region is written for a {}", other.kind())),
     })
 }
 

@@ -282,20 +282,22 @@ impl Turn {
     fn shape(self, shape: &mut Shape) {
         let turn = |vector: &mut [f64; 3]| *vector = self.forth(*vector);
         match shape {
-            Shape::Plane { point, normal } => [point, normal].into_iter().for_each(turn),
-            Shape::Box { min, max, open } => {
-                [min, max].into_iter().for_each(turn);
-                open.iter_mut().for_each(|face| *face = self.face(face));
-            }
-            Shape::Cylinder { base, axis, .. } => [base, axis].into_iter().for_each(turn),
-            Shape::Disc { centre, normal, .. } => [centre, normal].into_iter().for_each(turn),
-            Shape::Spheres { centres, .. } => centres.iter_mut().for_each(turn),
             Shape::Mesh { file, .. } => {
                 let file = file.clone();
                 let mut triangles = shape.triangles().unwrap_or_default();
                 triangles.as_flattened_mut().iter_mut().for_each(turn);
                 *shape = Shape::mesh(file, TriangleMesh::new(&triangles).expect("a turned mesh is a mesh"));
             }
+            Shape::Box { min, max, open } => {
+                [min, max].into_iter().for_each(turn);
+                open.iter_mut().for_each(|face| *face = self.face(face));
+            }
+            Shape::Plane { point: one, normal: other }
+            | Shape::Cylinder { base: one, axis: other, .. }
+            | Shape::Frustum { base: one, axis: other, .. }
+            | Shape::Disc { centre: one, normal: other, .. } => [one, other].into_iter().for_each(turn),
+            Shape::Rectangle { corner, edges: [one, other] } => [corner, one, other].into_iter().for_each(turn),
+            Shape::Spheres { centres, .. } => centres.iter_mut().for_each(turn),
         }
     }
 
