@@ -6,7 +6,7 @@ use makadam::scene::{nearest, suggestion, wish};
 #[test]
 fn known_wishes_have_an_answer() {
     for (word, way) in
-        [("mesh", "wall spheres"), ("Insert", "[[insert]]"), ("time_step", "solver.step"), ("rpm", "0.10472")]
+        [("mesh", "CAD file"), ("Insert", "[[insert]]"), ("time_step", "solver.step"), ("rpm", "0.10472")]
     {
         assert!(wish(word).is_some_and(|answer| answer.contains(way)), "{word}");
     }

@@ -230,9 +230,9 @@ pub struct Insertion {
     pub velocity: [f64; 3],
 }
 
-/// Sink: grains with centres in a region leave the simulation.
+/// Sink: grains leave the simulation if the path of their centre in a step meets a region.
 ///
-/// Grains leave when the candidate list is rebuilt, before they can cross the region.
+/// Grains leave when the candidate list is rebuilt, at the latest in the step after they crossed the region.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]

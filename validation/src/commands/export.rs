@@ -6,8 +6,9 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use makadam_compare::codes::{CodeName, Job, Purpose};
 use makadam_compare::scenes::Change;
-use makadam_frames::export::{Written, csv, write};
-use makadam_frames::import::{StatedColumns, parse};
+use makadam_frames::export::csv::{COLUMNS, line};
+use makadam_frames::export::{Written, write};
+use makadam_frames::import::{Column, FrameTable, ImportError, StatedColumns, parse};
 use makadam_frames::output::{create_folder, file_stem, write_whole};
 use makadam_frames::plan::FrameFormat;
 use makadam_frames::run_frames::RunFrames;
@@ -107,11 +108,51 @@ fn convert(arguments: &ExportArguments, file: &Path, console: &Console) -> Resul
     let stem = file.file_stem().unwrap_or_default().to_string_lossy();
     for (number, frame) in frames.iter().enumerate() {
         let name = if frames.len() == 1 { format!("{stem}-start.csv") } else { format!("{stem}-{number:05}.csv") };
-        write_whole(&folder.join(&name), csv::of_table(frame)?.as_bytes())?;
+        write_whole(&folder.join(&name), of_table(frame)?.as_bytes())?;
         let grains = frame.rows().len();
         console.result(&format!("{}: {grains} grains; give start.material for them", folder.join(name).display()))?;
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Meanings of the columns of tables of grains.
+const MEANINGS: [Column; 10] = [
+    Column::Position(0),
+    Column::Position(1),
+    Column::Position(2),
+    Column::Radius,
+    Column::Velocity(0),
+    Column::Velocity(1),
+    Column::Velocity(2),
+    Column::Spin(0),
+    Column::Spin(1),
+    Column::Spin(2),
+];
+
+/// Returns the text for a frame of another code, in the order of its numbers: the columns that it has, without materials.
+///
+/// # Errors
+/// [`ImportError`] for a frame without coordinates or sizes.
+fn of_table(table: &FrameTable) -> Result<String, ImportError> {
+    let find = |column: Column| match (table.find(column), column) {
+        (None, Column::Radius) => table.find(Column::Diameter).map(|place| (place, 0.5)),
+        (place, _) => place.map(|place| (place, 1.0)),
+    };
+    let all = || COLUMNS.into_iter().zip(MEANINGS);
+    let columns: Vec<_> = all().filter_map(|(name, column)| Some((name, find(column)?))).collect();
+    if let Some((name, _)) = all().take(4).find(|(_, column)| find(*column).is_none()) {
+        let problem = format!("there is no column {name}; write it, or name the columns of the file in its first line");
+        return Err(ImportError { file: table.file.clone(), line: table.line, problem });
+    }
+    let mut rows: Vec<&[f64]> = table.rows().collect();
+    if let Some(id) = table.find(Column::Id) {
+        rows.sort_by(|one, other| one[id].total_cmp(&other[id]));
+    }
+    let mut text = line(columns.iter().map(|(name, _)| name.to_string()));
+    for row in rows {
+        text += &line(columns.iter().map(|(_, (place, factor))| (factor * row[*place]).to_string()));
+    }
+    Ok(text)
 }
 
 /// Writes the frames of a run into a folder in a format; returns one line per file.
