@@ -286,3 +286,24 @@ fn what_an_exported_deck_leaves_is_measured_as_compare_measures_it() {
         assert_eq!(force["value"], row["mean"], "{code}");
     }
 }
+
+#[test]
+fn frames_of_other_codes_become_starts() {
+    let folder = tempfile::tempdir().unwrap();
+    let convert = |name: &str, text: &str| {
+        std::fs::write(folder.path().join(name), text).unwrap();
+        let (code, _, errors) = outcome(folder.path(), &["export", name, "--format", "csv", "-o", "start"]);
+        let file = folder.path().join(format!("start/{}-start.csv", name.split('.').next().unwrap()));
+        if code == 0 { Ok(std::fs::read_to_string(file).unwrap()) } else { Err((code, errors)) }
+    };
+    let dump = "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n2\nITEM: BOX BOUNDS ff ff ff\n0 1\n0 1\n0 1\n\
+                ITEM: ATOMS id type x y z radius vx vy vz\n2 1 0.5 0.5 0.25 0.01 0 0 -1\n1 1 0.25 0.5 0.5 0.02 1 0 0\n";
+    let expected = "x,y,z,radius,vx,vy,vz\n0.25,0.5,0.5,0.02,1,0,0\n0.5,0.5,0.25,0.01,0,0,-1\n";
+    assert_eq!(convert("dump.liggghts", dump).unwrap(), expected);
+    let yade = "#format x_y_z_r\n0.25 0.5 0.5 0.02\n0.5 0.5 0.25 0.01\n";
+    assert_eq!(convert("yade.txt", yade).unwrap(), "x,y,z,radius\n0.25,0.5,0.5,0.02\n0.5,0.5,0.25,0.01\n");
+    assert_eq!(convert("wide.csv", "x,y,z,diameter\n1,2,3,0.5\n").unwrap(), "x,y,z,radius\n1,2,3,0.25\n");
+    let (code, errors) = convert("without.csv", "x,y,z\n1,2,3\n").unwrap_err();
+    assert_eq!(code, 3, "{errors}");
+    assert!(errors.contains("no column radius"), "{errors}");
+}

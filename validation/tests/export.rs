@@ -2,8 +2,7 @@
 
 use hdf5_pure::File;
 use makadam::Simulation;
-use makadam_frames::export::{csv, write};
-use makadam_frames::import::{StatedColumns, parse};
+use makadam_frames::export::write;
 use makadam_frames::output::RunFiles;
 use makadam_frames::plan::{FrameFormat, MeasuredScene};
 use makadam_frames::run_frames::{Kind, RunFrames, StoreWriter};
@@ -246,21 +245,4 @@ fn a_csv_file_starts_another_scene() {
         assert_eq!((grain.position, grain.velocity, grain.spin), (particle.position, particle.velocity, particle.spin));
         assert_eq!((grain.radius, grain.material.as_str()), (particle.radius, "grain"));
     }
-}
-
-#[test]
-fn frames_of_other_codes_become_starts() {
-    let dump = "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n2\nITEM: BOX BOUNDS ff ff ff\n0 1\n0 1\n0 1\n\
-                ITEM: ATOMS id type x y z radius vx vy vz\n2 1 0.5 0.5 0.25 0.01 0 0 -1\n1 1 0.25 0.5 0.5 0.02 1 0 0\n";
-    let yade = "#format x_y_z_r\n0.25 0.5 0.5 0.02\n0.5 0.5 0.25 0.01\n";
-    let convert = |name: &str, text: &str| {
-        let tables = parse(Path::new(name), text.as_bytes().to_vec(), &StatedColumns::default()).unwrap();
-        csv::of_table(&tables[0])
-    };
-    let expected = "x,y,z,radius,vx,vy,vz\n0.25,0.5,0.5,0.02,1,0,0\n0.5,0.5,0.25,0.01,0,0,-1\n";
-    assert_eq!(convert("dump.liggghts", dump).unwrap(), expected);
-    assert_eq!(convert("yade.txt", yade).unwrap(), "x,y,z,radius\n0.25,0.5,0.5,0.02\n0.5,0.5,0.25,0.01\n");
-    assert_eq!(convert("a.csv", "x,y,z,diameter\n1,2,3,0.5\n").unwrap(), "x,y,z,radius\n1,2,3,0.25\n");
-    let error = convert("a.csv", "x,y,z\n1,2,3\n").unwrap_err().to_string();
-    assert!(error.contains("no column radius"), "{error}");
 }

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct SolverSettings {
-    /// Time step, s; default from gravity, grain size and speeds: see `Scene::default_step`. In code, 0 stands for the default.
+    /// Time step, s; default from gravity, grain size and speeds (`docs/settings.md`). In code, 0 stands for the default.
     #[serde(skip_serializing_if = "is_default")]
     pub step: f64,
     /// Stopping rule of a solve.

@@ -59,8 +59,18 @@ fn kind(page: &mut String, variant: &Map<String, Value>) {
     }
 }
 
-/// Returns the words that a value can be.
+/// Returns the words, or the key, that a value can be.
 fn words(variant: &Map<String, Value>) -> String {
+    let keys = |of: &Map<String, Value>| of.get("properties").and_then(Value::as_object).cloned().unwrap_or_default();
+    if let Some((key, value)) = keys(variant).into_iter().next() {
+        let value = value.as_object().cloned().unwrap_or_default();
+        let parts = keys(&value);
+        let names: Vec<&str> = parts.keys().map(String::as_str).collect();
+        let form = if names.is_empty() { type_of(&value) } else { format!("{{ {} }}", names.join(", ")) };
+        let of_parts =
+            parts.iter().filter_map(|(name, part)| Some(format!(" {name}: {}", description(part.as_object()?))));
+        return format!("- `{key} = {form}`: {}{}\n", description(variant), of_parts.collect::<String>());
+    }
     let single = variant.get("const").into_iter();
     let listed = variant.get("enum").and_then(Value::as_array).into_iter().flatten();
     let words: Vec<String> = single.chain(listed).map(|word| format!("`{word}`")).collect();

@@ -48,7 +48,7 @@ pub(super) struct RunArguments {
     #[arg(long, value_parser = clap::value_parser!(u16).range(..=1024))]
     pub prefetch: Option<u16>,
     /// Target accuracy, which replaces the scene's step and stopping rule: a fraction such as 1%, or deviations such as
-    /// angle=0.5,packing_fraction=0.002,friction_mobilisation=0.01,overlap=1e-3 (units: degrees, none, none, mean radii).
+    /// angle=0.5,packing_fraction=0.002 (also friction_mobilisation, overlap; units: degrees, none, none, mean radii).
     #[arg(long, value_parser = accuracy)]
     pub accuracy: Option<Accuracy>,
     /// Precision of the sweeps; if absent, the scene's. The result depends on it.
