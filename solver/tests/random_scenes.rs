@@ -112,7 +112,10 @@ fn check_laws(drawn: &Drawn, solves: Solves, steps: usize) -> Result<[u64; 1], T
     let mut simulation = drawn.start(solves);
     let mut bearing = 0;
     for number in 0..steps {
-        let Stepped { touches, inexact, .. } = step(&mut simulation, &laws);
+        let Stepped { touches, inexact, struck, .. } = step(&mut simulation, &laws);
+        if struck > 0 {
+            continue;
+        }
         for touch in &touches {
             let along = touch.along;
             bearing += u64::from(along > 0.0);

@@ -325,6 +325,9 @@ pub struct Stepped {
     pub after: Snapshot,
     pub touches: Vec<Touch>,
     pub inexact: Inexact,
+    /// Impacts on the paths of grains after the solve. They change velocities once more, so that these are not those of the solve, and the
+    /// places at which the paths end.
+    pub struck: usize,
     /// Memory of contacts from the step before.
     pub kept: Vec<KeptContact>,
 }
@@ -337,7 +340,7 @@ pub fn step(simulation: &mut Simulation, laws: &Laws) -> Stepped {
     let after = simulation.snapshot();
     let touches = laws.touches(&before, &after, &kept);
     let inexact = Inexact::of(&error).rounded(&touches, laws.scheme.step, farthest(&before));
-    Stepped { before, after, touches, inexact, kept }
+    Stepped { before, after, touches, inexact, struck: simulation.impacts_on_paths(), kept }
 }
 
 /// Largest distance of a grain's surface from the origin, m.

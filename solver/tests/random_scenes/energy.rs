@@ -66,9 +66,9 @@ pub fn check(drawn: &Drawn, solves: Solves) -> Result<[u64; 3], TestCaseError> {
     let (h, g) = (drawn.step, drawn.gravity);
     let mut counts = [0; 3];
     for number in 0..STEPS {
-        let Stepped { before, after, touches, inexact, .. } = step(&mut simulation, &laws);
+        let Stepped { before, after, touches, inexact, struck, .. } = step(&mut simulation, &laws);
         let bearing: Vec<&Touch> = touches.iter().filter(|touch| touch.along > 0.0).collect();
-        if bearing.is_empty() {
+        if bearing.is_empty() || struck > 0 {
             continue;
         }
         let (early, late) = (potential(&laws, drawn, &before), potential(&laws, drawn, &after));

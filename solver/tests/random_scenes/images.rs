@@ -171,7 +171,7 @@ pub fn check(drawn: &Drawn, image: &Image) -> Result<[u64; 3], TestCaseError> {
         let after = image.back(&mapped.after);
         let touches = laws.touches(&one.before, &after, &one.kept);
         let inexact = mapped.inexact.rounded(&touches, drawn.step, farthest(&one.before));
-        let other = Stepped { before: one.before.clone(), after, touches, inexact, kept: one.kept.clone() };
+        let other = Stepped { before: one.before.clone(), after, touches, inexact, struck: 0, kept: one.kept.clone() };
         for solution in [&one, &other] {
             for touch in &solution.touches {
                 let (Some(law), Some(asked)) = (touch.law, touch.asked()) else { continue };

@@ -158,6 +158,11 @@ impl Swept {
 }
 
 impl Simulation {
+    /// Returns the number of impacts of the last step that were resolved on the paths of grains, after the solve.
+    pub fn impacts_on_paths(&self) -> usize {
+        self.swept.strikes.len()
+    }
+
     /// Returns the first grain that crossed a wall, if any: later results are invalid.
     pub fn crossing(&self) -> Option<Crossing> {
         self.swept.crossing
