@@ -307,3 +307,30 @@ fn frames_of_other_codes_become_starts() {
     assert_eq!(code, 3, "{errors}");
     assert!(errors.contains("no column radius"), "{errors}");
 }
+
+#[test]
+fn grains_of_a_start_keep_their_materials_in_exports() {
+    let folder = tempfile::tempdir().unwrap();
+    let grains = "x,y,z,radius,material\n0,0,0.005,0.005,light\n0.02,0,0.005,0.005,heavy\n";
+    std::fs::write(folder.path().join("start.csv"), grains).unwrap();
+    let material = |name: &str, density: f64| {
+        format!(
+            "[material.{name}]\ndensity = {density:?}\nyoungs_modulus = 1e7\npoisson_ratio = 0.3\nfriction = 0.5\nrestitution = 0.3\n"
+        )
+    };
+    let scene = format!(
+        "name = 'two'\nduration = 0.01\ndomain = {{ min = [-0.1, -0.1, -0.1], max = [0.1, 0.1, 0.2] }}\n{}{}\
+         [[wall]]\nname = 'floor'\nmaterial = 'light'\nshape = {{ kind = 'plane', point = [0, 0, 0], normal = [0, 0, 1] }}\n\
+         [start]\nfile = 'start.csv'\n",
+        material("light", 2500.0),
+        material("heavy", 7800.0)
+    );
+    std::fs::write(folder.path().join("two.toml"), scene).unwrap();
+    let (code, _, errors) = outcome(folder.path(), &["run", "two.toml", "-o", "out", "--quiet"]);
+    assert_eq!(code, 0, "{errors}");
+    let (code, _, errors) = outcome(folder.path(), &["export", "out", "--format", "csv"]);
+    assert_eq!(code, 0, "{errors}");
+    let table = std::fs::read_to_string(folder.path().join("out/csv/grains-00000.csv")).unwrap();
+    let materials: Vec<&str> = table.lines().skip(1).filter_map(|line| line.rsplit(',').next()).collect();
+    assert_eq!(materials, ["light", "heavy"], "{table}");
+}

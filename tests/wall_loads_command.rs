@@ -92,3 +92,58 @@ fn fields_of_a_run_without_grains_are_zero() {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     assert!(folder.join("out/fields.pvd").is_file());
 }
+
+/// A lifter that the drum carries counts in the torque of the drum as one that turns by itself.
+#[test]
+fn a_carried_wall_has_its_share_of_the_torque() {
+    let drum = r#"
+name = "drum"
+duration = 0.3
+domain = { min = [-0.1, -0.1, -0.1], max = [0.1, 0.1, 0.1] }
+[material.glass]
+density = 2500.0
+youngs_modulus = 1e7
+poisson_ratio = 0.3
+friction = 0.5
+restitution = 0.3
+[[wall]]
+name = "shell"
+material = "glass"
+shape = { kind = "cylinder", base = [0, -0.02, 0], axis = [0, 1, 0], radius = 0.05, length = 0.04 }
+motion = { kind = "rotating", point = [0, 0, 0], axis = [0, 1, 0], rate = 4 }
+[[wall]]
+name = "lifter"
+material = "glass"
+shape = { kind = "rectangle", corner = [-0.05, -0.02, 0], edges = [[0.02, 0, 0], [0, 0.04, 0]] }
+MOTION
+[[wall]]
+name = "ends"
+material = "glass"
+shape = { kind = "box", min = [-0.09, -0.02, -0.09], max = [0.09, 0.02, 0.09], open = ["-x", "+x", "-z", "+z"] }
+[[population]]
+count = 120
+material = "glass"
+radius = { kind = "uniform", mean = 0.004, spread = 0.1 }
+region = { kind = "cylinder", base = [0, -0.02, 0], axis = [0, 1, 0], radius = 0.05, length = 0.04 }
+[solver]
+step = 5e-4
+[measure]
+interval = 0.02
+from = 0.1
+observables = ["drum-flow", "walls"]
+"#;
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let run = |name: &str, motion: &str| -> Value {
+        std::fs::write(folder.join("drum.toml"), drum.replace("MOTION", motion)).unwrap();
+        let output = makadam(folder).args(["run", "drum.toml", "--json", "--output", name]).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        serde_json::from_slice(&output.stdout).unwrap()
+    };
+    let carried = run("carried", "parent = \"shell\"");
+    let own = run("own", "motion = { kind = \"rotating\", point = [0, 0, 0], axis = [0, 1, 0], rate = 4 }");
+    assert_eq!(carried["state_hash"], own["state_hash"]);
+    assert_eq!(carried["observables"], own["observables"]);
+    let names = carried["observables"].as_object().unwrap();
+    assert!(names.contains_key("wall_torque") && names.contains_key("torque(lifter)"), "{names:?}");
+}

@@ -210,6 +210,8 @@ pub struct Watchdog {
     kinetic: f64,
     /// Smallest residual since the last check, in units of g h; `None` without an observed step.
     residual: Option<f64>,
+    /// True until the first check, if the watchdog has begun between two checks: it does not know all residuals.
+    is_partial: bool,
 }
 
 impl Watchdog {
@@ -226,6 +228,7 @@ impl Watchdog {
             available: f64::INFINITY,
             kinetic: 0.0,
             residual: None,
+            is_partial: settings.every > 0 && !simulation.steps.is_multiple_of(u64::from(settings.every)),
             noticed: Vec::new(),
         }
     }
@@ -269,7 +272,7 @@ impl Watchdog {
             let (reaction, step, time) = (self.settings.on_stagnation, simulation.steps, simulation.world.time);
             troubles.extend(self.stagnation(simulation).map(|trouble| Alarm { trouble, reaction, step, time }));
         }
-        self.residual = None;
+        (self.residual, self.is_partial) = (None, false);
         troubles
     }
 
@@ -353,7 +356,7 @@ impl Watchdog {
 
     fn stagnation(&self, simulation: &Simulation) -> Option<Trouble> {
         let (bound, unit) = (self.settings.residual, residual_unit_name(simulation.world.field.largest()));
-        let stagnates = self.residual.filter(|residual| *residual > bound);
+        let stagnates = self.residual.filter(|residual| *residual > bound && !self.is_partial);
         stagnates.map(|residual| Trouble::Stagnation { residual, bound, unit })
     }
 

@@ -194,6 +194,13 @@ fn motions_that_make_no_sense_are_refused() {
         (table("[[0, 0, 0, 0, 0, 0, 0], [0, 1, 0, 0, 0, 0, 0]]"), "is not after"),
         (table("[[0, 0, 0, 0, 0, 0, 0], [1, 0, 0, 0, 0, 4, 0]]"), "half a turn"),
         (table("[[0, 1, 0, 0, 0, 0, 0], [1, 0, 0, 0, 0, 0, 0]]"), "zeros in the first row"),
+        (table("[[0, 0, 0, 0, 0, 0, 0], [5e-5, 0, 0, 0, 0, 0.1, 0]]"), "less than the step"),
+        (
+            "motion = [{ kind = 'rotating', point = [0, 0, 0], axis = [0, 0, 1], rate = 3000 }, \
+          { kind = 'rotating', point = [0, 0, 0], axis = [0, 0, 1], rate = 3000 }]"
+                .into(),
+            "a turn of wall 'floor'",
+        ),
         ("motion = { kind = 'table', file = 'no-such.csv' }".into(), "no-such.csv"),
         (
             "motion = { kind = 'force-driven', axis = [0, 0, 1], force = 1, mass = 1, largest_speed = 0 }".into(),
@@ -203,4 +210,20 @@ fn motions_that_make_no_sense_are_refused() {
         let error = wall(&lines);
         assert!(error.contains(expected), "{lines}: {error}");
     }
+}
+
+/// Tables of stages are read from their files, too.
+#[test]
+fn a_stage_reads_its_table() {
+    let folder = std::env::temp_dir().join(format!("makadam-table-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    std::fs::write(folder.join("lift.csv"), "time,z\n0,0\n0.5,0.01\n").unwrap();
+    let stage =
+        "[[stage]]\nname = 'lift'\nduration = 1.0\nmotion = { floor = { kind = 'table', file = 'lift.csv' } }\n";
+    let text = Setup { body: FLOOR.to_string() + stage, ..Setup::default() }.text("");
+    let scene = Scene::parse_in(&text, &folder).unwrap();
+    std::fs::remove_dir_all(&folder).unwrap();
+    let mut simulation = start(&scene);
+    steps(&mut simulation, 2500);
+    assert_relative_eq!(simulation.wall_displacement(0).unwrap().0[2], 0.005, epsilon = 1e-12);
 }

@@ -317,3 +317,27 @@ fn a_written_scene_is_the_scene() {
     assert_eq!((built.duration, built.in_stage(1, &[]).stage.len()), (3.0, 0));
     assert!(scene.in_stage(3, &[]).wall[1].motion != Motion::Fixed);
 }
+
+/// A stage without friction has no friction left from the stage before: a grain on a slope goes on with the whole of gravity.
+#[test]
+fn a_stage_can_end_friction() {
+    let floor = "[[wall]]\nname = 'floor'\nmaterial = 'glass'\nshape = { kind = 'plane', point = [0, 0, 0], normal = [0, 0, 1] }\n\
+                 [[grain]]\nmaterial = 'glass'\nradius = 0.005\nposition = [0, 0, 0.005]\n\
+                 [[stage]]\nname = 'sticks'\nduration = 0.2\n\
+                 [[stage]]\nname = 'slides'\nduration = 0.2\nmaterial = { glass = { friction = 0.0 } }\n";
+    let scene = read(&format!(
+        "name = 'slope'\ndescription = 'stages'\ngravity = [3.0, 0.0, -9.0]\n\
+         domain = {{ min = [-1, -1, -1], max = [20, 1, 1] }}\n\
+         [material.glass]\ndensity = 2500.0\nyoungs_modulus = 1e7\npoisson_ratio = 0.3\nfriction = 0.5\nrestitution = 0.3\n\
+         [solver]\nstep = 5e-4\n{floor}"
+    ));
+    let mut simulation = start(&scene);
+    simulation.open_ledger();
+    steps(&mut simulation, 400);
+    let [before, ..] = simulation.snapshot().particles[0].velocity;
+    steps(&mut simulation, 400);
+    let [after, ..] = simulation.snapshot().particles[0].velocity;
+    assert_relative_eq!(after - before, 3.0 * 0.2, max_relative = 1e-9);
+    let balance = simulation.balance().unwrap();
+    assert!(balance.closure.abs() <= 1e-9 * balance.exchanged(), "{balance:#?}");
+}

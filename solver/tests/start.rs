@@ -104,3 +104,15 @@ fn overlaps_at_the_start_are_refused() {
     std::fs::remove_dir_all(folder).unwrap();
     assert!(error.contains("start.file") && error.contains("grains 0 and 1 overlap"), "{error}");
 }
+
+/// The default step follows the grains of a file as it follows listed ones.
+#[test]
+fn the_default_step_knows_the_grains_of_a_file() {
+    let csv = "x,y,z,radius,vz\n0,0,0.0001,0.00005,-3\n";
+    let (folder, text) = scene_in("default-step", csv, "file = 'start.csv'\nmaterial = 'grain'");
+    let text: String =
+        text.lines().filter(|line| !line.starts_with("step = ")).map(|line| format!("{line}\n")).collect();
+    let scene = Scene::parse_in(&text, &folder).unwrap();
+    std::fs::remove_dir_all(folder).unwrap();
+    assert!((1e-6..2e-6).contains(&scene.solver.step), "{}", scene.solver.step);
+}

@@ -69,6 +69,10 @@ fn a_state_is_looked_at_once_and_solves_are_judged_when_it_is_time_to() {
     let last = watchdog.last(&simulation);
     assert!(matches!(last[..], [Alarm { trouble: Trouble::Stagnation { .. }, .. }]), "{last:?}");
     assert!(!last[0].trouble.is_fatal() && watchdog.last(&simulation).is_empty());
+    // Begun between two checks, as on a resume: the solves before are unknown.
+    let mut late = Watchdog::new(&Watch { every: 64, ..watch }, &simulation);
+    simulation.step();
+    assert!(late.observe(&simulation, &bad).is_empty() && late.last(&simulation).is_empty());
 }
 
 #[test]

@@ -85,7 +85,7 @@ impl Scene {
     /// report those that the step does not resolve.
     pub fn default_step(&self) -> f64 {
         let speed = |velocity| Vector3::from(velocity).norm();
-        let listed = self.grain.iter().map(|grain| (grain.radius, speed(grain.velocity)));
+        let listed = self.listed().map(|grain| (grain.radius, speed(grain.velocity)));
         let groups = self.population.iter().filter(|group| group.count > 0);
         let placed = groups.map(|group| (group.radius.mean(), group.agitation));
         let come = self.insert.iter().map(|source| (source.radius.mean(), speed(source.velocity)));

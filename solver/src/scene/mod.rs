@@ -223,12 +223,12 @@ impl Scene {
             let missing = || Fault::new(Vec::new(), "missing field `duration`".into(), remedy);
             scene.duration = scene.longest_of_stages().ok_or_else(missing)?;
         }
-        if !document.has("solver", "step") {
-            scene.solver.step = scene.default_step();
-        }
         document.first_unread(&scene).map_or(Ok(()), Err)?;
         scene.read_files(document)?;
         scene.read_start(document)?;
+        if !document.has("solver", "step") {
+            scene.solver.step = scene.default_step();
+        }
         check::check(&scene)?;
         if let Some(accuracy) = scene.accuracy {
             check::chosen_twice(document)?;
@@ -240,6 +240,10 @@ impl Scene {
 
     /// Reads the files of meshes and of tables of poses, unless the scene holds their content.
     fn read_files(&mut self, document: &Document<'_>) -> Checked {
+        for (number, stage) in self.stage.iter_mut().enumerate() {
+            let at = DocumentPath::default().key("stage").index(number).key("motion");
+            stage.motion.iter_mut().try_for_each(|(wall, motion)| motion.read_tables(&at.name(wall), document))?;
+        }
         for (index, wall) in self.wall.iter_mut().enumerate() {
             wall.motion.read_tables(&DocumentPath::default().key("wall").index(index).key("motion"), document)?;
             let Shape::Mesh { file, content, .. } = &mut wall.shape else { continue };

@@ -67,6 +67,8 @@ pub enum StageEnd {
 pub struct StageMaterial {
     /// Coulomb friction coefficient.
     pub friction: Option<f64>,
+    /// Coulomb friction coefficient of a sliding contact.
+    pub kinetic_friction: Option<f64>,
     /// Coefficient of restitution, 0 to 1.
     pub restitution: Option<f64>,
     /// Coefficient of rolling friction.
@@ -133,6 +135,7 @@ impl Scene {
         for (name, own) in &stage.material {
             let Some(material) = scene.material.get_mut(name) else { continue };
             material.friction = own.friction.unwrap_or(material.friction);
+            material.kinetic_friction = own.kinetic_friction.or(material.kinetic_friction);
             material.restitution = own.restitution.unwrap_or(material.restitution);
             material.rolling_friction = own.rolling_friction.unwrap_or(material.rolling_friction);
             material.twisting_friction = own.twisting_friction.unwrap_or(material.twisting_friction);

@@ -4,7 +4,7 @@ use super::document::{Checked, Document, DocumentPath};
 use super::error::Fault;
 use super::{GrainEntry, Scene};
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Names of the columns with numbers. Every file has the first four.
 const COLUMNS: [&str; 10] = ["x", "y", "z", "radius", "vx", "vy", "vz", "wx", "wy", "wz"];
@@ -23,13 +23,24 @@ pub struct Start {
     #[serde(default)]
     pub content: String,
     #[serde(skip)]
-    grains: Arc<[GrainEntry]>,
+    grains: Parsed,
+}
+
+/// Grains of the content, parsed once.
+#[derive(Clone, Debug, Default)]
+struct Parsed(OnceLock<Arc<[GrainEntry]>>);
+
+impl PartialEq for Parsed {
+    /// Returns true: the content decides.
+    fn eq(&self, _: &Parsed) -> bool {
+        true
+    }
 }
 
 impl Start {
     /// Returns the grains of the file, in the order of its lines.
     pub fn grains(&self) -> &[GrainEntry] {
-        &self.grains
+        self.grains.0.get_or_init(|| self.parse().unwrap_or_default())
     }
 
     /// Makes a fault of a line, from 1.
@@ -46,7 +57,11 @@ impl Start {
 
     /// Reads the content.
     fn parse(&self) -> Result<Arc<[GrainEntry]>, Fault> {
-        let mut lines = self.content.lines().map(|line| line.split(',').map(str::trim).collect::<Vec<&str>>());
+        let mut lines = self
+            .content
+            .trim_start_matches('\u{feff}')
+            .lines()
+            .map(|line| line.split(',').map(str::trim).collect::<Vec<&str>>());
         let head = lines.next().unwrap_or_default();
         let place = |name: &str| head.iter().position(|own| *own == name);
         let is_known = |name: &str| name == "material" || COLUMNS.contains(&name);
@@ -102,7 +117,7 @@ impl Scene {
                 at.fault(format!("'{}' cannot be read: {error}", path.display()), remedy)
             })?;
         }
-        start.grains = start.parse()?;
+        start.grains = Parsed(OnceLock::from(start.parse()?));
         Ok(())
     }
 }

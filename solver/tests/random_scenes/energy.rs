@@ -68,7 +68,8 @@ pub fn check(drawn: &Drawn, solves: Solves) -> Result<[u64; 3], TestCaseError> {
     for number in 0..STEPS {
         let Stepped { before, after, touches, inexact, struck, .. } = step(&mut simulation, &laws);
         let bearing: Vec<&Touch> = touches.iter().filter(|touch| touch.along > 0.0).collect();
-        if bearing.is_empty() || struck > 0 {
+        // The place and the normal at which a fast grain meets a wall on its way are not those of the snapshot.
+        if bearing.is_empty() || struck > 0 || bearing.iter().any(|touch| touch.law.is_none()) {
             continue;
         }
         let (early, late) = (potential(&laws, drawn, &before), potential(&laws, drawn, &after));

@@ -168,6 +168,15 @@ impl MeasuredScene {
         MeasuredScene { simulated: self.simulated.with_stiffness_factor(factor), ..self.clone() }
     }
 
+    /// Returns the scene with walls that stand alone, each with its motion and that of the walls that carry it.
+    pub fn with_own_motions(&self) -> MeasuredScene {
+        let mut own = self.clone();
+        for (index, wall) in own.simulated.wall.iter_mut().enumerate() {
+            (wall.motion, wall.parent) = (self.course(index), None);
+        }
+        own
+    }
+
     /// Lets a simulation record the loads and the wear of walls, if they are measured.
     pub fn record_walls(&self, simulation: &mut Simulation) {
         let asks = |group: Observable| self.measure.observables.contains(&group);
@@ -425,7 +434,7 @@ macro_rules! with_frame_formats {
             Vtp vtp "ParaView: one file per frame, and a script that opens them.",
             Vtkhdf vtkhdf "ParaView: one file for all frames of grains, contacts or walls.",
             Gsd gsd "OVITO and HOOMD-blue: grains over time.",
-            Csv csv "Tables of the grains, which [start] of a scene reads.",
+            Csv csv "Tables of the grains, for the start of a scene.",
             Fields fields "ParaView: coarse-grained fields of density, velocity and stress on a grid.",
         }
     };

@@ -60,6 +60,7 @@ pub(super) fn export(arguments: &ExportArguments, console: &Console) -> Result<E
 /// Writes the input of a code for a scene.
 fn export_scene(arguments: &ExportArguments, code: CodeName, console: &Console) -> Result<ExitCode, Failure> {
     let (file, scene) = load(&arguments.what, &arguments.changes)?;
+    let scene = if scene.stage.is_empty() { scene } else { scene.without_stages().map_err(Failure::Usage)? };
     let code = code.code();
     let name = format!("{}-{}", file_stem(&scene.name), code.name().to_lowercase());
     let folder = arguments.output.clone().unwrap_or_else(|| PathBuf::from(name));

@@ -15,6 +15,7 @@ use makadam_measure::observables::impossible;
 pub use makadam_studies::effects::{Called, called};
 use makadam_view::draw::numbers::{compact, count, duration, plural};
 use makadam_view::draw::wrapped;
+use nalgebra::Vector3;
 use pace::{Pace, Work};
 use scales::Bed;
 use serde::Serialize;
@@ -76,8 +77,15 @@ impl Forecast {
         let grains = populate(scene, scene.seed)?;
         let bed = Bed::of(scene, &grains);
         let steps = scene.most_steps();
-        let moving =
-            scene.wall.iter().filter_map(|wall| Some(format!("{} {}", wall.name, scales::motion(&wall.motion)?)));
+        let moving = scene.wall.iter().enumerate().filter_map(|(index, wall)| {
+            let belt = Vector3::from(wall.surface_velocity).norm();
+            let belt = (belt > 0.0).then(|| format!("runs at {belt} m/s"));
+            let given = scene.stage.iter().any(|stage| stage.motion.contains_key(&wall.name));
+            let of_stage = given.then(|| "moves in a stage".to_string());
+            let words: Vec<String> =
+                [scales::motion(&scene.course(index)), belt, of_stage].into_iter().flatten().collect();
+            (!words.is_empty()).then(|| format!("{} {}", wall.name, words.join(", ")))
+        });
         let active = called(scene, text).into_iter().filter(|called: &Called| called.on);
         let radii = || grains.iter().map(|grain| grain.radius);
         let mean = radii().sum::<f64>() / grains.len().max(1) as f64;

@@ -42,9 +42,15 @@ pub(super) fn faults(scene: &Scene, beforehand: Option<Beforehand>) -> Vec<Fault
 
 /// Returns the longest step (s) that resolves all motions of a scene.
 pub(in crate::scene) fn longest_step(scene: &Scene) -> f64 {
-    let parts = || scene.wall.iter().flat_map(|wall| wall.motion.parts());
-    let periods = parts().filter_map(|motion| period(motion, scene.duration));
-    let lasting = parts().flat_map(intervals).map(|(_, start, end)| (start, end - start));
+    let parts = || {
+        scene
+            .wall
+            .iter()
+            .enumerate()
+            .flat_map(|(index, wall)| wall.motion.parts().iter().map(move |part| (index, part)))
+    };
+    let periods = parts().filter_map(|(index, motion)| period(scene, index, motion, scene.duration));
+    let lasting = parts().flat_map(|(_, motion)| intervals(motion)).map(|(_, start, end)| (start, end - start));
     let lasting = lasting.filter(|(start, lasts)| *lasts > 0.0 && *start < scene.duration).map(|(_, lasts)| lasts);
     let pulses = pulses(scene).into_iter().filter(|pulse| pulse.start < scene.duration).map(|pulse| 0.5 * pulse.lasts);
     periods.map(|period| period / STEPS_A_PERIOD).chain(lasting).chain(pulses).fold(f64::INFINITY, f64::min)
@@ -54,10 +60,11 @@ fn walls<'s>(scene: &'s Scene, stepping: &'s Stepping) -> impl Iterator<Item = F
     let step = || short(stepping.step);
     let parts = scene.wall.iter().enumerate().flat_map(|(index, wall)| {
         let at = DocumentPath::default().key("wall").index(index).key("motion");
-        wall.motion.parts_at(&at).map(|(at, motion)| (at, wall, motion)).collect::<Vec<_>>()
+        wall.motion.parts_at(&at).map(|(at, motion)| (at, index, wall, motion)).collect::<Vec<_>>()
     });
-    parts.flat_map(move |(at, wall, motion)| {
-        let period = period(motion, stepping.until).filter(|period| stepping.misses(*period / STEPS_A_PERIOD));
+    parts.flat_map(move |(at, index, wall, motion)| {
+        let period =
+            period(scene, index, motion, stepping.until).filter(|period| stepping.misses(*period / STEPS_A_PERIOD));
         let too_fast = period.map(|period| {
             let (what, turns) = match motion {
                 Motion::Vibrating { .. } => ("a period", "vibration"),
@@ -117,10 +124,14 @@ impl Stepping {
 }
 
 /// Returns the period of a motion (s), if the motion is periodic and starts before `until`.
-fn period(motion: &Motion, until: f64) -> Option<f64> {
+fn period(scene: &Scene, wall: usize, motion: &Motion, until: f64) -> Option<f64> {
     let (rate, start) = match *motion {
         Motion::Vibrating { amplitude, frequency, start, .. } if amplitude != [0.0; 3] => (TAU * frequency, start),
-        Motion::Rotating { rate, start, .. } => (rate.abs(), start),
+        // Rotations of one wall may add up.
+        Motion::Rotating { start, .. } => {
+            let rate = |part: &Motion| if let Motion::Rotating { rate, .. } = part { rate.abs() } else { 0.0 };
+            (scene.course(wall).parts().iter().map(rate).sum(), start)
+        }
         _ => return None,
     };
     (rate > 0.0 && start < until).then(|| TAU / rate)
@@ -137,6 +148,10 @@ fn intervals(motion: &Motion) -> Vec<(&'static str, f64, f64)> {
             let first = turns.or(stop).map(|end| (if turns.is_some() { "reverse" } else { "stop" }, start, end));
             let second = turns.zip(stop).map(|(reverse, stop)| ("stop", reverse, stop));
             first.into_iter().chain(second).collect()
+        }
+        Motion::Table { ref content, start, .. } => {
+            let rows = content.rows().windows(2);
+            rows.map(|rows| ("file", start + rows[0][0], start + rows[1][0])).collect()
         }
         _ => Vec::new(),
     }

@@ -125,9 +125,9 @@ struct Remembered {
 }
 
 impl Remembered {
-    fn scaled(&self, scale: f64) -> Impulse {
-        let [normal, x, y, z] = self.impulse.map(|component| component * scale);
-        Impulse { normal, tangential: [x, y, z] }
+    fn scaled(&self, [normal, tangential]: [f64; 2]) -> Impulse {
+        let [along, x, y, z] = self.impulse;
+        Impulse { normal: along * normal, tangential: [x, y, z].map(|component| component * tangential) }
     }
 
     fn impact(&self) -> ImpactMemory {
@@ -137,9 +137,9 @@ impl Remembered {
 }
 
 /// Sets the impulse of a candidate, times a factor, and its angular impulse in a scene with torques.
-fn give(memory: &mut Memory, candidate: usize, (known, torque): (&Remembered, Option<&[f64; 3]>), scale: f64) {
-    let torque = torque.map_or([0.0; 3], |torque| torque.map(|component| component * scale));
-    memory.set(candidate, known.scaled(scale), known.impact(), torque);
+fn give(memory: &mut Memory, candidate: usize, (known, torque): (&Remembered, Option<&[f64; 3]>), scales: [f64; 2]) {
+    let torque = torque.map_or([0.0; 3], |torque| torque.map(|component| component * scales[0]));
+    memory.set(candidate, known.scaled(scales), known.impact(), torque);
 }
 
 /// Impulses and impacts of the active candidates, each with its index in the list. An impulse is active if any of its bits is
@@ -364,8 +364,9 @@ impl State {
     pub fn give_impulses(&self, simulation: &mut Simulation, scale: f64) -> Result<(), String> {
         let (grains, surfaces) = (self.grains.len() as u32, simulation.world.walls.faces() as u32);
         let candidates = &mut simulation.candidates;
-        // Start and source may differ in whether contacts transmit torques.
-        let torques = simulation.relaxation.effects.torques();
+        // Start and source may differ in whether contacts transmit torques, or friction.
+        let effects = simulation.relaxation.effects;
+        let (torques, scales) = (effects.torques(), [scale, if effects.friction() { scale } else { 0.0 }]);
         let (of_pairs, of_walls) = (&mut candidates.impulses.pairs, &mut candidates.impulses.walls);
         of_pairs.resize(self.pairs.len(), torques);
         of_walls.resize(self.walls.len(), torques);
@@ -374,14 +375,14 @@ impl State {
                 return Err("names a grain that is not there".into());
             }
             candidates.pairs.push(PairCandidate { first: known.first, second: known.second });
-            give(of_pairs, number, (known, self.pair_torques.get(number)), scale);
+            give(of_pairs, number, (known, self.pair_torques.get(number)), scales);
         }
         for (number, known) in self.walls.iter().enumerate() {
             if known.first >= grains || known.second >= surfaces {
                 return Err("names a grain or a wall that is not there".into());
             }
             candidates.walls.push(WallCandidate { body: known.first, surface: known.second });
-            give(of_walls, number, (known, self.wall_torques.get(number)), scale);
+            give(of_walls, number, (known, self.wall_torques.get(number)), scales);
         }
         simulation.layout.replan(1, |plan| *plan = Plan::single(self.pairs.len() as u32, self.walls.len() as u32));
         simulation.candidates.find_borne(&simulation.layout.plan);
@@ -504,7 +505,7 @@ impl State {
                 return Err(OTHER.into());
             }
             let borne = (known, self.pair_torques.get(number));
-            give(&mut candidates.impulses.pairs, known.candidate as usize, borne, 1.0);
+            give(&mut candidates.impulses.pairs, known.candidate as usize, borne, [1.0; 2]);
         }
         candidates.find_borne(&layout.plan);
         for (number, known) in self.walls.iter().enumerate() {
@@ -516,7 +517,7 @@ impl State {
             }
             wall.surface = known.second;
             let borne = (known, self.wall_torques.get(number));
-            give(&mut candidates.impulses.walls, known.candidate as usize, borne, 1.0);
+            give(&mut candidates.impulses.walls, known.candidate as usize, borne, [1.0; 2]);
         }
         Ok(())
     }

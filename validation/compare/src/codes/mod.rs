@@ -247,15 +247,6 @@ fn supported_start(code: &'static str, has: &[&'static Effect], job: &Job<'_>) -
     makadam::starting_grains_if(job, |grains| refuse_unsupported(code, has, job.scene, grains))
 }
 
-/// Returns the scene with walls that stand alone, each with its motion and that of the walls that carry it.
-fn with_own_motions(scene: &MeasuredScene) -> MeasuredScene {
-    let mut own = scene.clone();
-    for (index, wall) in own.wall.iter_mut().enumerate() {
-        (wall.motion, wall.parent) = (scene.course(index), None);
-    }
-    own
-}
-
 /// Refuses scenes that no soft-sphere code can run.
 fn refuse_unsupported(
     code: &'static str,

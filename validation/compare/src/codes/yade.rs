@@ -3,7 +3,7 @@
 use super::input::{MotionPhase, Palette, Plan, Primitive, primitives};
 use super::process::{self, Program, Run, installed, io};
 use super::yade_rolling::{Rolling, rolling};
-use super::{Code, CodeError, HERTZ_MINDLIN, Job, Purpose, supported_start, with_own_motions};
+use super::{Code, CodeError, HERTZ_MINDLIN, Job, Purpose, supported_start};
 use makadam::effects::SURFACE_VELOCITY;
 use makadam::effects::catalogue::{
     COHESION, COMPLIANCE, DRIVEN_WALLS, Effect, FRICTION, GRAVITY, RESTITUTION, ROLLING, SIZE_SPREAD, SPIN,
@@ -160,7 +160,7 @@ impl Code for Yade {
 
 /// Writes job and driver into the job's folder: the grains and the steps of the run.
 fn write_input(job: &Job<'_>) -> Result<(Vec<Grain>, Plan), CodeError> {
-    let scene = &with_own_motions(job.scene);
+    let scene = &job.scene.with_own_motions();
     let job = &Job { scene, ..*job };
     let grains = supported_start(NAME, &HAS, job)?;
     let unsupported = |reason: String| CodeError::Unsupported { code: NAME, reason };

@@ -75,7 +75,8 @@ fn words(variant: &Map<String, Value>) -> String {
     let listed = variant.get("enum").and_then(Value::as_array).into_iter().flatten();
     let words: Vec<String> = single.chain(listed).map(|word| format!("`{word}`")).collect();
     let meaning = if variant.contains_key("const") { format!(": {}", description(variant)) } else { String::new() };
-    format!("- {}{meaning}\n", words.join(", "))
+    let form = if words.is_empty() { type_of(variant) } else { words.join(", ") };
+    format!("- {form}{meaning}\n")
 }
 
 /// Adds the keys of a table, except those of some names.

@@ -3,7 +3,7 @@
 use super::catalogue::{Definition, definition, definitions, group_of, missing};
 use super::drum::Drum;
 use super::measurement::Measured;
-use makadam::scene::{DocumentPath, Finding, Severity, Shape};
+use makadam::scene::{DocumentPath, Finding, Motion, Severity, Shape};
 use makadam_frames::plan::{MeasuredScene, Observable};
 use makadam_frames::recording::Content;
 use serde::Serialize;
@@ -44,7 +44,9 @@ fn lack(scene: &MeasuredScene, group: Observable) -> Option<(&'static str, &'sta
             (outlet || !scene.remove.is_empty(), "there is no sink, and no wall is a disc with a hole")
         }
         Observable::DrivenWall => {
-            (scene.wall.iter().any(|wall| wall.motion.is_driven()), "no wall is driven by a force or a torque")
+            let of_stages = scene.stage.iter().flat_map(|stage| stage.motion.values());
+            let mut motions = scene.wall.iter().map(|wall| &wall.motion).chain(of_stages);
+            (motions.any(Motion::is_driven), "no wall is driven by a force or a torque")
         }
         Observable::Walls | Observable::Wear => (!scene.wall.is_empty(), "there are no walls"),
         Observable::Gauges => (!scene.gauge.is_empty(), "there is no [[gauge]]"),
@@ -71,7 +73,7 @@ pub fn unmeasured(scene: &MeasuredScene, lacks: &[Content], measured: &Measured)
         let is_known = |known: &Definition| known.name == name;
         measured.measurements.iter().any(|measured| definition(&measured.observable).is_some_and(is_known))
     };
-    let turns = scene.wall.iter().any(|wall| wall.motion.axis().is_some());
+    let turns = (0..scene.wall.len()).any(|wall| scene.course(wall).axis().is_some());
     let refusal = |group: Observable| measured.refusals.iter().find(|(refused, _)| *refused == group);
     let without = definitions().filter_map(|(_, definition)| Some((definition.name, asked(definition.name)?.0)));
     let reason = |name: &str, group: Observable| match (missing(scene, name, lacks), lack(scene, group)) {

@@ -28,6 +28,8 @@ impl<'a> Properties<'a> {
     }
 
     fn of(scene: Cow<'a, MeasuredScene>) -> Self {
+        let is_carried = scene.wall.iter().any(|wall| wall.parent.is_some());
+        let scene = if is_carried { Cow::Owned(scene.with_own_motions()) } else { scene };
         let names: Vec<&String> = scene.material.keys().collect();
         let of_pairs = |a: &&String| names.iter().map(|b| scene.contact_coefficients(a, b, false)).collect();
         let of_walls =

@@ -196,7 +196,10 @@ impl Measurements {
             if complete && from.is_none_or(|from| ended >= from) {
                 return Ok(Measurements::none("there are no grains".into()));
             }
-            let before = from.map_or("its last step".into(), |from| format!("measure.from = {from} s"));
+            let before = match (&scene.measure.stage, from) {
+                (Some(stage), _) => format!("the measured part of stage '{stage}'"),
+                (None, from) => from.map_or("its last step".into(), |from| format!("measure.from = {from} s")),
+            };
             return Ok(Measurements::none(format!("the run ended after {ended:.4} s, before {before}")));
         };
         let without = unmeasured(scene, &[], &measured).into_iter();

@@ -15,7 +15,7 @@
 use super::deck::{DeckRun, HAS, data, manifest, render, values};
 use super::input::{AXES, Face, MotionPhase, Palette, Plan, along, closed_faces};
 use super::process::{Program, installed};
-use super::{Code, CodeError, HERTZ_MINDLIN, Job, Purpose, supported_start, with_own_motions};
+use super::{Code, CodeError, HERTZ_MINDLIN, Job, Purpose, supported_start};
 use makadam::scene::{ContactCoefficients, Grain, Material, Motion, Shape, Wall};
 use makadam_frames::plan::MeasuredScene;
 use makadam_frames::recording::Recording;
@@ -61,7 +61,7 @@ impl Code for Lammps {
 
 /// Writes deck, grains and manifest into the job's folder.
 fn write_input(job: &Job<'_>) -> Result<Plan, CodeError> {
-    let scene = &with_own_motions(job.scene);
+    let scene = &job.scene.with_own_motions();
     let job = &Job { scene, ..*job };
     let grains = supported_start(NAME, &HAS, job)?;
     let plan = Plan::new(scene, job.rayleigh_fraction * scene.rayleigh_step(&grains));

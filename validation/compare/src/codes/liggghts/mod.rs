@@ -12,7 +12,7 @@
 use super::deck::{DeckRun, HAS, data, manifest, render, values};
 use super::input::{AXES, Palette, Plan, Primitive, primitives, stl};
 use super::process::{Program, installed};
-use super::{Code, CodeError, HERTZ_MINDLIN, Job, Purpose, supported_start, with_own_motions};
+use super::{Code, CodeError, HERTZ_MINDLIN, Job, Purpose, supported_start};
 use makadam::effects::SURFACE_VELOCITY;
 use makadam::scene::{Domain, Grain, Motion, Shape, TriangleMesh, Wall};
 use makadam::snapshot::Snapshot;
@@ -77,7 +77,7 @@ fn walls_move(scene: &MeasuredScene, plan: &Plan) -> bool {
 
 /// Writes deck, grains, meshes and manifest into the job's folder; returns the coordinates of deck and dumps.
 fn write_input(job: &Job<'_>) -> Result<(Plan, Turn), CodeError> {
-    let job = &Job { scene: &with_own_motions(job.scene), ..*job };
+    let job = &Job { scene: &job.scene.with_own_motions(), ..*job };
     let grains = supported_start(NAME, &[&HAS[..], &[&SURFACE_VELOCITY]].concat(), job)?;
     let plan = Plan::new(job.scene, job.rayleigh_fraction * job.scene.rayleigh_step(&grains));
     let (turn, scene, grains) = match job.purpose {
