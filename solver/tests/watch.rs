@@ -63,7 +63,8 @@ fn a_state_is_looked_at_once_and_solves_are_judged_when_it_is_time_to() {
     let mut bad = StepReport::default();
     bad.solve.reason = makadam::solve::StopReason::MaxSweeps;
     bad.solve.residuals.normal.rms = 1.0;
-    let mut watchdog = Watchdog::new(&watch, &simulation);
+    let begun = Watch { every: simulation.steps_taken() as u32, ..watch.clone() };
+    let mut watchdog = Watchdog::new(&begun, &simulation);
     simulation.step();
     assert!(watchdog.observe(&simulation, &bad).is_empty() && watchdog.look(&simulation).is_empty());
     let last = watchdog.last(&simulation);
