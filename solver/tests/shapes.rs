@@ -150,7 +150,7 @@ fn a_grain_rolls_over_a_rectangle_as_over_a_plane() {
         let setup = Setup { body: grain(RADIUS, [-0.03, -0.025, RADIUS], [0.5, 0.4, 0.0]), ..Setup::default() };
         let mut simulation = start(&setup, walls);
         run_until(&mut simulation, 0.1);
-        simulation.snapshot().particles[0].clone()
+        simulation.snapshot().particles[0]
     };
     let plane = end(&[wall(Shape::plane([0.0; 3], UP))]);
     let rectangle =
@@ -200,7 +200,7 @@ fn a_turning_rectangle_moves_grains_as_its_triangles_do() {
         let setup = Setup { body: grain(RADIUS, [0.01, 0.0, 0.01], [0.0; 3]), friction: 0.3, ..Setup::default() };
         let mut simulation: Simulation = start(&setup, &[wall.moving(motion())]);
         run_until(&mut simulation, 0.05);
-        simulation.snapshot().particles[0].clone()
+        simulation.snapshot().particles[0]
     };
     let (one, other) = (end(wall(sheet())), end(mesh("shape", &sheet().triangles().unwrap())));
     assert_eq!(one.position, other.position);
