@@ -83,7 +83,7 @@ pub enum Shape {
         /// Normal towards the grains; need not be of unit length.
         normal: [f64; 3],
     },
-    /// Box seen from inside, without the open faces; side faces have no edge.
+    /// Box seen from inside, without the open faces; each face is a plane without an edge.
     Box {
         /// Lower corner, metres.
         min: [f64; 3],
