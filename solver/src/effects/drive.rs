@@ -9,8 +9,10 @@
 //! ```
 //!
 //! F is a force (N) on a mass M (kg), T a torque (N m) on a moment of inertia I (kg m2) about the axis through the centre of
-//! mass: gravity exerts no torque. A limit of the speed takes the nearest V' within it, by an impulse of the guide that does no positive work: such
-//! a wall is a press that approaches at its largest speed and holds its force. The position follows from `s' = s + h V'`, as for grains (semi-implicit Euler).
+//! mass: gravity exerts no torque. The position follows from `s' = s + h V'`, as for grains (semi-implicit Euler).
+//!
+//! A largest speed bounds V'. The impulse of this bound acts against V' and does no positive work. Such a wall is a press: it approaches at its
+//! largest speed and holds its force.
 //!
 //! A dynamic wall is one body with up to thousands of contacts, so its contacts cannot share a lane group, and all their impulses are coupled through
 //! V. They are relaxed one after another at the end of every sweep, each with the updated rate of the previous one: Gauss-Seidel as for grains. The

@@ -135,7 +135,10 @@ impl Motion {
         let (start, stop) = self.span();
         let other = match self {
             Motion::Rotating { reverse, .. } => reverse.is_some_and(inside),
-            Motion::Table { start, content, .. } => content.rows().iter().any(|row| inside(start + row[0])),
+            Motion::Table { start, content, .. } => {
+                let after = content.rows().partition_point(|row| start + row[0] <= from);
+                content.rows().get(after).is_some_and(|row| inside(start + row[0]))
+            }
             _ => false,
         };
         other || inside(start) || stop.is_some_and(inside)
