@@ -76,6 +76,7 @@ pub mod interrupt;
 #[doc(hidden)]
 pub mod lanes;
 pub mod laws;
+pub mod messages;
 #[cfg(doc)]
 #[doc = include_str!("../docs/method.md")]
 pub mod method {}

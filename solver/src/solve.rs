@@ -2,7 +2,7 @@
 
 use crate::interrupt::Interrupt;
 use crate::methods::{Problem, Solver};
-use crate::partition::Layout;
+use crate::partition::{ByBodies, Layout};
 use crate::scene::{SolverSettings, Stop};
 use crate::schedule::Team;
 use crate::sweep::{Relaxation, ResidualLevel, Residuals, tell_driven};
@@ -131,6 +131,10 @@ pub(crate) fn solve(
         }
     };
     problem.leave_precision();
+    if let Some(ranks) = &layout.ranks {
+        // SAFETY: no task runs.
+        ranks.share(unsafe { ByBodies::of(&mut world.bodies).all() });
+    }
     tell_driven(layout, &world.drives);
     report
 }

@@ -17,7 +17,7 @@ use crate::groups::{ContactLanes, ImpactLanes, WallGroup, with_effects, with_pai
 use crate::lanes::{Available, Eight, Lanes, Number, Quad, Slots, TaskSlots, dot, minus, times};
 use crate::laws::compliance::{NormalContact, NormalScheme};
 use crate::partition::{
-    ByBodies, ByCandidates, ByNumber, DrivenContact, FindWaits, LaneAssigner, Layout, PlannedTask, Taken, TakenGroups,
+    ByBodies, ByCandidates, ByNumber, DRIVEN_STAGE, DrivenContact, FindWaits, LaneAssigner, Layout, PlannedTask, Taken, TakenGroups,
     TaskGroups,
 };
 use crate::scene::SolverSettings;
@@ -150,13 +150,20 @@ impl Constrainer {
                 material: world.table.of_all_grains(),
             };
             let (taken, first, next) = self.taken.stage();
+            let Layout { plan, groups, ranks, .. } = layout;
             let of_candidates = (ByCandidates::of(listed), ByCandidates::of(near), impulses.shares());
-            let shares = ((ByBodies::of(bodies), taken), ByNumber::of(&mut layout.groups), of_candidates);
+            let bodies = ByBodies::of(bodies);
+            // SAFETY: used between stages alone.
+            let exchanged = unsafe { bodies.all() };
+            let shares = ((bodies, taken), ByNumber::of(groups), of_candidates);
             let set = relaxation.instruction_set;
             // First group number of the stage, and the end so far.
             let (base, end) = (AtomicU32::new(first), AtomicU32::new(first));
-            let begin = |_| base.store(end.load(Ordering::Relaxed), Ordering::Relaxed);
-            layout.plan.run_stages(team, Phase::Constrain, begin, shares, |_, task, share| {
+            let begin = |stage| {
+                base.store(end.load(Ordering::Relaxed), Ordering::Relaxed);
+                ranks.iter().for_each(|ranks| ranks.pass_on(stage, exchanged));
+            };
+            plan.run_stages(team, Phase::Constrain, begin, shares, |_, task, share| {
                 let ((bodies, taken), groups, (listed, near, (impulses, borne))) = share;
                 let own = Own {
                     task,
@@ -169,14 +176,16 @@ impl Constrainer {
                 relaxation.start(bodies, groups);
             });
             *next = end.into_inner();
+            ranks.iter().for_each(|ranks| ranks.pass_on(DRIVEN_STAGE, exchanged));
         }
         if !world.drives.is_empty() {
             team.alone(Phase::Constrain, || self.list_driven(world, listed, layout));
         }
-        layout.contacts = layout.plan.tasks().iter().map(|task| layout.groups[task.number as usize].contacts()).sum();
+        let own = layout.plan.tasks().iter().map(|task| layout.groups[task.number as usize].contacts()).sum();
+        layout.contacts = layout.ranks.as_ref().map_or(own, |ranks| ranks.sum(own));
     }
 
-    /// Lists the contacts with dynamic walls, ordered by task.
+    /// Lists the contacts with dynamic walls, ordered by task, and the turns of the ranks.
     fn list_driven(&self, world: &World, walls: &[WallCandidate], layout: &mut Layout) {
         layout.driven.clear();
         for task in layout.plan.tasks() {
@@ -203,6 +212,10 @@ impl Constrainer {
                     });
                 }
             }
+        }
+        if let Some(ranks) = &mut layout.ranks {
+            let of_tasks = layout.driven.chunk_by(|one, next| one.task == next.task);
+            ranks.take_turns(of_tasks.map(|task| (task[0].task, task.len())).collect());
         }
     }
 

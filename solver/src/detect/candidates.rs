@@ -8,7 +8,7 @@ use super::reach::{Row, for_each_on_the_way};
 use super::search::{Found, PairSearch, WallSearch};
 use crate::groups::ImpactMemory;
 use crate::lanes::{Available, LANES};
-use crate::partition::{BoxGrid, ByCandidates, DIRECTIONS, Layout, Plan, PlannedTask};
+use crate::partition::{BoxGrid, ByCandidates, DIRECTIONS, DRIVEN_STAGE, Layout, Plan, PlannedTask, Ranks};
 use crate::schedule::{Disjoint, Each, Phase, Team};
 use crate::surface::NearPart;
 use crate::wall::Pose;
@@ -200,8 +200,9 @@ impl Candidates {
         })
     }
 
-    /// Returns true if a grain that is too fast for the step has a wall on its path that is not in the list.
-    pub(crate) fn miss_a_wall(&self, world: &World, team: &Team) -> bool {
+    /// Returns true if a grain that is too fast for the step has a wall on its path that is not in the list. With `ranks`, the list has
+    /// the grains of this rank alone.
+    pub(crate) fn miss_a_wall(&self, world: &World, ranks: Option<&Ranks>, team: &Team) -> bool {
         let poses: Vec<Pose> = world.walls.poses_over(world.time, self.step).collect();
         let (walls, met) = (world.walls.placed(&poses), Mutex::new(Vec::new()));
         team.each(Phase::Detect, chunks(world.grains()), |number| {
@@ -217,6 +218,10 @@ impl Candidates {
         let mut met = met.into_inner().expect("no task panics while it looks");
         if met.is_empty() {
             return false;
+        }
+        if let Some(ranks) = ranks.filter(|_| self.rebuilds > 0) {
+            let boxes_of = self.boxes_of_grains();
+            met.retain(|&(place, _)| ranks.owns(boxes_of[place as usize] as usize));
         }
         met.sort_unstable();
         met.dedup();
@@ -275,9 +280,18 @@ impl Candidates {
         });
         world.add_dummies(self.grid.boxes().boxes());
         self.remember(world.grains(), &layout.plan, team);
-        self.search(world, set, team, beyond);
+        let mut ranks = layout.ranks.take();
+        if let Some(ranks) = &mut ranks {
+            ranks.divide(self.grid.boxes(), |number| self.grid.grains_of_box(number).len());
+            self.pass_on_impulses(ranks);
+        }
+        self.search(world, set, team, beyond, ranks.as_ref());
         layout.replan(self.grid.boxes().tasks(), |plan| self.plan(plan, team));
         self.fill(world, &layout.plan, team);
+        if let Some(ranks) = &mut ranks {
+            self.link(ranks, &layout.plan, world);
+        }
+        layout.ranks = ranks;
         team.alone(Phase::Detect, || {
             self.reference.clear();
             self.reference.extend(world.spheres[..world.grains()].iter().map(|sphere| sphere.centre));
@@ -306,7 +320,14 @@ impl Candidates {
 
     /// Searches the pairs and walls of each box. Walls on the paths of fast grains depend on velocities: the search includes
     /// them, unless those of a stored list are given.
-    fn search(&mut self, world: &World, set: Available, team: &Team, beyond: Option<&[(u32, u32)]>) {
+    fn search(
+        &mut self,
+        world: &World,
+        set: Available,
+        team: &Team,
+        beyond: Option<&[(u32, u32)]>,
+        ranks: Option<&Ranks>,
+    ) {
         let look_ahead = beyond.is_none();
         let mut given = Vec::new();
         if let Some(beyond) = beyond.filter(|beyond| !beyond.is_empty()) {
@@ -323,6 +344,12 @@ impl Candidates {
         let (wall_skin, step, walls) = (WALL_SKINS * skin, self.step, world.walls.placed(poses));
         team.each_with(Phase::Detect, boxes, Each::of(found), |number, found| {
             let places = grid.grains_of_box(number);
+            let is_wanted = |direction: usize| {
+                ranks.is_none_or(|ranks| grid.boxes().home(number, direction).is_some_and(|home| ranks.owns(home)))
+            };
+            if !(0..DIRECTIONS).any(is_wanted) {
+                return found.clear();
+            }
             WallSearch { world, walls, skin: wall_skin, step, look_ahead }.run(places.clone(), found);
             if !look_ahead {
                 found.add_beyond(given.iter().filter(|one| places.contains(&(one.body as usize))));
@@ -332,11 +359,70 @@ impl Candidates {
                 true => set.run(PairSearch::<true> { world, grid, number, skin, found }),
                 false => set.run(PairSearch::<false> { world, grid, number, skin, found }),
             }
+            if ranks.is_some() {
+                found.keep(is_wanted);
+            }
         });
         self.beyond.clear();
         let beyond = self.buffers.found.iter().flat_map(|found| &found.beyond);
         self.beyond.extend(beyond.map(|one| (world.ids[one.body as usize], one.surface)));
         self.beyond.sort_unstable();
+    }
+
+    /// Number of the box of each grain, as of the last build.
+    fn boxes_of_grains(&self) -> Vec<u32> {
+        let boxes = 0..self.grid.boxes().boxes();
+        boxes.flat_map(|number| self.grid.grains_of_box(number).map(move |_| number as u32)).collect()
+    }
+
+    /// Sends the impulses of the old list to the ranks that have their contacts from now on.
+    fn pass_on_impulses(&mut self, ranks: &mut Ranks) {
+        // After a change of stage, every rank has all impulses.
+        if std::mem::take(&mut ranks.complete) {
+            return;
+        }
+        let (box_of, grid) = (self.boxes_of_grains(), self.grid.boxes());
+        let box_of = |place: u32| box_of[place as usize] as usize;
+        // Around a short period, two boxes are neighbours in several directions.
+        let of_pair = |[first, second]: [u32; 2], give: &mut dyn FnMut(usize)| {
+            for (direction, beside) in grid.around(box_of(first)).into_iter().enumerate() {
+                if beside == Some(box_of(second)) {
+                    grid.home(box_of(first), direction).into_iter().for_each(|home| give(ranks.owner(home)));
+                }
+            }
+        };
+        let Buffers { remembered_pairs, remembered_walls, .. } = &mut self.buffers;
+        remembered_pairs.pass_on(ranks, self.torques, of_pair);
+        remembered_walls.pass_on(ranks, self.torques, |[first, _], give| give(ranks.owner(box_of(first))));
+    }
+
+    /// Links a plan of this rank's tasks to those of the other ranks.
+    fn link(&self, ranks: &mut Ranks, plan: &Plan, world: &World) {
+        let bodies_of = |stage: usize, task: &PlannedTask, visit: &mut dyn FnMut(u32)| {
+            let walls = &self.walls[task.walls.start as usize..task.walls.end as usize];
+            if stage == DRIVEN_STAGE {
+                let driven = walls.iter().filter(|wall| world.drive_of(wall.surface).is_some());
+                return driven.for_each(|wall| visit(wall.body));
+            }
+            walls.iter().for_each(|wall| visit(wall.body));
+            for PairCandidate { first, second } in &self.pairs[task.pairs.start as usize..task.pairs.end as usize] {
+                visit(*first);
+                visit(*second);
+            }
+        };
+        ranks.link(plan, self.grid.boxes(), |number| self.grid.grains_of_box(number), bodies_of);
+    }
+
+    /// Divides a complete list among ranks: the plan keeps the tasks of this rank.
+    pub(crate) fn divide(&self, layout: &mut Layout, world: &World) {
+        let Layout { plan, ranks: Some(ranks), .. } = layout else { return };
+        if self.rebuilds == 0 {
+            return;
+        }
+        ranks.divide(self.grid.boxes(), |number| self.grid.grains_of_box(number).len());
+        plan.keep(|home| ranks.owns(home));
+        ranks.complete = false;
+        self.link(ranks, plan, world);
     }
 
     /// Counts the candidates of each task and computes their offsets in the list.

@@ -2,16 +2,31 @@
 
 use crate::groups::ImpactMemory;
 use crate::lanes::{TaskSlots, prefetch_places};
-use crate::partition::{ByBlocks, ByBodies, ByCandidates, Plan, PlannedTask, TaskShares};
+use crate::partition::{ByBlocks, ByBodies, ByCandidates, Plan, PlannedTask, Ranks, TaskShares};
 use crate::schedule::{Phase, Team};
 use bytemuck::{Pod, Zeroable};
+use std::ops::Range;
 
 /// Impulses and impacts of the contacts of an old list, grouped by the new index of their first grain.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Remembered {
     start: Vec<u32>,
+    /// Partners of the entries: those of this list, then those of other ranks.
     partners: Vec<u32>,
     memory: Memory,
+    /// Index of the first entry from other ranks of each grain, and the end; empty without such entries.
+    others: Vec<u32>,
+}
+
+/// Entry on its way to another rank.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+struct Entry {
+    impulse: [f64; 4],
+    torque: [f64; 3],
+    impact: ImpactMemory,
+    first: u32,
+    partner: u32,
 }
 
 /// Old list: key of each candidate (new index of its first grain, any key for its partner), the possibly active candidates of a
@@ -82,6 +97,47 @@ impl Remembered {
         // Filling moved each start to its end: shift back.
         self.start.copy_within(0..grains, 1);
         self.start[0] = 0;
+        self.others.clear();
+    }
+
+    /// Exchanges entries between ranks: `ranks_of` calls a function for each rank that an entry is for, by its grain and its partner.
+    /// `torques` is true if contacts transmit torques.
+    pub fn pass_on(&mut self, ranks: &Ranks, torques: bool, ranks_of: impl Fn([u32; 2], &mut dyn FnMut(usize))) {
+        let grains = self.start.len() - 1;
+        let mut lists = vec![Vec::new(); ranks.count()];
+        for first in 0..grains as u32 {
+            for place in self.start[first as usize] as usize..self.start[first as usize + 1] as usize {
+                let Memory { impulses, impacts, torques } = &self.memory;
+                let Impulse { normal, tangential: [x, y, z] } = impulses[place];
+                let (partner, impact) = (self.partners[place], impacts[place]);
+                let torque = torques.get(place).map_or([0.0; 3], |torque| torque.0);
+                let entry = Entry { impulse: [normal, x, y, z], torque, impact, first, partner };
+                ranks_of([first, partner], &mut |rank| lists[rank].push(entry));
+            }
+        }
+        lists[ranks.own()].clear();
+        let mut others = ranks.trade(&lists);
+        // The entries of a grain and its walls come from one rank, and keep their order.
+        others.sort_by_key(|entry| entry.first);
+        let own = self.partners.len();
+        self.memory.resize(own + others.len(), torques);
+        self.others.resize(grains + 1, own as u32);
+        for (place, Entry { impulse: [normal, x, y, z], torque, impact, first, partner }) in (own..).zip(others) {
+            self.partners.push(partner);
+            self.memory.set(place, Impulse { normal, tangential: [x, y, z] }, impact, torque);
+            self.others[first as usize + 1] = place as u32 + 1;
+        }
+        for grain in 0..grains {
+            self.others[grain + 1] = self.others[grain + 1].max(self.others[grain]);
+        }
+    }
+
+    /// Returns the indices of the entries of a grain from other ranks.
+    fn others_of(&self, first: u32) -> Range<usize> {
+        match self.others.get(first as usize..first as usize + 2) {
+            Some(ends) => ends[0] as usize..ends[1] as usize,
+            None => 0..0,
+        }
     }
 
     /// Finds the impulses of a candidate, if any, and prefetches them.
@@ -89,17 +145,19 @@ impl Remembered {
     pub fn find(&self, (first, partner): (u32, u32)) -> Option<u32> {
         let start = self.start[first as usize] as usize;
         let own = &self.partners[start..self.start[first as usize + 1] as usize];
-        let place = start + own.iter().position(|&known| known == partner)?;
+        let place = match own.iter().position(|&known| known == partner) {
+            Some(place) => start + place,
+            None => self.others_of(first).find(|&place| self.partners[place] == partner)?,
+        };
         prefetch_places(self.memory.impulses.as_ptr(), &[place as u32]);
         Some(place as u32)
     }
 
     /// Finds the impulses of a grain with the partner of this number, from 0, among its partners that pass a test; returns the partner, too.
     pub fn find_nth(&self, first: u32, test: impl Fn(u32) -> bool, number: usize) -> Option<(u32, u32)> {
-        let start = self.start[first as usize] as usize;
-        let own = &self.partners[start..self.start[first as usize + 1] as usize];
-        let (place, partner) = own.iter().enumerate().filter(|(_, partner)| test(**partner)).nth(number)?;
-        Some(((start + place) as u32, *partner))
+        let own = self.start[first as usize] as usize..self.start[first as usize + 1] as usize;
+        let entries = own.chain(self.others_of(first)).map(|place| (place as u32, self.partners[place]));
+        entries.filter(|(_, partner)| test(*partner)).nth(number)
     }
 
     /// Returns the impulses and the impact at an index found by [`Self::find`].

@@ -27,6 +27,30 @@ pub(super) struct Found {
 }
 
 impl Found {
+    /// Removes all pairs and walls.
+    pub fn clear(&mut self) {
+        self.pairs.clear();
+        self.directions.clear();
+        self.counts = [0; DIRECTIONS];
+        self.walls.clear();
+        self.beyond.clear();
+    }
+
+    /// Removes the pairs in other directions than those of a condition, and the walls if it does not hold for the box itself.
+    pub fn keep(&mut self, is_kept: impl Fn(usize) -> bool) {
+        let is_kept: [bool; DIRECTIONS] = std::array::from_fn(is_kept);
+        let mut directions = self.directions.iter();
+        self.pairs.retain(|_| directions.next().is_some_and(|&direction| is_kept[direction as usize]));
+        self.directions.retain(|&direction| is_kept[direction as usize]);
+        for (count, _) in self.counts.iter_mut().zip(is_kept).filter(|(_, is_kept)| !is_kept) {
+            *count = 0;
+        }
+        if !is_kept[SAME_BOX] {
+            self.walls.clear();
+            self.beyond.clear();
+        }
+    }
+
     /// Adds grains and faces that are not near each other.
     pub fn add_beyond<'a>(&mut self, beyond: impl Iterator<Item = &'a WallCandidate>) {
         self.beyond.extend(beyond);

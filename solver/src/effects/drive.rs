@@ -136,6 +136,16 @@ impl Drive {
         self.pivot.map_or_else(Vector3::zeros, |_| self.axis)
     }
 
+    /// Returns the rate and the rate without its limit, which impulses change.
+    pub(crate) fn speeds(&self) -> [f64; 2] {
+        [self.rate, self.unlimited]
+    }
+
+    /// Sets these rates.
+    pub(crate) fn set_speeds(&mut self, speeds: [f64; 2]) {
+        [self.rate, self.unlimited] = speeds;
+    }
+
     /// Adds an impulse times the Jacobian (N s), or an angular impulse about the axis (N m s).
     #[inline(always)]
     pub(crate) fn push(&mut self, impulse: f64) {

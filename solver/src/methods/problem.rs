@@ -114,7 +114,8 @@ pub(crate) struct StepSums {
 impl Problem<'_> {
     /// Returns true if the solve was interrupted.
     pub fn is_interrupted(&self) -> bool {
-        polls_interrupt(self.settings) && self.interrupt.is_requested()
+        // Ranks stop between steps, together.
+        self.layout.ranks.is_none() && polls_interrupt(self.settings) && self.interrupt.is_requested()
     }
 
     /// Numbers the lane groups, as indices of vectors over contacts.
@@ -133,14 +134,16 @@ impl Problem<'_> {
     /// Runs one Gauss-Seidel sweep; returns its residuals |delta lambda| S, m/s, at the requested level.
     pub fn sweep(&mut self, factor: f64, level: ResidualLevel) -> Option<Residuals> {
         let (inner, precision) = (self.settings.inner_sweeps.max(1), self.settings.precision);
-        let (polls, interrupt) = (polls_interrupt(self.settings), self.interrupt);
+        let polls = polls_interrupt(self.settings) && self.layout.ranks.is_none();
+        let interrupt = self.interrupt;
         let pass = SweepPass { factor, inner, stops: || polls && interrupt.is_requested(), level };
         let Workspace { single, residuals, .. } = &mut *self.workspace;
+        let Layout { plan, groups, ranks, .. } = &mut *self.layout;
         let operands = match precision {
-            Precision::Double => SweepOperands::Double { bodies: self.bodies, groups: &mut self.layout.groups },
+            Precision::Double => SweepOperands::Double { bodies: self.bodies, groups },
             Precision::Single => SweepOperands::Single(single),
         };
-        let mut sums = self.relaxation.sweep_all(&self.layout.plan, operands, &pass, residuals, self.team);
+        let mut sums = self.relaxation.sweep_all((plan, ranks.as_ref()), operands, &pass, residuals, self.team);
         if !self.drives.is_empty() {
             let Problem { bodies, drives, layout, relaxation, team, .. } = self;
             let driven = || relaxation.sweep_driven(bodies, layout, drives, factor, level);

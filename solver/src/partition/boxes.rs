@@ -222,6 +222,14 @@ impl BoxGrid {
         [number % columns, number / columns % rows, number / (columns * rows)].map(|place| place as u32)
     }
 
+    /// Returns the coordinates of a box.
+    pub(crate) fn coordinates(&self, number: usize) -> [i32; 3] {
+        match &self.occupied {
+            Some(occupied) => occupied.at[number],
+            None => self.at(number).map(|place| place as i32),
+        }
+    }
+
     /// Returns the indices of the neighbours of a box, by direction: see [`towards`]. `None` beyond the domain and for unnumbered boxes.
     #[inline]
     pub(crate) fn around(&self, number: usize) -> [Option<usize>; DIRECTIONS] {
@@ -249,9 +257,15 @@ impl BoxGrid {
     pub(crate) fn task(&self, number: usize, direction: usize) -> usize {
         let towards = towards(direction);
         let axes = (0..3).map(|axis| usize::from(towards[axis] != 0) << axis).sum::<usize>();
-        let [x, y, z] = towards.map(|along| along.min(0));
-        let home = self.around(number)[((x + 1) + 3 * (y + 1) + 9 * (z + 1)) as usize];
+        let home = self.home(number, direction);
         STAGE_OF_AXES[axes] * self.boxes() + home.expect("boxes between two that hold grains are numbered")
+    }
+
+    /// Returns the box of the task of such a contact; `None` if it has no number, and then no grains are in that direction.
+    #[inline]
+    pub(crate) fn home(&self, number: usize, direction: usize) -> Option<usize> {
+        let [x, y, z] = towards(direction).map(|along| along.min(0));
+        self.around(number)[((x + 1) + 3 * (y + 1) + 9 * (z + 1)) as usize]
     }
 
     pub(crate) fn memory_bytes(&self) -> usize {

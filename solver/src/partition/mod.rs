@@ -15,6 +15,7 @@
 mod assignment;
 mod boxes;
 mod plan;
+mod ranks;
 mod shares;
 mod single;
 
@@ -23,6 +24,7 @@ pub(crate) use assignment::{LaneAssigner, Taken, TakenGroups};
 pub use boxes::{BoxGrid, STAGES};
 pub(crate) use boxes::{DIRECTIONS, SAME_BOX};
 pub use plan::{Plan, PlannedTask, Portion};
+pub(crate) use ranks::{DRIVEN_STAGE, Ranks};
 pub(crate) use shares::{ByBlocks, ByBodies, ByCandidates, ByNumber, ByPlace, ByStarts, TaskShares};
 pub(crate) use single::{SingleBody, SingleCopy, SingleGroups, SinglePairGroup};
 
@@ -87,8 +89,10 @@ pub struct Layout {
     pub(crate) boxes: usize,
     /// Contacts with dynamic walls, in the order of relaxation.
     pub driven: Vec<DrivenContact>,
-    /// Number of contacts without padding lanes.
+    /// Number of contacts without padding lanes, on all ranks.
     pub contacts: usize,
+    /// Ranks of the run, if there are several: the plan holds the tasks of this one.
+    pub(crate) ranks: Option<Ranks>,
 }
 
 /// Position of a contact with a dynamic wall in the layout, and its direction of motion.

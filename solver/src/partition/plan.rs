@@ -159,6 +159,16 @@ impl Plan {
         plan
     }
 
+    /// Leaves out the tasks of other boxes than those of a condition.
+    pub(crate) fn keep(&mut self, is_kept: impl Fn(usize) -> bool) {
+        for stage in 0..STAGES {
+            self.stages[stage] = self.tasks[..self.stages[stage]].iter().filter(|task| is_kept(task.home as usize)).count();
+        }
+        self.tasks.retain(|task| is_kept(task.home as usize));
+        self.stages[STAGES] = self.tasks.len();
+        self.batch();
+    }
+
     /// Returns the number of blocks of all tasks.
     pub(crate) fn blocks(&self) -> usize {
         self.tasks.last().map_or(0, |task| task.blocks().end)

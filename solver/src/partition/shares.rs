@@ -57,6 +57,17 @@ macro_rules! shares_of_a_slice {
 
 shares_of_a_slice!(ByNumber, ByPlace, ByBlocks, ByCandidates, ByBodies);
 
+impl<'a, T: Copy> ByBodies<'a, T> {
+    /// Returns all bodies, for the exchange between stages.
+    ///
+    /// # Safety
+    /// The caller uses them only while no task runs.
+    pub unsafe fn all(&self) -> TaskSlots<'a, T> {
+        // SAFETY: guaranteed by the caller.
+        unsafe { TaskSlots::new(self.0.as_ptr(), self.0.len()) }
+    }
+}
+
 impl<'a, T> ByStarts<'a, T> {
     /// Creates the partition from increasing starts of the tasks; the last start is the end of the last task.
     pub fn of(slice: &'a mut [T], starts: &'a [usize]) -> ByStarts<'a, T> {

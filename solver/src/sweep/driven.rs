@@ -8,7 +8,7 @@ use crate::effects::drive::Drive;
 use crate::effects::term::TermState;
 use crate::groups::{Effects, WallGroup, with_effects};
 use crate::lanes::{Eight, cross, dot, minus, plus, times};
-use crate::partition::{DrivenContact, Layout, TaskGroups};
+use crate::partition::{ByBodies, DRIVEN_STAGE, DrivenContact, Layout, Ranks, TaskGroups};
 use crate::world::Body;
 
 impl Relaxation {
@@ -31,15 +31,42 @@ fn sweep<E: Effects, G: MeasuredLevel>(
     drives: &mut [Drive],
     factor: f64,
 ) -> TaskResidual {
+    let Layout { groups, driven, ranks, .. } = layout;
+    if let Some(ranks) = ranks {
+        // SAFETY: no task runs.
+        ranks.pass_on(DRIVEN_STAGE, unsafe { ByBodies::of(bodies).all() });
+    }
     let mut residual = TaskResidual::default();
-    for one in &layout.driven {
-        let (task, drive) = (&mut layout.groups[one.task as usize], &mut drives[one.drive as usize]);
-        let own = relax::<E, G>(one, task, bodies, drive, factor);
+    in_turn(ranks.as_ref(), driven, drives, &mut residual, |one, drive, residual| {
+        let own = relax::<E, G>(one, &mut groups[one.task as usize], bodies, drive, factor);
         if G::ANY {
             residual.add_lane(one.lane as usize, own);
         }
-    }
+    });
     residual
+}
+
+/// Calls a function for each contact with a dynamic wall, on all ranks in the order of their tasks.
+fn in_turn(
+    ranks: Option<&Ranks>,
+    driven: &[DrivenContact],
+    drives: &mut [Drive],
+    residual: &mut TaskResidual,
+    mut act: impl FnMut(&DrivenContact, &mut Drive, &mut TaskResidual),
+) {
+    let mut act_on = |contacts: &[DrivenContact], drives: &mut [Drive], residual: &mut TaskResidual| {
+        contacts.iter().for_each(|one| act(one, &mut drives[one.drive as usize], residual));
+    };
+    let Some(ranks) = ranks else { return act_on(driven, drives, residual) };
+    let mut state = (drives.iter().map(Drive::speeds).collect::<Vec<_>>(), bytemuck::bytes_of(residual).to_vec());
+    ranks.in_turn(&mut state, |contacts, (speeds, sums)| {
+        drives.iter_mut().zip(&*speeds).for_each(|(drive, &speeds)| drive.set_speeds(speeds));
+        *residual = bytemuck::pod_read_unaligned(sums);
+        act_on(&driven[contacts], drives, residual);
+        (*speeds, *sums) = (drives.iter().map(Drive::speeds).collect(), bytemuck::bytes_of(residual).to_vec());
+    });
+    drives.iter_mut().zip(state.0).for_each(|(drive, speeds)| drive.set_speeds(speeds));
+    *residual = bytemuck::pod_read_unaligned(&state.1);
 }
 
 /// One-contact solution, including the wall's inertia.
@@ -108,8 +135,9 @@ impl DrivenContact {
 
 /// Applies the starting impulses of their contacts to dynamic walls.
 pub(crate) fn start_driven(layout: &Layout, drives: &mut [Drive]) {
-    for one in &layout.driven {
-        let (task, drive) = (&layout.groups[one.task as usize], &mut drives[one.drive as usize]);
+    let Layout { groups, driven, ranks, .. } = layout;
+    in_turn(ranks.as_ref(), driven, drives, &mut TaskResidual::default(), |one, drive, _| {
+        let task = &groups[one.task as usize];
         let (number, lane) = (one.group as usize, one.lane as usize);
         let WallGroup { contacts, .. } = &task.walls[number];
         let pull = task.wall_pulls.get(number).map_or(0.0, |pulls| pulls.0[lane]);
@@ -118,7 +146,7 @@ pub(crate) fn start_driven(layout: &Layout, drives: &mut [Drive]) {
         if let Some(lanes) = task.wall_torques.get(number) {
             drive.push(dot(drive.turning().into(), lanes.torques.angular_impulse(lane)));
         }
-    }
+    });
 }
 
 /// Copies the present rates of dynamic walls to their contacts.

@@ -17,9 +17,10 @@ use crate::groups::{
     WallTorqueLanes, with_effects, with_pairs,
 };
 use crate::lanes::{Available, Eight, Kernel, LANES, Lanes, PREFETCH, TaskSlots, cross, prefetch_places, times};
-use crate::partition::{ByBodies, ByNumber, ByPlace, Plan, SingleCopy, TaskGroups, TaskShares, overlapped};
+use crate::partition::{ByBodies, ByNumber, ByPlace, Plan, Ranks, SingleCopy, TaskGroups, TaskShares, overlapped};
 use crate::schedule::{Phase, Team};
 use crate::world::Body;
+use bytemuck::Pod;
 pub(crate) use driven::{start_driven, tell_driven};
 use kernel::{Bodies, Contact, Pair, push_each};
 pub(crate) use residual::{Directions, LaneResidual, Off, ResidualLevel, TaskResidual};
@@ -298,7 +299,7 @@ impl Relaxation {
     /// Relaxes every task, stage after stage; returns the summed residuals of the last repetition, with `residuals` as buffer.
     pub(crate) fn sweep_all(
         &self,
-        plan: &Plan,
+        (plan, ranks): (&Plan, Option<&Ranks>),
         operands: SweepOperands<'_>,
         pass: &SweepPass<impl Fn() -> bool + Sync>,
         residuals: &mut Vec<TaskResidual>,
@@ -308,13 +309,13 @@ impl Relaxation {
         match operands {
             SweepOperands::Double { bodies, groups } => {
                 let shares = (ByBodies::of(bodies), ByNumber::of(groups));
-                pass.run(plan, shares, residuals, team, |(bodies, groups), level, residual| {
+                pass.run((plan, ranks), shares, residuals, team, |(bodies, groups), level, residual| {
                     self.sweep(*bodies, groups, factor, level, residual);
                 })
             }
             SweepOperands::Single(copy) => {
                 let shares = (ByBodies::of(&mut copy.bodies), ByNumber::of(&mut copy.groups));
-                pass.run(plan, shares, residuals, team, |(bodies, groups), level, residual| {
+                pass.run((plan, ranks), shares, residuals, team, |(bodies, groups), level, residual| {
                     self.sweep_single(*bodies, groups, factor, level, residual);
                 })
             }
@@ -323,22 +324,24 @@ impl Relaxation {
 }
 
 impl<F: Fn() -> bool + Sync> SweepPass<F> {
-    fn run<S: TaskShares>(
+    fn run<T: Pod + Send, G: Send>(
         &self,
-        plan: &Plan,
-        shares: S,
+        (plan, ranks): (&Plan, Option<&Ranks>),
+        shares: (ByBodies<'_, T>, ByNumber<'_, G>),
         residuals: &mut Vec<TaskResidual>,
         team: &Team,
-        sweep: impl Fn(&mut S::Share, ResidualLevel, &mut TaskResidual) + Sync,
+        sweep: impl Fn(&mut (TaskSlots<'_, T>, &mut G), ResidualLevel, &mut TaskResidual) + Sync,
     ) -> TaskResidual {
         let measured = self.level != ResidualLevel::Off;
         residuals.clear();
         residuals.resize(if measured { plan.tasks().len() } else { 0 }, TaskResidual::default());
+        // SAFETY: used between stages alone.
+        let exchanged = unsafe { shares.0.all() };
         let shares = (shares, measured.then(|| ByPlace::of(residuals)));
         plan.run_stages(
             team,
             Phase::Sweep,
-            |_| {},
+            |stage| ranks.into_iter().for_each(|ranks| ranks.pass_on(stage, exchanged)),
             shares,
             |_, _, (mut own, mut residual)| {
                 let mut unused = TaskResidual::default();
@@ -353,7 +356,10 @@ impl<F: Fn() -> bool + Sync> SweepPass<F> {
                 }
             },
         );
-        // Summed in task order, on any number of threads.
+        // Summed in task order, on any number of threads and ranks.
+        if let Some(ranks) = ranks.filter(|_| measured) {
+            *residuals = ranks.in_order(residuals);
+        }
         let mut total = TaskResidual::default();
         residuals.iter().for_each(|own| total.merge(own));
         total

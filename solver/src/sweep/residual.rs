@@ -4,6 +4,7 @@
 /// Normal, two tangential, and turning.
 const DIRECTIONS: usize = 4;
 
+use bytemuck::{Pod, Zeroable};
 use crate::lanes::{Eight, LANES, Lanes, Number, SingleLanes, Sixteen, dot};
 use serde::{Deserialize, Serialize};
 
@@ -91,7 +92,8 @@ pub(crate) struct LaneResidual<N> {
 }
 
 /// Residual sums of a task in memory.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+#[repr(C)]
 pub(crate) struct TaskResidual {
     squares: [Eight; DIRECTIONS],
     largest: [Eight; DIRECTIONS],
