@@ -59,6 +59,11 @@ macro_rules! setters {
 }
 pub(crate) use setters;
 
+/// Returns true for a default. Written scenes and results omit defaults, so that the hash of a scene agrees with the hash of stored results.
+pub(crate) fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
+}
+
 #[doc(hidden)]
 pub mod constrain;
 mod contact;

@@ -132,7 +132,7 @@ pub struct Scene {
     pub largest_start_overlap: f64,
     /// Accepts values that are a mistake in most scenes: steps and intervals of frames down to 1e-15 s, densities from 1e-6 to
     /// 1e9 kg/m3.
-    #[serde(default, skip_serializing_if = "settings::is_default")]
+    #[serde(default, skip_serializing_if = "crate::is_default")]
     #[cfg_attr(feature = "schema", schemars(!skip_serializing_if))]
     pub unusual_values: bool,
     /// Materials by name.
@@ -179,7 +179,7 @@ pub struct Scene {
     #[serde(default)]
     pub solver: SolverSettings,
     /// Settings of the watchdogs.
-    #[serde(default, skip_serializing_if = "settings::is_default")]
+    #[serde(default, skip_serializing_if = "crate::is_default")]
     #[cfg_attr(feature = "schema", schemars(!skip_serializing_if))]
     pub watch: Watch,
     #[serde(default, rename = "measure", skip_serializing)]
