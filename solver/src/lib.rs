@@ -120,12 +120,14 @@ pub use scene::{
 };
 pub use scene::{Obstacle, SettingError};
 pub use schedule::{Scheduler, StepTrace};
+#[doc(hidden)]
+pub use simulation::checkpoint::KeptContact;
 pub use simulation::energy::Energy;
 pub use simulation::flow::{FlowReport, Passed};
 pub use simulation::gauge::Passages;
-pub use simulation::intervention::{InterventionError, States};
 #[doc(hidden)]
-pub use simulation::intervention::{KeptContact, PairsInList};
+pub use simulation::intervention::PairsInList;
+pub use simulation::intervention::{InterventionError, States};
 pub use simulation::ledger::Balance;
 pub use simulation::stages::{PresentStage, StageReport};
 pub use simulation::swept::{Crossing, Passage};
