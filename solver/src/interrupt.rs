@@ -11,12 +11,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Request to stop, shared by the caller and the simulation. All clones share one request.
 #[derive(Clone, Debug, Default)]
-pub struct Interrupt(Arc<Request>);
-
-#[derive(Debug, Default)]
-struct Request {
-    made: AtomicBool,
-}
+pub struct Interrupt(Arc<AtomicBool>);
 
 impl Interrupt {
     /// Creates an interrupt without a request.
@@ -26,18 +21,18 @@ impl Interrupt {
 
     /// Requests a stop; returns true if a stop was already requested.
     pub fn request(&self) -> bool {
-        self.0.made.swap(true, Ordering::SeqCst)
+        self.0.swap(true, Ordering::SeqCst)
     }
 
     /// Returns true if a stop is requested.
     #[inline]
     pub fn is_requested(&self) -> bool {
-        self.0.made.load(Ordering::Relaxed)
+        self.0.load(Ordering::Relaxed)
     }
 
     /// Clears the request, between steps.
     pub fn clear(&self) {
-        self.0.made.store(false, Ordering::SeqCst);
+        self.0.store(false, Ordering::SeqCst);
     }
 }
 

@@ -59,6 +59,11 @@ macro_rules! setters {
 }
 pub(crate) use setters;
 
+/// Returns true for a default. Written scenes and results omit defaults, so that the hash of a scene agrees with the hash of stored results.
+pub(crate) fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
+}
+
 #[doc(hidden)]
 pub mod constrain;
 mod contact;
@@ -116,12 +121,14 @@ pub use scene::{
 };
 pub use scene::{Obstacle, SettingError};
 pub use schedule::{Scheduler, StepTrace};
+#[doc(hidden)]
+pub use simulation::checkpoint::KeptContact;
 pub use simulation::energy::Energy;
 pub use simulation::flow::{FlowReport, Passed};
 pub use simulation::gauge::Passages;
-pub use simulation::intervention::{InterventionError, States};
 #[doc(hidden)]
-pub use simulation::intervention::{KeptContact, PairsInList};
+pub use simulation::intervention::PairsInList;
+pub use simulation::intervention::{InterventionError, States};
 pub use simulation::ledger::Balance;
 pub use simulation::stages::{PresentStage, StageReport};
 pub use simulation::swept::{Crossing, Passage};

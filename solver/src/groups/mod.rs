@@ -14,6 +14,7 @@ use crate::effects::spring::SpringLanes;
 use crate::effects::term::Tangential;
 use crate::lanes::{Eight, LANES, Lanes, Slots};
 use bytemuck::{Pod, Zeroable};
+use serde::{Deserialize, Serialize};
 
 /// Marks an empty lane.
 const NO_SOURCE: u32 = u32::MAX;
@@ -70,7 +71,7 @@ pub struct WallGroup {
 }
 
 /// Impact state of a candidate, stored until separation: see `effects/impact.rs`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable, Serialize, Deserialize)]
 #[repr(C)]
 pub struct ImpactMemory {
     /// Approach speed at first contact, m/s, positive; -1 for a contact at rest, 0 for separated bodies.

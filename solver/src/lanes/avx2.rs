@@ -4,23 +4,11 @@ use super::{Eight, LANES, Lanes, Line, Number, Octet, Quad, SINGLE_LANES, Single
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, Div, Mul, Neg, Not, Sub};
 
+/// Applies an intrinsic to both registers of its operands.
 macro_rules! both {
-    ($a:expr, $b:expr, $intrinsic:expr) => {{
-        let (a, b) = ($a, $b);
+    ($result:ident, $intrinsic:expr $(, $operand:expr)*) => {
         // SAFETY: the types exist only on processors with AVX2.
-        unsafe { [$intrinsic(a[0], b[0]), $intrinsic(a[1], b[1])] }
-    }};
-}
-
-macro_rules! operator {
-    ($lanes:ident, $operator:ident, $method:ident, $intrinsic:ident) => {
-        impl $operator for $lanes {
-            type Output = $lanes;
-            #[inline(always)]
-            fn $method(self, other: $lanes) -> $lanes {
-                $lanes(both!(self.0, other.0, $intrinsic))
-            }
-        }
+        $result(unsafe { [$intrinsic($($operand.0[0]),*), $intrinsic($($operand.0[1]),*)] })
     };
 }
 
@@ -40,87 +28,37 @@ macro_rules! registers {
         #[derive(Clone, Copy)]
         pub struct $mask([$register; 2]);
 
-        operator!($lanes, Add, add, $add);
-        operator!($lanes, Sub, sub, $subtract);
-        operator!($lanes, Mul, mul, $multiply);
-        operator!($lanes, Div, div, $divide);
-        operator!($mask, BitAnd, bitand, $and);
-
-        impl Neg for $lanes {
-            type Output = $lanes;
+        impl $mask {
+            /// Returns the mask of all lanes.
             #[inline(always)]
-            fn neg(self) -> $lanes {
-                $lanes(both!(self.0, $lanes::splat(-0.0).0, $exclusive_or))
+            fn ones() -> $mask {
+                // SAFETY: see the type.
+                $mask([unsafe { $from_integer(_mm256_set1_epi64x(-1)) }; 2])
             }
         }
 
-        impl Not for $mask {
-            type Output = $mask;
-            #[inline(always)]
-            fn not(self) -> $mask {
-                // SAFETY: see the type.
-                let ones = unsafe { $from_integer(_mm256_set1_epi64x(-1)) };
-                $mask(both!(self.0, [ones; 2], $exclusive_or))
-            }
-        }
+        operator!($lanes, Add, add, |a, b| both!($lanes, $add, a, b));
+        operator!($lanes, Sub, sub, |a, b| both!($lanes, $subtract, a, b));
+        operator!($lanes, Mul, mul, |a, b| both!($lanes, $multiply, a, b));
+        operator!($lanes, Div, div, |a, b| both!($lanes, $divide, a, b));
+        operator!($lanes, Neg, neg, |a| both!($lanes, $exclusive_or, a, $lanes::splat(-0.0)));
+        operator!($mask, BitAnd, bitand, |a, b| both!($mask, $and, a, b));
+        operator!($mask, Not, not, |a| both!($mask, $exclusive_or, a, $mask::ones()));
 
-        impl Number for $lanes {
-            type Mask = $mask;
-
-            #[inline(always)]
-            fn splat(value: f64) -> $lanes {
-                // SAFETY: see the type.
-                $lanes([unsafe { $splat(value as $real) }; 2])
-            }
-
-            #[inline(always)]
-            fn sqrt(self) -> $lanes {
-                // SAFETY: see the type.
-                $lanes(unsafe { [$root(self.0[0]), $root(self.0[1])] })
-            }
-
-            #[inline(always)]
-            fn abs(self) -> $lanes {
-                $lanes(both!($lanes::splat(-0.0).0, self.0, $and_not))
-            }
-
-            #[inline(always)]
-            fn larger(self, other: $lanes) -> $lanes {
-                $lanes(both!(self.0, other.0, $larger))
-            }
-
-            #[inline(always)]
-            fn smaller(self, other: $lanes) -> $lanes {
-                $lanes(both!(self.0, other.0, $smaller))
-            }
-
-            #[inline(always)]
-            fn below(self, other: $lanes) -> $mask {
-                $mask(both!(self.0, other.0, $compare::<_CMP_LT_OQ>))
-            }
-
-            #[inline(always)]
-            fn at_most(self, other: $lanes) -> $mask {
-                $mask(both!(self.0, other.0, $compare::<_CMP_LE_OQ>))
-            }
-
-            #[inline(always)]
-            fn select(mask: $mask, yes: $lanes, no: $lanes) -> $lanes {
-                // SAFETY: see the type.
-                $lanes(unsafe {
-                    [$blend(no.0[0], yes.0[0], mask.0[0]), $blend(no.0[1], yes.0[1], mask.0[1])]
-                })
-            }
-
-            #[inline(always)]
-            fn all(mask: $mask) -> bool {
-                // SAFETY: see the type.
-                unsafe {
-                    let ones = $from_integer(_mm256_set1_epi64x(-1));
-                    $covers($and(mask.0[0], mask.0[1]), ones) == 1
-                }
-            }
-        }
+        number!(
+            $lanes, $mask, |a, b, mask|
+            // SAFETY: see the type.
+            splat: $lanes([unsafe { $splat(a as $real) }; 2]),
+            sqrt: both!($lanes, $root, a),
+            abs: both!($lanes, $and_not, $lanes::splat(-0.0), a),
+            larger: both!($lanes, $larger, a, b),
+            smaller: both!($lanes, $smaller, a, b),
+            below: both!($mask, $compare::<_CMP_LT_OQ>, a, b),
+            at_most: both!($mask, $compare::<_CMP_LE_OQ>, a, b),
+            select: both!($lanes, $blend, b, a, mask),
+            // SAFETY: see the type.
+            all: unsafe { $covers($and(mask.0[0], mask.0[1]), $mask::ones().0[0]) == 1 }
+        );
     };
 }
 

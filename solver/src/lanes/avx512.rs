@@ -6,6 +6,14 @@ use super::{Eight, LANES, Lanes, Line, Number, Quad};
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, Div, Mul, Neg, Not, Sub};
 
+/// Applies an intrinsic.
+macro_rules! apply {
+    ($result:ident, $intrinsic:expr $(, $operand:expr)*) => {
+        // SAFETY: the types exist only on processors with AVX-512F.
+        $result(unsafe { $intrinsic($($operand),*) })
+    };
+}
+
 /// Register of numbers of one precision, and its mask register.
 macro_rules! register {
     (
@@ -22,105 +30,29 @@ macro_rules! register {
         #[derive(Clone, Copy)]
         pub struct $mask($bits);
 
-        operator!($lanes, Add, add, $add);
-        operator!($lanes, Sub, sub, $subtract);
-        operator!($lanes, Mul, mul, $multiply);
-        operator!($lanes, Div, div, $divide);
+        operator!($lanes, Add, add, |a, b| apply!($lanes, $add, a.0, b.0));
+        operator!($lanes, Sub, sub, |a, b| apply!($lanes, $subtract, a.0, b.0));
+        operator!($lanes, Mul, mul, |a, b| apply!($lanes, $multiply, a.0, b.0));
+        operator!($lanes, Div, div, |a, b| apply!($lanes, $divide, a.0, b.0));
+        // SAFETY: see the type. The floating-point exclusive or belongs to AVX-512DQ; the integer one is equivalent.
+        operator!($lanes, Neg, neg, |a| $lanes(unsafe {
+            $from_integer(_mm512_xor_si512($to_integer(a.0), $splat_integer($sign)))
+        }));
+        operator!($mask, BitAnd, bitand, |a, b| $mask(a.0 & b.0));
+        operator!($mask, Not, not, |a| $mask(!a.0));
 
-        impl Neg for $lanes {
-            type Output = $lanes;
-            #[inline(always)]
-            fn neg(self) -> $lanes {
-                // SAFETY: see the type. The floating-point exclusive or belongs to AVX-512DQ; the integer one is equivalent.
-                $lanes(unsafe { $from_integer(_mm512_xor_si512($to_integer(self.0), $splat_integer($sign))) })
-            }
-        }
-
-        impl BitAnd for $mask {
-            type Output = $mask;
-            #[inline(always)]
-            fn bitand(self, other: $mask) -> $mask {
-                $mask(self.0 & other.0)
-            }
-        }
-
-        impl Not for $mask {
-            type Output = $mask;
-            #[inline(always)]
-            fn not(self) -> $mask {
-                $mask(!self.0)
-            }
-        }
-
-        impl Number for $lanes {
-            type Mask = $mask;
-
-            #[inline(always)]
-            fn splat(value: f64) -> $lanes {
-                // SAFETY: see the type.
-                $lanes(unsafe { $splat(value as $real) })
-            }
-
-            #[inline(always)]
-            fn sqrt(self) -> $lanes {
-                // SAFETY: see the type.
-                $lanes(unsafe { $root(self.0) })
-            }
-
-            #[inline(always)]
-            fn abs(self) -> $lanes {
-                // SAFETY: see the type.
-                $lanes(unsafe { $magnitude(self.0) })
-            }
-
-            #[inline(always)]
-            fn larger(self, other: $lanes) -> $lanes {
-                // SAFETY: see the type.
-                $lanes(unsafe { $larger(self.0, other.0) })
-            }
-
-            #[inline(always)]
-            fn smaller(self, other: $lanes) -> $lanes {
-                // SAFETY: see the type.
-                $lanes(unsafe { $smaller(self.0, other.0) })
-            }
-
-            #[inline(always)]
-            fn below(self, other: $lanes) -> $mask {
-                // SAFETY: see the type.
-                $mask(unsafe { $compare::<_CMP_LT_OQ>(self.0, other.0) })
-            }
-
-            #[inline(always)]
-            fn at_most(self, other: $lanes) -> $mask {
-                // SAFETY: see the type.
-                $mask(unsafe { $compare::<_CMP_LE_OQ>(self.0, other.0) })
-            }
-
-            #[inline(always)]
-            fn select(mask: $mask, yes: $lanes, no: $lanes) -> $lanes {
-                // SAFETY: see the type.
-                $lanes(unsafe { $blend(mask.0, no.0, yes.0) })
-            }
-
-            #[inline(always)]
-            fn all(mask: $mask) -> bool {
-                !mask.0 == 0
-            }
-        }
-    };
-}
-
-macro_rules! operator {
-    ($lanes:ident, $operator:ident, $method:ident, $intrinsic:ident) => {
-        impl $operator for $lanes {
-            type Output = $lanes;
-            #[inline(always)]
-            fn $method(self, other: $lanes) -> $lanes {
-                // SAFETY: the type exists only on processors with AVX-512F.
-                $lanes(unsafe { $intrinsic(self.0, other.0) })
-            }
-        }
+        number!(
+            $lanes, $mask, |a, b, mask|
+            splat: apply!($lanes, $splat, a as $real),
+            sqrt: apply!($lanes, $root, a.0),
+            abs: apply!($lanes, $magnitude, a.0),
+            larger: apply!($lanes, $larger, a.0, b.0),
+            smaller: apply!($lanes, $smaller, a.0, b.0),
+            below: apply!($mask, $compare::<_CMP_LT_OQ>, a.0, b.0),
+            at_most: apply!($mask, $compare::<_CMP_LE_OQ>, a.0, b.0),
+            select: apply!($lanes, $blend, mask.0, b.0, a.0),
+            all: !mask.0 == 0
+        );
     };
 }
 
@@ -245,19 +177,7 @@ impl Lanes for Avx512 {
         second: &[u32; LANES],
     ) -> [Avx512; 4] {
         // SAFETY: guaranteed by the caller.
-        unsafe {
-            let sign = i64::MIN;
-            let against = _mm512_setr_epi64(sign, sign, sign, 0, sign, sign, sign, 0);
-            let quad = |place: u32| base.add(STRIDE * place as usize);
-            let mut differences = [_mm512_setzero_pd(); 4];
-            for row in 0..4 {
-                let a = join(quad(first[row]), quad(first[row + 4]));
-                let b = join(quad(second[row]), quad(second[row + 4]));
-                let turned = _mm512_xor_si512(_mm512_castpd_si512(a), against);
-                differences[row] = _mm512_add_pd(_mm512_castsi512_pd(turned), b);
-            }
-            parts(differences)
-        }
+        unsafe { differences::<STRIDE>(base, first, second).0 }
     }
 
     #[inline(always)]
@@ -266,21 +186,8 @@ impl Lanes for Avx512 {
         first: &[u32; LANES],
         second: &[u32; LANES],
     ) -> ([Avx512; 4], [[__m512d; 4]; 2]) {
-        // SAFETY: guaranteed by the caller.
-        unsafe {
-            let sign = i64::MIN;
-            let against = _mm512_setr_epi64(sign, sign, sign, 0, sign, sign, sign, 0);
-            let quad = |place: u32| base.add(place as usize).cast::<Quad>();
-            let (mut a, mut b) = ([_mm512_setzero_pd(); 4], [_mm512_setzero_pd(); 4]);
-            let mut differences = a;
-            for row in 0..4 {
-                a[row] = join(quad(first[row]), quad(first[row + 4]));
-                b[row] = join(quad(second[row]), quad(second[row + 4]));
-                let turned = _mm512_xor_si512(_mm512_castpd_si512(a[row]), against);
-                differences[row] = _mm512_add_pd(_mm512_castsi512_pd(turned), b[row]);
-            }
-            (parts(differences), [a, b])
-        }
+        // SAFETY: guaranteed by the caller; a line is two quads.
+        unsafe { differences::<2>(base.cast(), first, second) }
     }
 
     #[inline(always)]
@@ -353,6 +260,34 @@ impl Lanes for Avx512 {
                 }
             }
         }
+    }
+}
+
+/// Loads the quads `base + STRIDE first[lane]` and `base + STRIDE second[lane]`; returns the parts of their differences, as
+/// [`Lanes::load_differences`] does, and the quads.
+///
+/// # Safety
+/// The requirements of [`Lanes::load_quads`] apply.
+#[inline(always)]
+unsafe fn differences<const STRIDE: usize>(
+    base: *const Quad,
+    first: &[u32; LANES],
+    second: &[u32; LANES],
+) -> ([Avx512; 4], [[__m512d; 4]; 2]) {
+    // SAFETY: guaranteed by the caller.
+    unsafe {
+        let sign = i64::MIN;
+        let against = _mm512_setr_epi64(sign, sign, sign, 0, sign, sign, sign, 0);
+        let quad = |place: u32| base.add(STRIDE * place as usize);
+        let (mut a, mut b) = ([_mm512_setzero_pd(); 4], [_mm512_setzero_pd(); 4]);
+        let mut differences = a;
+        for row in 0..4 {
+            a[row] = join(quad(first[row]), quad(first[row + 4]));
+            b[row] = join(quad(second[row]), quad(second[row + 4]));
+            let turned = _mm512_xor_si512(_mm512_castpd_si512(a[row]), against);
+            differences[row] = _mm512_add_pd(_mm512_castsi512_pd(turned), b[row]);
+        }
+        (parts(differences), [a, b])
     }
 }
 

@@ -6,6 +6,55 @@
 //! Fused multiply-add is excluded on purpose: a processor without it would need a library call instead of an
 //! instruction. [`docs/kernel.md`](instructions) states the cost, and the instructions that remain.
 
+/// Defines an inlined function, or a method on the operand after `self`.
+macro_rules! operation {
+    ($method:ident(self $a:ident $(, $b:ident: $kind:ty)?) -> $output:ty, $result:expr) => {
+        #[inline(always)]
+        fn $method(self $(, $b: $kind)?) -> $output {
+            let $a = self;
+            $result
+        }
+    };
+    ($method:ident($($operand:ident: $kind:ty),*) -> $output:ty, $result:expr) => {
+        #[inline(always)]
+        fn $method($($operand: $kind),*) -> $output {
+            $result
+        }
+    };
+}
+
+/// Implements an operator of one or two operands of a type.
+macro_rules! operator {
+    ($kind:ty, $operator:ident, $method:ident, |$a:ident $(, $b:ident)?| $result:expr) => {
+        impl $operator for $kind {
+            type Output = $kind;
+            operation!($method(self $a $(, $b: $kind)?) -> $kind, $result);
+        }
+    };
+}
+
+/// Implements [`Number`] for a type, with its masks: one expression for each operation.
+macro_rules! number {
+    (
+        $lanes:ty, $mask:ty, |$a:ident, $b:ident, $chosen:ident|
+        splat: $splat:expr, sqrt: $sqrt:expr, abs: $abs:expr, larger: $larger:expr, smaller: $smaller:expr,
+        below: $below:expr, at_most: $at_most:expr, select: $select:expr, all: $all:expr
+    ) => {
+        impl Number for $lanes {
+            type Mask = $mask;
+            operation!(splat($a: f64) -> $lanes, $splat);
+            operation!(sqrt(self $a) -> $lanes, $sqrt);
+            operation!(abs(self $a) -> $lanes, $abs);
+            operation!(larger(self $a, $b: $lanes) -> $lanes, $larger);
+            operation!(smaller(self $a, $b: $lanes) -> $lanes, $smaller);
+            operation!(below(self $a, $b: $lanes) -> $mask, $below);
+            operation!(at_most(self $a, $b: $lanes) -> $mask, $at_most);
+            operation!(select($chosen: $mask, $a: $lanes, $b: $lanes) -> $lanes, $select);
+            operation!(all($chosen: $mask) -> bool, $all);
+        }
+    };
+}
+
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 #[cfg(target_arch = "x86_64")]
@@ -334,59 +383,14 @@ fn run_avx2<K: Kernel>(kernel: K) -> K::Output {
     kernel.run::<avx2::Avx2>()
 }
 
-// Builds for processors newer than the Xeon Phi use their instructions.
-
 /// Truth value of a scalar.
 pub type Truth = bool;
 
-impl Number for f64 {
-    type Mask = Truth;
-
-    #[inline(always)]
-    fn splat(value: f64) -> f64 {
-        value
-    }
-
-    #[inline(always)]
-    fn sqrt(self) -> f64 {
-        f64::sqrt(self)
-    }
-
-    #[inline(always)]
-    fn abs(self) -> f64 {
-        f64::abs(self)
-    }
-
-    #[inline(always)]
-    fn larger(self, other: f64) -> f64 {
-        if self > other { self } else { other }
-    }
-
-    #[inline(always)]
-    fn smaller(self, other: f64) -> f64 {
-        if self < other { self } else { other }
-    }
-
-    #[inline(always)]
-    fn below(self, other: f64) -> Truth {
-        self < other
-    }
-
-    #[inline(always)]
-    fn at_most(self, other: f64) -> Truth {
-        self <= other
-    }
-
-    #[inline(always)]
-    fn select(mask: Truth, yes: f64, no: f64) -> f64 {
-        if mask { yes } else { no }
-    }
-
-    #[inline(always)]
-    fn all(mask: Truth) -> bool {
-        mask
-    }
-}
+number!(
+    f64, Truth, |a, b, mask|
+    splat: a, sqrt: f64::sqrt(a), abs: f64::abs(a), larger: if a > b { a } else { b }, smaller: if a < b { a } else { b },
+    below: a < b, at_most: a <= b, select: if mask { a } else { b }, all: mask
+);
 
 /// Returns the lanes of a bit mask, the lowest first.
 #[inline(always)]

@@ -17,95 +17,26 @@ pub struct PortableMask<const N: usize>([bool; N]);
 /// Arithmetic with every lane written out: loops over lanes would take an eighth of the compile time of the whole crate.
 macro_rules! arithmetic {
     ($real:ty, $count:expr, $($lane:literal)*) => {
-        operator!($real, $count, Add, add, +, $($lane)*);
-        operator!($real, $count, Sub, sub, -, $($lane)*);
-        operator!($real, $count, Mul, mul, *, $($lane)*);
-        operator!($real, $count, Div, div, /, $($lane)*);
+        operator!(Portable<$real, $count>, Add, add, |a, b| Portable([$(a.0[$lane] + b.0[$lane]),*]));
+        operator!(Portable<$real, $count>, Sub, sub, |a, b| Portable([$(a.0[$lane] - b.0[$lane]),*]));
+        operator!(Portable<$real, $count>, Mul, mul, |a, b| Portable([$(a.0[$lane] * b.0[$lane]),*]));
+        operator!(Portable<$real, $count>, Div, div, |a, b| Portable([$(a.0[$lane] / b.0[$lane]),*]));
+        operator!(Portable<$real, $count>, Neg, neg, |a| Portable([$(-a.0[$lane]),*]));
+        operator!(PortableMask<$count>, BitAnd, bitand, |a, b| PortableMask([$(a.0[$lane] & b.0[$lane]),*]));
+        operator!(PortableMask<$count>, Not, not, |a| PortableMask([$(!a.0[$lane]),*]));
 
-        impl Neg for Portable<$real, $count> {
-            type Output = Self;
-            #[inline(always)]
-            fn neg(self) -> Self {
-                Portable([$(-self.0[$lane]),*])
-            }
-        }
-
-        impl BitAnd for PortableMask<$count> {
-            type Output = Self;
-            #[inline(always)]
-            fn bitand(self, other: Self) -> Self {
-                PortableMask([$(self.0[$lane] & other.0[$lane]),*])
-            }
-        }
-
-        impl Not for PortableMask<$count> {
-            type Output = Self;
-            #[inline(always)]
-            fn not(self) -> Self {
-                PortableMask([$(!self.0[$lane]),*])
-            }
-        }
-
-        impl Number for Portable<$real, $count> {
-            type Mask = PortableMask<$count>;
-
-            #[inline(always)]
-            fn splat(value: f64) -> Self {
-                Portable([value as $real; $count])
-            }
-
-            #[inline(always)]
-            fn sqrt(self) -> Self {
-                Portable([$(self.0[$lane].sqrt()),*])
-            }
-
-            #[inline(always)]
-            fn abs(self) -> Self {
-                Portable([$(self.0[$lane].abs()),*])
-            }
-
-            #[inline(always)]
-            fn larger(self, other: Self) -> Self {
-                Portable([$(if self.0[$lane] > other.0[$lane] { self.0[$lane] } else { other.0[$lane] }),*])
-            }
-
-            #[inline(always)]
-            fn smaller(self, other: Self) -> Self {
-                Portable([$(if self.0[$lane] < other.0[$lane] { self.0[$lane] } else { other.0[$lane] }),*])
-            }
-
-            #[inline(always)]
-            fn below(self, other: Self) -> PortableMask<$count> {
-                PortableMask([$(self.0[$lane] < other.0[$lane]),*])
-            }
-
-            #[inline(always)]
-            fn at_most(self, other: Self) -> PortableMask<$count> {
-                PortableMask([$(self.0[$lane] <= other.0[$lane]),*])
-            }
-
-            #[inline(always)]
-            fn select(mask: PortableMask<$count>, yes: Self, no: Self) -> Self {
-                Portable([$(if mask.0[$lane] { yes.0[$lane] } else { no.0[$lane] }),*])
-            }
-
-            #[inline(always)]
-            fn all(mask: PortableMask<$count>) -> bool {
-                mask.0 == [true; $count]
-            }
-        }
-    };
-}
-
-macro_rules! operator {
-    ($real:ty, $count:expr, $operator:ident, $method:ident, $symbol:tt, $($lane:literal)*) => {
-        impl $operator for Portable<$real, $count> {
-            type Output = Self;
-            #[inline(always)]
-            fn $method(self, other: Self) -> Self {
-                Portable([$(self.0[$lane] $symbol other.0[$lane]),*])
-            }
-        }
+        number!(
+            Portable<$real, $count>, PortableMask<$count>, |a, b, mask|
+            splat: Portable([a as $real; $count]),
+            sqrt: Portable([$(a.0[$lane].sqrt()),*]),
+            abs: Portable([$(a.0[$lane].abs()),*]),
+            larger: Portable([$(if a.0[$lane] > b.0[$lane] { a.0[$lane] } else { b.0[$lane] }),*]),
+            smaller: Portable([$(if a.0[$lane] < b.0[$lane] { a.0[$lane] } else { b.0[$lane] }),*]),
+            below: PortableMask([$(a.0[$lane] < b.0[$lane]),*]),
+            at_most: PortableMask([$(a.0[$lane] <= b.0[$lane]),*]),
+            select: Portable([$(if mask.0[$lane] { a.0[$lane] } else { b.0[$lane] }),*]),
+            all: mask.0 == [true; $count]
+        );
     };
 }
 

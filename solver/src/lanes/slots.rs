@@ -45,13 +45,6 @@ impl<T> Copy for TaskSlots<'_, T> {}
 // SAFETY: the array is only read, as a shared slice is.
 unsafe impl<T: Sync> Sync for Slots<'_, T> {}
 
-/// Asserts at compile time that a record consists of n quads, octets or lines, with their alignment.
-macro_rules! is_made_of {
-    ($count:literal $unit:ty) => {
-        const { assert!(size_of::<T>() == $count * size_of::<$unit>() && align_of::<T>() >= align_of::<$unit>()) }
-    };
-}
-
 impl<'a, T: Copy> Slots<'a, T> {
     /// Creates slots of a borrowed array.
     #[inline(always)]
@@ -98,71 +91,64 @@ impl<'a, T: Copy> Slots<'a, T> {
 }
 
 impl<T: Pod> Slots<'_, T> {
+    /// Returns the array as units of `COUNT` per record, for access to these slots. That records consist of such units is asserted at
+    /// compile time; builds with debug assertions check the slots.
+    #[inline(always)]
+    fn units<U, const COUNT: usize, const N: usize>(self, slots: &[&[u32; N]]) -> *const U {
+        const { assert!(size_of::<T>() == COUNT * size_of::<U>() && align_of::<T>() >= align_of::<U>()) }
+        for some in slots {
+            self.check(some);
+        }
+        self.base.cast()
+    }
+
     /// Reads eight records of one quad, transposed.
     #[inline(always)]
     pub fn load_quads<L: Lanes>(self, slots: &[u32; LANES]) -> [L; 4] {
-        is_made_of!(1 Quad);
-        self.check(slots);
         // SAFETY: lane groups and candidates contain slots of the array; a record is a quad.
-        unsafe { L::load_quads::<1>(self.base.cast(), slots) }
+        unsafe { L::load_quads::<1>(self.units::<Quad, 1, _>(&[slots]), slots) }
     }
 
     /// Reads the first (0) or second (1) quads of eight records of two, transposed.
     #[inline(always)]
     pub fn load_halves<L: Lanes, const HALF: usize>(self, slots: &[u32; LANES]) -> [L; 4] {
-        is_made_of!(2 Quad);
-        self.check(slots);
         // SAFETY: as above; a record is two quads.
-        unsafe { L::load_quads::<2>(self.base.cast::<Quad>().add(HALF), slots) }
+        unsafe { L::load_quads::<2>(self.units::<Quad, 2, _>(&[slots]).add(HALF), slots) }
     }
 
     /// Reads the differences of eight records of one quad and eight others, and the sum of their fourth numbers.
     #[inline(always)]
     pub fn load_differences<L: Lanes>(self, first: &[u32; LANES], second: &[u32; LANES]) -> [L; 4] {
-        is_made_of!(1 Quad);
-        self.check(first);
-        self.check(second);
         // SAFETY: as above; a record is a quad.
-        unsafe { L::load_differences::<1>(self.base.cast(), first, second) }
+        unsafe { L::load_differences::<1>(self.units::<Quad, 1, _>(&[first, second]), first, second) }
     }
 
     /// Loads differences of the first quads of records of two.
     #[inline(always)]
     pub fn load_differences_of_halves<L: Lanes>(self, first: &[u32; LANES], second: &[u32; LANES]) -> [L; 4] {
-        is_made_of!(2 Quad);
-        self.check(first);
-        self.check(second);
         // SAFETY: as above; a record is two quads.
-        unsafe { L::load_differences::<2>(self.base.cast(), first, second) }
+        unsafe { L::load_differences::<2>(self.units::<Quad, 2, _>(&[first, second]), first, second) }
     }
 
     /// Loads differences and returns the records for [`TaskSlots::add_to_kept`].
     #[inline(always)]
     pub fn load_keeping<L: Lanes>(self, first: &[u32; LANES], second: &[u32; LANES]) -> ([L; 4], [L::Kept; 2]) {
-        is_made_of!(1 Line);
-        self.check(first);
-        self.check(second);
         // SAFETY: as above; a record is a line.
-        unsafe { L::load_keeping(self.base.cast(), first, second) }
+        unsafe { L::load_keeping(self.units::<Line, 1, _>(&[first, second]), first, second) }
     }
 
     /// Loads differences of the first quads of records of two, and sums of their second quads.
     #[inline(always)]
     pub fn load_pairs<L: Lanes>(self, first: &[u32; LANES], second: &[u32; LANES]) -> [[L; 4]; 2] {
-        is_made_of!(1 Line);
-        self.check(first);
-        self.check(second);
         // SAFETY: as above; a record is a line.
-        unsafe { L::load_pairs(self.base.cast(), first, second) }
+        unsafe { L::load_pairs(self.units::<Line, 1, _>(&[first, second]), first, second) }
     }
 
     /// Reads sixteen records of one octet, transposed.
     #[inline(always)]
     pub fn load_octets<S: SingleLanes>(self, slots: &[u32; SINGLE_LANES]) -> [S; 8] {
-        is_made_of!(1 Octet);
-        self.check(slots);
         // SAFETY: as above; a record is an octet.
-        unsafe { S::load_octets(self.base.cast(), slots) }
+        unsafe { S::load_octets(self.units::<Octet, 1, _>(&[slots]), slots) }
     }
 }
 
@@ -213,49 +199,45 @@ impl<'a, T: Copy> TaskSlots<'a, T> {
 }
 
 impl<T: Pod> TaskSlots<'_, T> {
+    /// Returns the array as units for writing: see [`Slots::units`].
+    #[inline(always)]
+    fn units<U, const COUNT: usize, const N: usize>(self, slots: &[&[u32; N]]) -> *mut U {
+        self.to_read().units::<U, COUNT, N>(slots).cast_mut()
+    }
+
     /// Writes eight records of one quad.
     #[inline(always)]
     pub fn store_quads<L: Lanes>(self, slots: &[u32; LANES], quads: [L; 4]) {
-        is_made_of!(1 Quad);
-        self.to_read().check(slots);
         // SAFETY: lane groups and candidates contain slots of their task, eight different ones; a record is a quad.
-        unsafe { L::store_quads::<1>(self.base.cast(), slots, quads) }
+        unsafe { L::store_quads::<1>(self.units::<Quad, 1, _>(&[slots]), slots, quads) }
     }
 
     /// Writes the first (0) or second (1) quads of eight records of two.
     #[inline(always)]
     pub fn store_halves<L: Lanes, const HALF: usize>(self, slots: &[u32; LANES], quads: [L; 4]) {
-        is_made_of!(2 Quad);
-        self.to_read().check(slots);
         // SAFETY: as above; a record is two quads.
-        unsafe { L::store_quads::<2>(self.base.cast::<Quad>().add(HALF), slots, quads) }
+        unsafe { L::store_quads::<2>(self.units::<Quad, 2, _>(&[slots]).add(HALF), slots, quads) }
     }
 
     /// Does the work of [`add_shares`](TaskSlots::add_shares) for first halves only, of returned records that have not changed since.
     #[inline(always)]
     pub fn add_to_kept<L: Lanes>(self, slots: &[u32; LANES], kept: L::Kept, half: [L; 3], factor: f64) {
-        is_made_of!(1 Line);
-        self.to_read().check(slots);
         // SAFETY: as above; a record is a line.
-        unsafe { L::add_to_kept(self.base.cast(), slots, kept, half, factor) }
+        unsafe { L::add_to_kept(self.units::<Line, 1, _>(&[slots]), slots, kept, half, factor) }
     }
 
     /// Adds `halves` to the first three numbers of each half of eight records, times their fourth number and a factor
     /// for each half; unless `WHOLE`, to first halves only.
     #[inline(always)]
     pub fn add_shares<L: Lanes, const WHOLE: bool>(self, slots: &[u32; LANES], halves: [[L; 3]; 2], factors: [f64; 2]) {
-        is_made_of!(1 Line);
-        self.to_read().check(slots);
         // SAFETY: as above; a record is a line.
-        unsafe { L::add_shares::<WHOLE>(self.base.cast(), slots, halves, factors) }
+        unsafe { L::add_shares::<WHOLE>(self.units::<Line, 1, _>(&[slots]), slots, halves, factors) }
     }
 
     /// Writes sixteen records of one octet.
     #[inline(always)]
     pub fn store_octets<S: SingleLanes>(self, slots: &[u32; SINGLE_LANES], octets: [S; 8]) {
-        is_made_of!(1 Octet);
-        self.to_read().check(slots);
         // SAFETY: as above, sixteen different ones; a record is an octet.
-        unsafe { S::store_octets(self.base.cast(), slots, octets) }
+        unsafe { S::store_octets(self.units::<Octet, 1, _>(&[slots]), slots, octets) }
     }
 }

@@ -1,6 +1,6 @@
 //! Scenes made in code.
 
-use super::types::SPACING;
+use super::types::usual_spacing;
 use super::{
     Accuracy, Axis, GrainEntry, Insertion, Material, Motion, PairRule, Placement, Population, RadiusDistribution,
     Region, Removal, Scene, SceneError, Shape, SolverSettings, Stage, Wall, Watch,
@@ -201,7 +201,7 @@ impl Population {
             radius,
             region,
             placement: Placement::Lattice,
-            spacing: SPACING,
+            spacing: usual_spacing(),
             agitation: 0.0,
         }
     }

@@ -4,7 +4,7 @@ use super::coefficients::coefficients;
 use super::document::{Checked, Document, DocumentPath};
 use super::error::{Fault, is_printable, short};
 use super::settings::{Obstacle, SettingError};
-use super::types::SPACING;
+use super::types::usual_spacing;
 use super::{
     ContactCoefficients, GrainEntry, MOST_MEMORY, NormalLaw, Placement, Scene, Shape, SolverMethod, SolverSettings,
     Stop, TangentialLaw, flow, gauge, motion, periodic, stages,
@@ -191,7 +191,7 @@ fn grains(scene: &Scene) -> Checked {
         at.key("spacing").range(population.spacing, 1.0, 100.0, "largest diameters")?;
         at.key("agitation").range(population.agitation, 0.0, 1e3, "m/s")?;
         population.radius.check(&at.key("radius"))?;
-        let (fits, remedy) = (population.spacing == SPACING, "leave it out, or let placement = 'lattice'");
+        let (fits, remedy) = (population.spacing == usual_spacing(), "leave it out, or let placement = 'lattice'");
         let problem = || "given with random places, which have no lattice".into();
         at.key("spacing").require(fits || population.placement != Placement::Random, problem, remedy)?;
         population.region.check(&at.key("region"))?;

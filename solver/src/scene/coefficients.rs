@@ -30,10 +30,10 @@ pub struct Material {
     pub restitution_speed: Option<f64>,
     /// Coefficient of rolling friction: largest torque over effective radius times normal force. The effective radius
     /// is `r_a r_b / (r_a + r_b)`, or the grain's radius at a wall.
-    #[serde(default, skip_serializing_if = "super::types::is_zero")]
+    #[serde(default, skip_serializing_if = "crate::is_default")]
     pub rolling_friction: f64,
     /// Coefficient of twisting friction, defined like `rolling_friction` for the torque along the normal.
-    #[serde(default, skip_serializing_if = "super::types::is_zero")]
+    #[serde(default, skip_serializing_if = "crate::is_default")]
     pub twisting_friction: f64,
     /// Cohesion with nearby grains and walls.
     #[serde(default, skip_serializing_if = "Option::is_none")]

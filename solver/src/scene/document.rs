@@ -1,9 +1,11 @@
 //! Document of a scene: its text, parsed once, as the source of values and of the lines in errors.
 
-use super::error::{Fault, SceneError, Step, label, line_at, short, whole_span};
+use super::error::{Fault, SceneError, line_at, short, whole_span};
 use super::suggestions::remedy;
 use super::{Scene, TABLES_OF_WHO_MEASURES};
 use serde::Deserialize;
+use std::borrow::Cow;
+use std::fmt;
 use std::path::{Path, PathBuf};
 use toml::de::{DeTable, DeValue, Deserializer};
 use toml::{Spanned, Table, Value};
@@ -62,15 +64,14 @@ impl<'t> Document<'t> {
     }
 
     /// Byte offsets of the steps of a path; shorter than the path if the document lacks a step.
-    pub(super) fn offsets(&self, path: &[Step]) -> Vec<usize> {
-        let mut offsets = Vec::with_capacity(path.len());
+    pub(super) fn offsets(&self, path: &DocumentPath) -> Vec<usize> {
+        let mut offsets = Vec::with_capacity(path.0.len());
         let mut value: Option<&DeValue<'_>> = None;
-        for step in path {
+        for step in &path.0 {
             let table = || value.map_or(Some(self.root.get_ref()), |value| value.as_table());
             let key = |key: &str| table()?.get_key_value(key).map(|(name, next)| (name.span().start, next));
             let next = match step {
                 Step::Key(name) => key(name),
-                Step::Name(name) => key(name),
                 Step::Index(index) => value.and_then(|value| value.get(*index)).map(|next| (next.span().start, next)),
             };
             let Some((offset, next)) = next else { break };
@@ -88,28 +89,25 @@ impl<'t> Document<'t> {
         let written = Table::try_from(scene).ok()?;
         let read = |key: &str| !TABLES_OF_WHO_MEASURES.contains(&key);
         self.root.get_ref().iter().filter(|(key, _)| read(key.get_ref())).find_map(|(key, value)| {
-            unread(
-                &mut vec![Step::Name(key.get_ref().to_string())],
-                value.get_ref(),
-                written.get(key.get_ref().as_ref()),
-            )
+            let mut path = DocumentPath::default().name(key.get_ref());
+            unread(&mut path, value.get_ref(), written.get(key.get_ref().as_ref()))
         })
     }
 }
 
 /// Compares a value of a document with the value of the rewritten scene, unless that value is omitted as a default.
-fn unread(path: &mut Vec<Step>, document: &DeValue<'_>, written: Option<&Value>) -> Option<Fault> {
+fn unread(path: &mut DocumentPath, document: &DeValue<'_>, written: Option<&Value>) -> Option<Fault> {
     let mut inner = |step: Step, value: &DeValue<'_>, written: Option<&Value>| {
-        path.push(step);
+        path.0.push(step);
         let fault = unread(path, value, written);
-        path.pop();
+        path.0.pop();
         fault
     };
     match (document, written) {
         (DeValue::Table(document), written) => {
             let there = |key: &str| written.and_then(|written| written.get(key));
             let nested = document.iter().find_map(|(key, value)| {
-                inner(Step::Name(key.get_ref().to_string()), value.get_ref(), there(key.get_ref()))
+                inner(Step::Key(key.get_ref().to_string().into()), value.get_ref(), there(key.get_ref()))
             });
             // Omitted defaults of a table with a kind have no other key.
             let kind_alone = written.is_none_or(|written| written.as_table().is_some_and(|table| table.len() == 1));
@@ -129,35 +127,54 @@ fn unread(path: &mut Vec<Step>, document: &DeValue<'_>, written: Option<&Value>)
     }
 }
 
-fn no_such_key(path: &[Step], kind: &str, key: &str) -> Fault {
-    let problem = format!("{}: unknown key '{key}' beside kind = '{kind}'", label(path));
-    let place = path.iter().cloned().chain([Step::Name(key.into())]).collect();
+fn no_such_key(path: &DocumentPath, kind: &str, key: &str) -> Fault {
+    let problem = format!("{path}: unknown key '{key}' beside kind = '{kind}'");
     let leave_out = || "leave it out, or use one of the known keys: kind".into();
-    Fault::new(place, problem, remedy(key, ["kind"]).unwrap_or_else(leave_out))
+    Fault::new(path.name(key), problem, remedy(key, ["kind"]).unwrap_or_else(leave_out))
 }
 
-fn too_long(path: &[Step], listed: usize, read: usize) -> Fault {
-    let problem = format!("{}: {listed} values are listed, and {read} are read", label(path));
-    let place = path.iter().cloned().chain([Step::Index(read)]).collect();
-    Fault::new(place, problem, format!("give {read} values"))
+fn too_long(path: &DocumentPath, listed: usize, read: usize) -> Fault {
+    let problem = format!("{path}: {listed} values are listed, and {read} are read");
+    Fault::new(path.index(read), problem, format!("give {read} values"))
 }
 
 /// Result of a check.
 pub type Checked = Result<(), Fault>;
 
 /// Path in the document, extended at each level of a check.
-#[derive(Clone, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct DocumentPath(Vec<Step>);
+
+/// Step of the path to a value in a TOML document.
+#[derive(Clone, Debug, PartialEq)]
+enum Step {
+    Key(Cow<'static, str>),
+    Index(usize),
+}
+
+/// Path as text, such as `wall[0].motion`.
+impl fmt::Display for DocumentPath {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (number, step) in self.0.iter().enumerate() {
+            match step {
+                Step::Key(key) if number == 0 => write!(out, "{key}")?,
+                Step::Key(key) => write!(out, ".{key}")?,
+                Step::Index(index) => write!(out, "[{index}]")?,
+            }
+        }
+        Ok(())
+    }
+}
 
 impl DocumentPath {
     /// Returns the path of a key in this table.
     pub fn key(&self, key: &'static str) -> DocumentPath {
-        self.with(Step::Key(key))
+        self.with(Step::Key(key.into()))
     }
 
     /// Returns the path of an entry whose name the document defines.
     pub fn name(&self, name: &str) -> DocumentPath {
-        self.with(Step::Name(name.to_string()))
+        self.with(Step::Key(name.to_string().into()))
     }
 
     /// Returns the path of an entry in this list, from 0.
@@ -173,16 +190,32 @@ impl DocumentPath {
 
     /// Returns the line (from 1) of the value at this path in the text of a scene; `None` if the text does not have the value.
     pub fn line(&self, text: &str) -> Option<usize> {
-        whole_span(text, &self.0).map(|at| line_at(text, at))
+        whole_span(text, self).map(|at| line_at(text, at))
     }
 
-    pub(super) fn path(&self) -> Vec<Step> {
-        self.0.clone()
+    /// Returns the number of steps.
+    pub(super) fn depth(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Returns the path with `to` in place of `from`, if it begins so.
+    pub(super) fn moved(&self, from: &DocumentPath, to: &DocumentPath) -> Option<DocumentPath> {
+        let rest = self.0.strip_prefix(&from.0[..])?;
+        Some(DocumentPath([&to.0, rest].concat()))
+    }
+
+    /// Returns true if a value has the first two keys of the path.
+    pub(super) fn is_in(&self, value: &Value) -> bool {
+        let get = |value: &'_ Value, step: &Step| match step {
+            Step::Key(key) => value.get(&**key).cloned(),
+            Step::Index(index) => value.get(*index).cloned(),
+        };
+        !self.0.is_empty() && self.0.iter().take(2).try_fold(value.clone(), |value, step| get(&value, step)).is_some()
     }
 
     /// Returns the fault of the value at this path.
     pub fn fault(&self, problem: String, remedy: &str) -> Fault {
-        Fault::new(self.path(), format!("{}: {problem}", label(&self.0)), remedy)
+        Fault::new(self.clone(), format!("{self}: {problem}"), remedy)
     }
 
     /// Rejects a value that breaks a rule.

@@ -7,7 +7,6 @@ use super::document::{Document, DocumentPath};
 use super::suggestions::remedy;
 use std::fmt;
 use std::path::{Path, PathBuf};
-use toml::Value;
 
 /// Error of a scene.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -54,7 +53,7 @@ impl SceneError {
         } else {
             "see the scenes under reference-scenes/ for the form".into()
         };
-        SceneError::Invalid(Fault { line: Some(line), ..Fault::new(Vec::new(), problem, advice) })
+        SceneError::Invalid(Fault { line: Some(line), ..Fault::new(DocumentPath::default(), problem, advice) })
     }
 }
 
@@ -124,54 +123,38 @@ fn kinds_at(text: &str, table: usize) -> Option<String> {
 /// Invalid value: its path in the document of the scene, the problem and the remedy.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fault {
-    path: Vec<Step>,
+    pub(super) path: DocumentPath,
     problem: String,
     remedy: String,
     /// Path of another value that the remedy mentions.
-    see: Option<Vec<Step>>,
+    see: Option<DocumentPath>,
     /// Line, if the reader of the text reported the line.
     line: Option<usize>,
 }
 
-/// Step of the path to a value in a TOML document.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) enum Step {
-    Key(&'static str),
-    Name(String),
-    Index(usize),
-}
-
 impl Fault {
-    pub(super) fn new(path: Vec<Step>, problem: String, remedy: impl Into<String>) -> Fault {
+    pub(super) fn new(path: DocumentPath, problem: String, remedy: impl Into<String>) -> Fault {
         Fault { path, problem, remedy: remedy.into(), see: None, line: None }
-    }
-
-    /// Returns true if a value has the first two keys of the path.
-    pub(super) fn is_in(&self, value: Option<&Value>) -> bool {
-        let key = |value: &'_ Value, step: &Step| value.get(label(std::slice::from_ref(step))).cloned();
-        let start = self.path.iter().take(2);
-        !self.path.is_empty() && start.fold(value.cloned(), |value, step| key(&value?, step)).is_some()
     }
 
     /// Replaces the start of the path, if the path begins so.
     pub(super) fn moved(mut self, (from, to): (DocumentPath, DocumentPath)) -> Fault {
-        let (from, old) = (from.path(), label(&self.path));
-        if self.path.starts_with(&from) {
-            self.path.splice(..from.len(), to.path());
-            self.problem =
-                self.problem.strip_prefix(&old).map_or(self.problem.clone(), |rest| label(&self.path) + rest);
+        if let Some(path) = self.path.moved(&from, &to) {
+            let rest = self.problem.strip_prefix(&self.path.to_string());
+            self.problem = rest.map_or(self.problem.clone(), |rest| format!("{path}{rest}"));
+            self.path = path;
         }
         self
     }
 
     /// Adds the path of another value that the remedy mentions.
-    pub(super) fn see(self, path: Vec<Step>) -> Fault {
+    pub(super) fn see(self, path: DocumentPath) -> Fault {
         Fault { see: Some(path), ..self }
     }
 
     /// Returns the problem, which begins with the path of the value, and the remedy.
     pub fn in_words(&self) -> (String, String) {
-        let path = label(&self.path);
+        let path = self.path.to_string();
         let problem = match self.problem.starts_with(&path) {
             true => printable(&self.problem),
             false => printable(&format!("{path}: {}", self.problem)),
@@ -181,7 +164,7 @@ impl Fault {
 
     /// Returns the path in the document as text, such as `wall[0].motion`; empty if the reader of the text reported only a line.
     pub fn place(&self) -> String {
-        label(&self.path)
+        self.path.to_string()
     }
 
     /// Returns the line of the value in the text of its document, or of the nearest enclosing table in the text.
@@ -197,8 +180,8 @@ impl Fault {
         };
         let remedy = match &self.see {
             Some(path) => match whole_span(text, path) {
-                Some(at) => format!("{remedy} ({} stands in line {})", label(path), line_at(text, at)),
-                None => format!("{remedy} ({} is not in the file: it has its default)", label(path)),
+                Some(at) => format!("{remedy} ({path} stands in line {})", line_at(text, at)),
+                None => format!("{remedy} ({path} is not in the file: it has its default)"),
             },
             None => remedy,
         };
@@ -221,35 +204,24 @@ impl fmt::Display for Fault {
 
 impl std::error::Error for Fault {}
 
-/// Returns a path as text, such as `wall[0].motion`.
-pub(super) fn label(path: &[Step]) -> String {
-    let mut label = String::new();
-    for step in path {
-        match step {
-            Step::Key(key) => label += &format!(".{key}"),
-            Step::Name(name) => label += &format!(".{name}"),
-            Step::Index(index) => label += &format!("[{index}]"),
-        }
-    }
-    label.trim_start_matches('.').to_string()
-}
-
 /// Returns the line (from 1) of the value at a path such as `["material", "grain", "friction"]` or `["wall", "0", "motion"]` in
 /// the text of a scene. Absent values have the line of the nearest enclosing table; `None` if the text has neither.
 pub fn line_of(text: &str, path: &[&str]) -> Option<usize> {
-    let step = |step: &&str| step.parse().map_or_else(|_| Step::Name(step.to_string()), Step::Index);
-    span_start(text, &path.iter().map(step).collect::<Vec<_>>()).map(|at| line_at(text, at))
+    let root = DocumentPath::default();
+    let path =
+        path.iter().fold(root, |path, step| step.parse().map_or_else(|_| path.name(step), |index| path.index(index)));
+    span_start(text, &path).map(|at| line_at(text, at))
 }
 
 /// Offset of a value, or of the nearest enclosing table.
-fn span_start(text: &str, path: &[Step]) -> Option<usize> {
+fn span_start(text: &str, path: &DocumentPath) -> Option<usize> {
     Document::parse(text).ok()?.offsets(path).last().copied()
 }
 
 /// Offset of a value, if the text has it.
-pub(super) fn whole_span(text: &str, path: &[Step]) -> Option<usize> {
+pub(super) fn whole_span(text: &str, path: &DocumentPath) -> Option<usize> {
     let offsets = Document::parse(text).ok()?.offsets(path);
-    offsets.last().copied().filter(|_| offsets.len() == path.len())
+    offsets.last().copied().filter(|_| offsets.len() == path.depth())
 }
 
 pub(super) fn line_at(text: &str, at: usize) -> usize {

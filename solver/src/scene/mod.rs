@@ -77,7 +77,7 @@ pub use motion::{Motion, PoseTable};
 use nalgebra::Vector3;
 pub(crate) use periodic::REACHES;
 pub(crate) use populate::Neighbours;
-pub use populate::{Grain, populate};
+pub use populate::populate;
 pub use preflight::{Beforehand, Finding, Severity};
 pub use radii::RadiusDistribution;
 use serde::de::IgnoredAny;
@@ -91,6 +91,8 @@ pub use start::Start;
 use std::collections::BTreeMap;
 use std::path::Path;
 pub use suggestions::{nearest, suggestion, wish};
+/// Initial state of a grain, listed or placed by rule.
+pub use types::GrainEntry as Grain;
 pub(crate) use types::sphere_volume;
 pub use types::{Axis, Domain, GrainEntry, GravityChange, Insertion, Placement, Population, Region, Removal, Wall};
 
@@ -130,7 +132,7 @@ pub struct Scene {
     pub largest_start_overlap: f64,
     /// Accepts values that are a mistake in most scenes: steps and intervals of frames down to 1e-15 s, densities from 1e-6 to
     /// 1e9 kg/m3.
-    #[serde(default, skip_serializing_if = "settings::is_default")]
+    #[serde(default, skip_serializing_if = "crate::is_default")]
     #[cfg_attr(feature = "schema", schemars(!skip_serializing_if))]
     pub unusual_values: bool,
     /// Materials by name.
@@ -177,7 +179,7 @@ pub struct Scene {
     #[serde(default)]
     pub solver: SolverSettings,
     /// Settings of the watchdogs.
-    #[serde(default, skip_serializing_if = "settings::is_default")]
+    #[serde(default, skip_serializing_if = "crate::is_default")]
     #[cfg_attr(feature = "schema", schemars(!skip_serializing_if))]
     pub watch: Watch,
     #[serde(default, rename = "measure", skip_serializing)]
@@ -220,7 +222,7 @@ impl Scene {
         let mut scene: Scene = document.read()?;
         if scene.duration.is_nan() {
             let remedy = "give the simulated time, s, or stages with theirs";
-            let missing = || Fault::new(Vec::new(), "missing field `duration`".into(), remedy);
+            let missing = || Fault::new(DocumentPath::default(), "missing field `duration`".into(), remedy);
             scene.duration = scene.longest_of_stages().ok_or_else(missing)?;
         }
         document.first_unread(&scene).map_or(Ok(()), Err)?;

@@ -4,7 +4,6 @@ use super::check::interval;
 use super::document::{Checked, Document, DocumentPath};
 use super::error::short;
 use super::{Scene, Wall};
-use crate::surface::is_nowhere;
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -65,7 +64,7 @@ pub enum Motion {
         /// rx, ry, rz, the rotation vector (rad).
         file: String,
         /// Point about which it rotates, in the scene, metres.
-        #[serde(default, skip_serializing_if = "is_nowhere")]
+        #[serde(default, skip_serializing_if = "crate::is_default")]
         point: [f64; 3],
         /// Time of the scene at time zero of the table, s.
         #[serde(default)]

@@ -1,7 +1,8 @@
 //! Initial grains: generated once from the scene and a seed, the same for every code.
 
-use super::error::{Fault, Step, short};
-use super::{Domain, Placement, Population, Region, Scene, SceneError};
+use super::document::DocumentPath;
+use super::error::{Fault, short};
+use super::{Domain, Grain, Placement, Population, Region, Scene, SceneError};
 use crate::laws::period::Period;
 use crate::surface::Surface;
 use nalgebra::Vector3;
@@ -15,21 +16,6 @@ const MOST_SITES: f64 = 2e8;
 /// Number of tries to find a random free place for a grain.
 const TRIES: usize = 10_000;
 
-/// Initial state of a grain.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Grain {
-    /// Name of the material.
-    pub material: String,
-    /// Radius, metres.
-    pub radius: f64,
-    /// Centre, metres.
-    pub position: [f64; 3],
-    /// Velocity, m/s.
-    pub velocity: [f64; 3],
-    /// Angular velocity, rad/s.
-    pub spin: [f64; 3],
-}
-
 /// Places the scene's grains: listed grains first, then those of the start file and each population, all numbered in that order.
 ///
 /// The generator is ChaCha8 seeded with `seed`; equal scenes and seeds give equal bits.
@@ -38,119 +24,47 @@ pub struct Grain {
 /// [`SceneError::Invalid`] if a population does not fit its region, a grain lies outside the domain or its
 /// container, or two grains overlap by more than `largest_start_overlap` of the smaller radius.
 pub fn populate(scene: &Scene, seed: u64) -> Result<Vec<Grain>, SceneError> {
-    let place = || {
-        let grains = placed(scene, seed)?;
-        inside_container(scene, &grains)?;
-        no_overlap(scene, &grains)?;
-        Ok(grains)
-    };
-    place().map_err(|unplaced| match unplaced {
-        Unplaced::Fault(fault) => fault.into(),
-        Unplaced::Memory(bytes) => SceneError::Memory { bytes },
-    })
+    let grains = placed(scene, seed)?;
+    inside_container(scene, &grains)?;
+    no_overlap(scene, &grains)?;
+    Ok(grains)
 }
 
 /// Returns the initial grains without a check of domain, container or overlap.
-pub(super) fn placed(scene: &Scene, seed: u64) -> Result<Vec<Grain>, Unplaced> {
+pub(super) fn placed(scene: &Scene, seed: u64) -> Result<Vec<Grain>, SceneError> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut grains = Vec::new();
     reserve(&mut grains, scene.grain_count().min(MOST_SITES as usize))?;
-    grains.extend(scene.listed().map(|entry| Grain {
-        material: entry.material.clone(),
-        radius: entry.radius,
-        position: entry.position,
-        velocity: entry.velocity,
-        spin: entry.spin,
-    }));
+    grains.extend(scene.listed().cloned());
     for (index, population) in scene.population.iter().enumerate() {
+        let at = DocumentPath::default().key("population").index(index);
         match population.placement {
-            Placement::Lattice => jittered_lattice(scene, population, &mut random, &mut grains),
-            Placement::Random => random_places(scene, population, &mut random, &mut grains),
+            Placement::Lattice => jittered_lattice(scene, population, &at, &mut random, &mut grains)?,
+            Placement::Random => random_places(scene, population, &at, &mut random, &mut grains)?,
         }
-        .map_err(|misfit| misfit.unplaced(index, population))?;
     }
     Ok(grains)
 }
 
 /// Path in the scene of the entry that defines a grain.
-pub(super) fn origin(scene: &Scene, grain: usize) -> Vec<Step> {
-    let mut before = scene.listed().count();
+pub(super) fn origin(scene: &Scene, grain: usize) -> DocumentPath {
+    let (root, mut before) = (DocumentPath::default(), scene.listed().count());
     if grain < scene.grain.len() {
-        return vec![Step::Key("grain"), Step::Index(grain), Step::Key("position")];
+        return root.key("grain").index(grain).key("position");
     }
     if grain < before {
-        return vec![Step::Key("start"), Step::Key("file")];
+        return root.key("start").key("file");
     }
     let index = scene.population.iter().position(|population| {
         before += population.count;
         grain < before
     });
-    vec![Step::Key("population"), Step::Index(index.unwrap_or(0))]
-}
-
-/// Error of the placement of grains.
-pub(super) enum Unplaced {
-    Fault(Fault),
-    /// Memory of this size (bytes) cannot be allocated.
-    Memory(usize),
-}
-
-impl From<Fault> for Unplaced {
-    fn from(fault: Fault) -> Unplaced {
-        Unplaced::Fault(fault)
-    }
+    root.key("population").index(index.unwrap_or(0))
 }
 
 /// Reserves memory for more entries; returns an error if the allocation fails.
-fn reserve<T>(list: &mut Vec<T>, more: usize) -> Result<(), Unplaced> {
-    list.try_reserve(more).map_err(|_| Unplaced::Memory(more.saturating_mul(size_of::<T>())))
-}
-
-/// Error of the placement of a population.
-enum Misfit {
-    /// After this number of grains, no free place was found at random.
-    Full(usize),
-    /// The region is this wide, and the largest grain has this diameter, m.
-    Narrow(f64, f64),
-    /// The region has only this number of lattice sites.
-    TooSmall(usize),
-    /// The region has this number of lattice sites, too many for a list.
-    TooLarge(f64),
-    /// Memory of this size (bytes) cannot be allocated.
-    Memory(usize),
-}
-
-impl Misfit {
-    fn unplaced(self, index: usize, population: &Population) -> Unplaced {
-        let (key, problem, remedy) = match self {
-            Misfit::Full(placed) => (
-                "count",
-                format!(
-                    "no free place was found in {TRIES} tries for grain {} of {}, the largest first",
-                    placed + 1,
-                    population.count
-                ),
-                "enlarge the region or lower the count: random places fill some 0.3 of a region with grains of one size",
-            ),
-            Misfit::Narrow(width, diameter) => (
-                "region",
-                format!("it is {} m wide, and the largest grain has a diameter of {} m", short(width), short(diameter)),
-                "enlarge the region or lower the radius: grains lie entirely inside",
-            ),
-            Misfit::TooSmall(sites) => (
-                "count",
-                format!("{} grains do not fit their region: it has {sites} lattice sites", population.count),
-                "enlarge the region, lower the count, or lower the spacing",
-            ),
-            Misfit::TooLarge(sites) => (
-                "region",
-                format!("the region has {sites:e} lattice sites, more than {MOST_SITES:e}"),
-                "make the region smaller, or the radius or the spacing larger",
-            ),
-            Misfit::Memory(bytes) => return Unplaced::Memory(bytes),
-        };
-        Unplaced::Fault(Fault::new(vec![Step::Key("population"), Step::Index(index), Step::Key(key)], problem, remedy))
-    }
+fn reserve<T>(list: &mut Vec<T>, more: usize) -> Result<(), SceneError> {
+    list.try_reserve(more).map_err(|_| SceneError::Memory { bytes: more.saturating_mul(size_of::<T>()) })
 }
 
 /// Returns a uniform random number in [0, 1) from the upper 53 bits.
@@ -166,13 +80,17 @@ pub(super) fn symmetric(random: &mut ChaCha8Rng) -> f64 {
 fn jittered_lattice(
     scene: &Scene,
     population: &Population,
+    at: &DocumentPath,
     random: &mut ChaCha8Rng,
     grains: &mut Vec<Grain>,
-) -> Result<(), Misfit> {
+) -> Result<(), SceneError> {
     let lattice = Lattice::of(population);
-    let mut sites = lattice.sites(&population.region)?;
+    let mut sites = lattice.sites(&population.region, at)?;
     if sites.len() < population.count {
-        return Err(Misfit::TooSmall(sites.len()));
+        let (count, sites) = (population.count, sites.len());
+        let problem = format!("{count} grains do not fit their region: it has {sites} lattice sites");
+        let remedy = "enlarge the region, lower the count, or lower the spacing";
+        return Err(Fault::new(at.key("count"), problem, remedy).into());
     }
     // The lowest sites come first, so that the bed forms without a long fall; sites of equal height retain lattice order.
     let up = -Vector3::from(scene.gravity);
@@ -198,16 +116,20 @@ fn jittered_lattice(
 fn random_places(
     scene: &Scene,
     population: &Population,
+    at: &DocumentPath,
     random: &mut ChaCha8Rng,
     grains: &mut Vec<Grain>,
-) -> Result<(), Misfit> {
+) -> Result<(), SceneError> {
     let mut draw = population.radius.all(population.count, random);
     let radii: Vec<f64> = (0..population.count).map(|_| draw(random)).collect();
     let mut order: Vec<usize> = (0..radii.len()).collect();
     order.sort_by(|&one, &other| radii[other].total_cmp(&radii[one]));
     let ((_, width), diameter) = (population.region.size(), order.first().map_or(0.0, |&largest| 2.0 * radii[largest]));
     if width < diameter {
-        return Err(Misfit::Narrow(width, diameter));
+        let (width, diameter) = (short(width), short(diameter));
+        let problem = format!("it is {width} m wide, and the largest grain has a diameter of {diameter} m");
+        let remedy = "enlarge the region or lower the radius: grains lie entirely inside";
+        return Err(Fault::new(at.key("region"), problem, remedy).into());
     }
     let largest = grains.iter().map(|grain| grain.radius).fold(population.radius.bounds().1, f64::max);
     let mut neighbours = Neighbours::new(&scene.domain, largest);
@@ -229,7 +151,11 @@ fn random_places(
                 && surfaces.iter().all(|surface| surface.depth(&grain.position.into(), grain.radius) <= 0.0)
         });
         if !is_free {
-            return Err(Misfit::Full(placed));
+            let (number, count) = (placed + 1, population.count);
+            let problem =
+                format!("no free place was found in {TRIES} tries for grain {number} of {count}, the largest first");
+            let remedy = "enlarge the region or lower the count: random places fill some 0.3 of a region with grains of one size";
+            return Err(Fault::new(at.key("count"), problem, remedy).into());
         }
         neighbours.add(&grain.position, grain.radius);
         grain.velocity = Vector3::from_fn(|_, _| population.agitation * symmetric(random)).into();
@@ -270,7 +196,7 @@ impl Lattice {
         self.beyond.map(|sites| sites + 1.0).product()
     }
 
-    fn sites(&self, region: &Region) -> Result<Vec<Vector3<f64>>, Misfit> {
+    fn sites(&self, region: &Region, at: &DocumentPath) -> Result<Vec<Vector3<f64>>, SceneError> {
         let reach = self.largest + self.jitter;
         let inside = |site: &Vector3<f64>| match region {
             Region::Box { .. } => true,
@@ -285,13 +211,15 @@ impl Lattice {
         };
         let all = self.in_box();
         if all > MOST_SITES {
-            return Err(Misfit::TooLarge(all));
+            let problem = format!("the region has {all:e} lattice sites, more than {MOST_SITES:e}");
+            let remedy = "make the region smaller, or the radius or the spacing larger";
+            return Err(Fault::new(at.key("region"), problem, remedy).into());
         }
         let mut sites: Vec<Vector3<f64>> = Vec::new();
         if self.beyond.min() < 0.0 {
             return Ok(sites);
         }
-        sites.try_reserve(all as usize).map_err(|_| Misfit::Memory(all as usize * size_of::<Vector3<f64>>()))?;
+        reserve(&mut sites, all as usize)?;
         for k in 0..=self.beyond.z as usize {
             for j in 0..=self.beyond.y as usize {
                 for i in 0..=self.beyond.x as usize {
@@ -340,7 +268,7 @@ fn inside_container(scene: &Scene, grains: &[Grain]) -> Result<(), Fault> {
     Ok(())
 }
 
-fn no_overlap(scene: &Scene, grains: &[Grain]) -> Result<(), Unplaced> {
+fn no_overlap(scene: &Scene, grains: &[Grain]) -> Result<(), SceneError> {
     let largest = grains.iter().map(|grain| grain.radius).fold(0.0, f64::max);
     let mut neighbours = Neighbours::new(&scene.domain, largest);
     reserve(&mut neighbours.grains, grains.len())?;

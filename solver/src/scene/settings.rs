@@ -10,24 +10,24 @@ use serde::{Deserialize, Serialize};
 #[serde(deny_unknown_fields, default)]
 pub struct SolverSettings {
     /// Time step, s; default from gravity, grain size and speeds (`docs/settings.md`). In code, 0 stands for the default.
-    #[serde(skip_serializing_if = "is_default")]
+    #[serde(skip_serializing_if = "crate::is_default")]
     pub step: f64,
     /// Stopping rule of a solve.
     pub stop: Stop,
     /// Solution method.
-    #[serde(skip_serializing_if = "is_default")]
+    #[serde(skip_serializing_if = "crate::is_default")]
     pub method: SolverMethod,
     /// Number of sweeps over each cached box per sweep over all boxes.
     pub inner_sweeps: u32,
     /// Over-relaxation factor of the sweeps; 1 within a solve with a growing residual. Methods without sweeps ignore it, and `inner_sweeps`.
     pub over_relaxation: f64,
     /// Precision of the sweeps; all other computations are in double precision. Single precision requires Gauss-Seidel.
-    #[serde(skip_serializing_if = "is_default")]
+    #[serde(skip_serializing_if = "crate::is_default")]
     pub precision: Precision,
     /// Law of the normal contact.
     pub normal_law: NormalLaw,
     /// Tangential law of the sticking contact.
-    #[serde(skip_serializing_if = "is_default")]
+    #[serde(skip_serializing_if = "crate::is_default")]
     pub tangential_law: TangentialLaw,
     /// Damping time of the stabilisation over the time step (tau / h).
     pub damping_steps: f64,
@@ -113,11 +113,6 @@ impl SolverSettings {
     }
 }
 
-/// Returns true for defaults. Written scenes omit defaults, so that their hash agrees with the hash of stored results.
-pub(super) fn is_default<T: Default + PartialEq>(value: &T) -> bool {
-    *value == T::default()
-}
-
 /// Precision of the sweeps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -161,25 +156,22 @@ pub enum SolverMethod {
 /// Largest number of iterations in the memory of Anderson's acceleration.
 pub const MOST_MEMORY: usize = 8;
 
-const ANDERSON_MEMORY: u32 = 3;
-const JACOBI_DAMPING: f64 = 0.3;
-
-fn anderson_memory() -> u32 {
-    ANDERSON_MEMORY
+const fn anderson_memory() -> u32 {
+    3
 }
 
-fn jacobi_damping() -> f64 {
-    JACOBI_DAMPING
+const fn jacobi_damping() -> f64 {
+    0.3
 }
 
 impl SolverMethod {
     /// All methods, with their default parameters.
     pub const ALL: [SolverMethod; 6] = [
         SolverMethod::GaussSeidel,
-        SolverMethod::Anderson { memory: ANDERSON_MEMORY },
+        SolverMethod::Anderson { memory: anderson_memory() },
         SolverMethod::NonlinearConjugateGradients,
         SolverMethod::AcceleratedProjectedGradients,
-        SolverMethod::Jacobi { damping: JACOBI_DAMPING },
+        SolverMethod::Jacobi { damping: jacobi_damping() },
         SolverMethod::ProjectedConjugateGradients,
     ];
 

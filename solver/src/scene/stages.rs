@@ -182,7 +182,7 @@ impl Scene {
     pub(super) fn fault_in_stage(&self, number: usize, fault: Fault) -> Fault {
         let root = DocumentPath::default();
         let (at, stage) = (root.key("stage").index(number), &self.stage[number]);
-        let own = Value::try_from(stage).ok();
+        let own = Value::try_from(stage);
         let longest = if stage.duration.is_some() { "duration" } else { "at_most" };
         let motion = |(index, wall): (usize, &Wall)| {
             let given = stage.motion.contains_key(&wall.name);
@@ -190,7 +190,7 @@ impl Scene {
         };
         let motions = self.wall.iter().enumerate().filter_map(motion);
         let fault = [(root.key("duration"), at.key(longest))].into_iter().chain(motions).fold(fault, Fault::moved);
-        if fault.is_in(own.as_ref()) { fault.moved((root, at)) } else { fault }
+        if own.is_ok_and(|own| fault.path.is_in(&own)) { fault.moved((root, at)) } else { fault }
     }
 
     /// Returns the longest time of all stages, s; `None` without stages.

@@ -3,7 +3,6 @@
 use super::{Motion, RadiusDistribution};
 use crate::laws::period::Period;
 use crate::surface::Shape;
-use crate::surface::is_nowhere;
 use serde::{Deserialize, Serialize};
 
 pub(super) fn earth_gravity() -> [f64; 3] {
@@ -34,20 +33,13 @@ pub(crate) fn sphere_volume(radius: f64) -> f64 {
     4.0 / 3.0 * std::f64::consts::PI * radius * radius * radius
 }
 
-const SLIGHT_OVERLAP: f64 = 0.01;
-
 pub(super) fn slight_overlap() -> f64 {
-    SLIGHT_OVERLAP
+    0.01
 }
 
-/// Returns true if an overlap is the default. Written scenes omit defaults, so that their hash agrees with the hash of stored results.
+/// Returns true if an overlap is the default, as [`crate::is_default`] does.
 pub(super) fn is_slight(overlap: &f64) -> bool {
-    *overlap == SLIGHT_OVERLAP
-}
-
-/// Returns true if an effect is off. Written scenes omit such values, so that their hash agrees with the hash of scenes without the effect.
-pub(super) fn is_zero(value: &f64) -> bool {
-    *value == 0.0
+    *overlap == slight_overlap()
 }
 
 /// Axis-aligned box that no grain may leave, metres.
@@ -115,7 +107,7 @@ pub struct Wall {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub parent: Option<String>,
     /// Velocity of the surface along itself, m/s, while the shape stays: a conveyor belt. At a contact, its component along the normal does not count.
-    #[serde(default, skip_serializing_if = "is_nowhere")]
+    #[serde(default, skip_serializing_if = "crate::is_default")]
     pub surface_velocity: [f64; 3],
 }
 
@@ -133,10 +125,10 @@ pub struct Population {
     /// Region of placement.
     pub region: Region,
     /// Rule of placement.
-    #[serde(default, skip_serializing_if = "Placement::is_lattice")]
+    #[serde(default, skip_serializing_if = "crate::is_default")]
     pub placement: Placement,
     /// Lattice spacing over the largest diameter, at least 1; jitter fills the rest. Without meaning for a random placement.
-    #[serde(default = "default_spacing")]
+    #[serde(default = "usual_spacing")]
     pub spacing: f64,
     /// Limit of each component of the initial velocity, m/s: uniform between minus and plus this value.
     #[serde(default)]
@@ -144,10 +136,8 @@ pub struct Population {
 }
 
 /// Lattice spacing of a population without one.
-pub(super) const SPACING: f64 = 1.1;
-
-fn default_spacing() -> f64 {
-    SPACING
+pub(super) fn usual_spacing() -> f64 {
+    1.1
 }
 
 /// Rule by which the grains of a population get their places.
@@ -160,12 +150,6 @@ pub enum Placement {
     Lattice,
     /// Random free places of the region, the largest grains first: for grains of very different sizes, up to a solid fraction of some 0.3.
     Random,
-}
-
-impl Placement {
-    fn is_lattice(&self) -> bool {
-        *self == Placement::Lattice
-    }
 }
 
 /// Region of placement; grains lie entirely inside.

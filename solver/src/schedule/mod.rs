@@ -11,7 +11,7 @@ use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterato
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::Instant;
 
 /// Rule for the assignment of tasks to threads.
@@ -48,7 +48,7 @@ pub struct Team {
     /// Thread pool; absent for one thread.
     pool: Option<Arc<Pool>>,
     /// Record of the durations of tasks; absent unless the team traces.
-    tracer: Option<Arc<Mutex<Tracer>>>,
+    tracer: Option<Arc<Mutex<StepTrace>>>,
 }
 
 /// Threads of the process that started them; a forked process has none of these threads.
@@ -137,7 +137,7 @@ impl Team {
             seconds[number].store(clock.elapsed().as_secs_f64().to_bits(), Ordering::Relaxed);
         });
         let seconds = seconds.into_iter().map(|bits| f64::from_bits(bits.into_inner())).collect();
-        tracer.lock().expect("no task panics while it traces").add(phase, seconds);
+        record(tracer).regions.push(Region { phase, tasks: seconds });
     }
 
     /// Runs `task` concurrently for each number below `count`, in any order, each with its part of the memory.
@@ -171,7 +171,7 @@ impl Team {
         let Some(tracer) = &self.tracer else { return work() };
         let clock = Instant::now();
         let result = work();
-        tracer.lock().expect("no task panics while it traces").add(phase, vec![clock.elapsed().as_secs_f64()]);
+        record(tracer).regions.push(Region { phase, tasks: vec![clock.elapsed().as_secs_f64()] });
         result
     }
 
@@ -182,8 +182,7 @@ impl Team {
 
     /// Returns the records since the last call; empty if the team does not trace.
     pub(crate) fn take_trace(&self) -> StepTrace {
-        let take = |tracer: &Arc<Mutex<Tracer>>| tracer.lock().expect("no task panics while it traces").take();
-        self.tracer.as_ref().map(take).unwrap_or_default()
+        self.tracer.as_deref().map(|tracer| std::mem::take(&mut *record(tracer))).unwrap_or_default()
     }
 }
 
@@ -248,18 +247,7 @@ pub struct StepTrace {
     pub regions: Vec<Region>,
 }
 
-/// Recorder of the regions of a running step.
-#[derive(Debug, Default)]
-pub(super) struct Tracer {
-    trace: StepTrace,
-}
-
-impl Tracer {
-    pub fn add(&mut self, phase: Phase, tasks: Vec<f64>) {
-        self.trace.regions.push(Region { phase, tasks });
-    }
-
-    pub fn take(&mut self) -> StepTrace {
-        std::mem::take(&mut self.trace)
-    }
+/// Returns the record of a running step.
+fn record(tracer: &Mutex<StepTrace>) -> MutexGuard<'_, StepTrace> {
+    tracer.lock().expect("no task panics while it traces")
 }

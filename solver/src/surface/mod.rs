@@ -36,21 +36,12 @@ type Vector = Vector3<f64>;
 /// Names of the faces of a box.
 pub(crate) const FACES: [&str; 6] = ["-x", "+x", "-y", "+y", "-z", "+z"];
 
-fn is_zero(value: &f64) -> bool {
-    *value == 0.0
-}
-
 fn one() -> f64 {
     1.0
 }
 
 fn is_one(value: &f64) -> bool {
     *value == 1.0
-}
-
-/// Returns true for a zero vector. Written scenes omit it, so that their hash agrees with the hash of scenes without the key.
-pub(crate) fn is_nowhere(vector: &[f64; 3]) -> bool {
-    *vector == [0.0; 3]
 }
 
 /// Surface that a straight line sweeps around an axis.
@@ -138,7 +129,7 @@ pub enum Shape {
         /// Radius, metres.
         radius: f64,
         /// Radius of the round hole in its middle, metres; none, if zero.
-        #[serde(default, skip_serializing_if = "is_zero")]
+        #[serde(default, skip_serializing_if = "crate::is_default")]
         hole: f64,
     },
     /// Triangles of a file of a CAD program: STL (text or binary) or OBJ; thin, with grains on both sides.
@@ -152,7 +143,7 @@ pub enum Shape {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         rotate: Option<MeshRotation>,
         /// Translation after scaling and rotation, metres.
-        #[serde(default, skip_serializing_if = "is_nowhere")]
+        #[serde(default, skip_serializing_if = "crate::is_default")]
         translate: [f64; 3],
         /// Triangles of the file, encoded. Scenes that Makadam writes have this key, so that they are complete without the file.
         #[serde(default)]

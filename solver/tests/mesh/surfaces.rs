@@ -158,8 +158,8 @@ proptest! {
         scene.largest_start_overlap = 2.0;
         let mut simulation = Simulation::new(&scene, 1).unwrap();
         simulation.step();
-        let kept = simulation.kept_contacts().into_iter().filter(|kept| kept.impact.speed != 0.0);
-        let faces = kept.map(|kept| nearest(&terrain[kept.face.unwrap() as usize], &centre));
+        let kept = simulation.kept_contacts()[1].clone().into_iter().filter(|kept| kept.impact.speed != 0.0);
+        let faces = kept.map(|kept| nearest(&terrain[kept.second as usize], &centre));
         let mut found: Vec<Vector> = faces.map(|foot| (foot - centre).normalize()).collect();
         for expected in &sets[0] {
             let place = found.iter().position(|normal| (normal - expected).norm() < 1e-6);

@@ -205,7 +205,7 @@ impl Laws {
         let contact =
             NormalContact { overlap, velocity, effective_modulus, effective_radius, inverse_mass, damping_ratio };
         let known = kept.map_or([0.0; 2], |one| [one.impact.speed, one.impact.velocity].map(f64::from));
-        let impact = Impact::of(state, known, kept.map_or(0.0, |one| one.impulse) * inverse_mass);
+        let impact = Impact::of(state, known, kept.map_or(0.0, |one| one.impulse[0]) * inverse_mass);
         let constraint = contact.constraint(&self.scheme, impact.speed);
         let constraint = impact.decide(constraint, &self.scheme, state, inverse_mass, restitution).constraint;
         Law { bias: constraint.bias, regularisation: constraint.regularisation }
@@ -213,7 +213,12 @@ impl Laws {
 
     /// All contacts of a step that bear, and those of grains that overlap before it and bear nothing, given what contacts kept from
     /// the step before.
-    pub fn touches(&self, before: &Snapshot, after: &Snapshot, kept: &[KeptContact]) -> Vec<Touch> {
+    pub fn touches(
+        &self,
+        before: &Snapshot,
+        after: &Snapshot,
+        [kept_pairs, kept_walls]: &[Vec<KeptContact>; 2],
+    ) -> Vec<Touch> {
         let h = self.scheme.step;
         // Impulses by pair of grains, on the second; and by grain and normal at walls.
         let (mut pairs, mut walls) = (BTreeMap::new(), Vec::new());
@@ -260,9 +265,8 @@ impl Laws {
                 let after = relative(after);
                 let (state, rest) = ([overlap, normal.dot(&own)], [effective_radius, inverse_mass]);
                 let ids = [first as u32, second as u32];
-                let own_kept = kept
-                    .iter()
-                    .find(|one| one.second.is_some_and(|other| [one.first, other] == ids || [other, one.first] == ids));
+                let is_it = |one: &&KeptContact| [one.first, one.second] == ids || [one.second, one.first] == ids;
+                let own_kept = kept_pairs.iter().find(is_it);
                 let law = Some(self.fitting_law(state, rest, own_kept, farthest, [along, normal.dot(&after)]));
                 let second = Some(second);
                 touches.push(Touch { first, second, normal, inverse_mass, law, before: own, after, along, tangential });
@@ -298,8 +302,8 @@ impl Laws {
                 let (own, inverse_mass) = (relative(before), 1.0 / self.masses[first]);
                 let after = relative(after);
                 let (state, rest) = ([overlap, normal.dot(&own)], [grain.radius, inverse_mass]);
-                let of_face = |one: &&KeptContact| one.first == first as u32 && one.face == Some(number as u32);
-                let own_kept = kept.iter().find(of_face);
+                let of_face = |one: &&KeptContact| one.first == first as u32 && one.second == number as u32;
+                let own_kept = kept_walls.iter().find(of_face);
                 let law = self.fitting_law(state, rest, own_kept, farthest, [along, normal.dot(&after)]);
                 let law = (!fast).then_some(law);
                 touches.push(Touch {
@@ -329,7 +333,7 @@ pub struct Stepped {
     /// places at which the paths end.
     pub struck: usize,
     /// Memory of contacts from the step before.
-    pub kept: Vec<KeptContact>,
+    pub kept: [Vec<KeptContact>; 2],
 }
 
 /// Takes a step.

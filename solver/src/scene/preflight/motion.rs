@@ -116,10 +116,9 @@ impl Stepping {
     }
 
     fn fault(&self, at: &DocumentPath, problem: String, largest: f64, or_else: &str) -> Fault {
-        let key = crate::scene::error::label(&self.at.path());
         // Rounding down makes the suggested value valid.
-        let remedy = format!("give {key} at most {:e} s{or_else}", rounded_down(largest, 3));
-        at.fault(problem, &remedy).see(self.at.path())
+        let remedy = format!("give {} at most {:e} s{or_else}", self.at, rounded_down(largest, 3));
+        at.fault(problem, &remedy).see(self.at.clone())
     }
 }
 

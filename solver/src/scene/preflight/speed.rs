@@ -3,7 +3,7 @@
 use super::Beforehand;
 use crate::laws::compliance::{NormalContact, NormalScheme, damping_ratio, effective_radius};
 use crate::scene::document::DocumentPath;
-use crate::scene::error::{Fault, Step, rounded_down, short};
+use crate::scene::error::{Fault, rounded_down, short};
 use crate::scene::populate::origin;
 use crate::scene::{Grain, Motion, NormalLaw, Scene, Shape, Wall};
 use crate::surface::furthest_corner;
@@ -237,17 +237,15 @@ impl Scene {
     }
 
     /// Returns the path in the scene of the restitution speed of a pair.
-    fn says_restitution_speed(&self, first: &str, second: &str) -> Vec<Step> {
+    fn says_restitution_speed(&self, first: &str, second: &str) -> DocumentPath {
         let names =
             |rule: &[String; 2]| (rule[0] == first && rule[1] == second) || (rule[0] == second && rule[1] == first);
         let rule = self.pair.iter().position(|rule| rule.restitution_speed.is_some() && names(&rule.between));
-        let table = match rule {
-            Some(index) => [Step::Key("pair"), Step::Index(index)],
-            None => {
-                let own = self.material[second].restitution_speed.is_some();
-                [Step::Key("material"), Step::Name(if own { second } else { first }.to_string())]
-            }
+        let root = DocumentPath::default();
+        let of_material = || {
+            let own = self.material[second].restitution_speed.is_some();
+            root.key("material").name(if own { second } else { first })
         };
-        table.into_iter().chain([Step::Key("restitution_speed")]).collect()
+        rule.map_or_else(of_material, |index| root.key("pair").index(index)).key("restitution_speed")
     }
 }

@@ -26,6 +26,8 @@ pub(super) mod state;
 
 use crate::Simulation;
 use crate::scene::Scene;
+#[doc(hidden)]
+pub use state::KeptContact;
 use state::State;
 use std::ffi::OsString;
 use std::fs::{File, OpenOptions};

@@ -35,8 +35,8 @@ pub(in crate::simulation) struct State {
     grains: Vec<GrainState>,
     /// Absent before the first step.
     list: Option<ListState>,
-    pairs: Vec<Remembered>,
-    walls: Vec<Remembered>,
+    pairs: Vec<KeptContact>,
+    walls: Vec<KeptContact>,
     /// Angular impulses of these pairs, N m s, if contacts transmit torques; otherwise empty.
     pair_torques: Vec<[f64; 3]>,
     wall_torques: Vec<[f64; 3]>,
@@ -109,37 +109,32 @@ struct ListState {
     walls: u32,
 }
 
-/// Impulse of an active candidate.
-#[derive(Serialize, Deserialize)]
-struct Remembered {
+/// Memory of an active candidate from one step to the next.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub struct KeptContact {
     /// Index in the list.
     candidate: u32,
     /// Id of the first grain.
-    first: u32,
-    /// Id of the second grain, or number of the surface.
-    second: u32,
+    pub first: u32,
+    /// Id of the second grain, or number of the face of a wall.
+    pub second: u32,
     /// Normal and tangential impulse, N s.
-    impulse: [f64; 4],
-    /// Approach speed and last normal velocity of the current impact, m/s.
-    impact: [f32; 2],
+    pub impulse: [f64; 4],
+    /// Current impact.
+    pub impact: ImpactMemory,
 }
 
-impl Remembered {
+impl KeptContact {
     fn scaled(&self, [normal, tangential]: [f64; 2]) -> Impulse {
         let [along, x, y, z] = self.impulse;
         Impulse { normal: along * normal, tangential: [x, y, z].map(|component| component * tangential) }
     }
-
-    fn impact(&self) -> ImpactMemory {
-        let [speed, velocity] = self.impact;
-        ImpactMemory { speed, velocity }
-    }
 }
 
 /// Sets the impulse of a candidate, times a factor, and its angular impulse in a scene with torques.
-fn give(memory: &mut Memory, candidate: usize, (known, torque): (&Remembered, Option<&[f64; 3]>), scales: [f64; 2]) {
+fn give(memory: &mut Memory, candidate: usize, (known, torque): (&KeptContact, Option<&[f64; 3]>), scales: [f64; 2]) {
     let torque = torque.map_or([0.0; 3], |torque| torque.map(|component| component * scales[0]));
-    memory.set(candidate, known.scaled(scales), known.impact(), torque);
+    memory.set(candidate, known.scaled(scales), known.impact, torque);
 }
 
 /// Impulses and impacts of the active candidates, each with its index in the list. An impulse is active if any of its bits is
@@ -148,20 +143,28 @@ fn remembered<'a>(
     candidates: impl Iterator<Item = usize> + 'a,
     memory: &'a Memory,
     name: impl Fn(usize) -> (u32, u32) + 'a,
-) -> impl Iterator<Item = Remembered> + 'a {
+) -> impl Iterator<Item = KeptContact> + 'a {
     candidates.filter(|&candidate| memory.is_known(candidate)).map(move |candidate| {
         let Impulse { normal, tangential: [x, y, z] } = memory.impulses[candidate];
-        let ImpactMemory { speed, velocity } = memory.impacts[candidate];
-        let (first, second) = name(candidate);
-        let (candidate, impulse, impact) = (candidate as u32, [normal, x, y, z], [speed, velocity]);
-        Remembered { candidate, first, second, impulse, impact }
+        let (impact, (first, second)) = (memory.impacts[candidate], name(candidate));
+        let (candidate, impulse) = (candidate as u32, [normal, x, y, z]);
+        KeptContact { candidate, first, second, impulse, impact }
     })
 }
 
 /// Returns the angular impulses of these candidates; empty if contacts transmit no torques.
-fn torques_of(borne: &[Remembered], torques: &[AngularImpulse]) -> Vec<[f64; 3]> {
-    let known = |one: &Remembered| torques.get(one.candidate as usize).map(|torque| torque.0);
+fn torques_of(borne: &[KeptContact], torques: &[AngularImpulse]) -> Vec<[f64; 3]> {
+    let known = |one: &KeptContact| torques.get(one.candidate as usize).map(|torque| torque.0);
     borne.iter().filter_map(known).collect()
+}
+
+impl Simulation {
+    /// Returns the contact memories of the last step, for the next step: of pairs of grains, and with walls.
+    #[doc(hidden)]
+    pub fn kept_contacts(&self) -> [Vec<KeptContact>; 2] {
+        let State { pairs, walls, .. } = State::of(self);
+        [pairs, walls]
+    }
 }
 
 impl State {
@@ -249,16 +252,17 @@ impl State {
         let impulses = state.pairs.iter().chain(&state.walls).flat_map(|known| &known.impulse);
         let drives =
             state.driven_walls.iter().flat_map(|wall| [wall.displacement, wall.rate, wall.displacement_in_list]);
-        let impacts = state.pairs.iter().chain(&state.walls).flat_map(|known| &known.impact);
+        let impacts =
+            state.pairs.iter().chain(&state.walls).flat_map(|known| [known.impact.speed, known.impact.velocity]);
         let torques = state.pair_torques.iter().chain(&state.wall_torques).flatten();
         let sound = rest.is_empty()
             && state.step.is_finite()
             && state.step > 0.0
             && state.steps.max(state.contact_sweeps) < LARGEST_COUNT
             && state.list.as_ref().is_none_or(|list| list.built_at.is_finite() && list.rebuilds < LARGEST_COUNT)
-            && impulses.clone().all(|component| component.abs() < LARGEST)
-            && impacts.clone().all(|number| number.abs() < LARGEST as f32)
-            && torques.clone().all(|component| component.abs() < LARGEST)
+            && { impulses }.all(|component| component.abs() < LARGEST)
+            && { impacts }.all(|number| number.abs() < LARGEST as f32)
+            && { torques }.all(|component| component.abs() < LARGEST)
             && drives.into_iter().all(|number| number.abs() < LARGEST)
             && state.altered.springs.abs() < LARGEST
             && state.altered.roll.is_sound(state.grains.len())
@@ -367,23 +371,21 @@ impl State {
         // Start and source may differ in whether contacts transmit torques, or friction.
         let effects = simulation.relaxation.effects;
         let (torques, scales) = (effects.torques(), [scale, if effects.friction() { scale } else { 0.0 }]);
-        let (of_pairs, of_walls) = (&mut candidates.impulses.pairs, &mut candidates.impulses.walls);
-        of_pairs.resize(self.pairs.len(), torques);
-        of_walls.resize(self.walls.len(), torques);
-        for (number, known) in self.pairs.iter().enumerate() {
-            if known.first >= grains || known.second >= grains {
-                return Err("names a grain that is not there".into());
+        let of_pairs = (&self.pairs, &self.pair_torques, &mut candidates.impulses.pairs, grains);
+        let of_walls = (&self.walls, &self.wall_torques, &mut candidates.impulses.walls, surfaces);
+        for (borne, angular, memory, partners) in [of_pairs, of_walls] {
+            memory.resize(borne.len(), torques);
+            for (number, known) in borne.iter().enumerate() {
+                if known.first >= grains || known.second >= partners {
+                    return Err("names a grain or a wall that is not there".into());
+                }
+                give(memory, number, (known, angular.get(number)), scales);
             }
-            candidates.pairs.push(PairCandidate { first: known.first, second: known.second });
-            give(of_pairs, number, (known, self.pair_torques.get(number)), scales);
         }
-        for (number, known) in self.walls.iter().enumerate() {
-            if known.first >= grains || known.second >= surfaces {
-                return Err("names a grain or a wall that is not there".into());
-            }
-            candidates.walls.push(WallCandidate { body: known.first, surface: known.second });
-            give(of_walls, number, (known, self.wall_torques.get(number)), scales);
-        }
+        let pair = |known: &KeptContact| PairCandidate { first: known.first, second: known.second };
+        let wall = |known: &KeptContact| WallCandidate { body: known.first, surface: known.second };
+        candidates.pairs.extend(self.pairs.iter().map(pair));
+        candidates.walls.extend(self.walls.iter().map(wall));
         simulation.layout.replan(1, |plan| *plan = Plan::single(self.pairs.len() as u32, self.walls.len() as u32));
         simulation.candidates.find_borne(&simulation.layout.plan);
         Ok(())
@@ -440,7 +442,7 @@ impl State {
         for (borne, torques, two) in
             [(&mut self.pairs, &mut self.pair_torques, true), (&mut self.walls, &mut self.wall_torques, false)]
         {
-            let both = |known: &Remembered| {
+            let both = |known: &KeptContact| {
                 let second = if two { new_id(known.second) } else { Some(known.second) };
                 Some((new_id(known.first)?, second?))
             };

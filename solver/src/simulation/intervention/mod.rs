@@ -24,7 +24,7 @@ use crate::wall::WallMotion;
 #[doc(hidden)]
 use forces::{LOADS, Loads};
 use serde::{Deserialize, Serialize};
-pub use states::{KeptContact, PairsInList, States};
+pub use states::{PairsInList, States};
 
 /// Reason why an intervention was refused; the simulation stays unchanged.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -3,7 +3,6 @@
 use super::{Booked, Interventions};
 use crate::Simulation;
 use crate::detect::{Impulse, PairCandidate, WallCandidate};
-use crate::groups::ImpactMemory;
 use crate::world::{Body, Sphere};
 use std::collections::TryReserveError;
 
@@ -170,41 +169,7 @@ pub struct PairsInList {
     pub wall_impulses: Vec<Impulse>,
 }
 
-/// Memory of a contact from one step to the next.
-#[doc(hidden)]
-#[derive(Clone, Copy, Debug)]
-pub struct KeptContact {
-    /// Id of the first grain.
-    pub first: u32,
-    /// Id of the second grain; `None` for a wall.
-    pub second: Option<u32>,
-    /// Number of the face, for a wall.
-    pub face: Option<u32>,
-    /// Current impact.
-    pub impact: ImpactMemory,
-    /// Normal impulse of the last step, N s.
-    pub impulse: f64,
-}
-
 impl Simulation {
-    /// Returns the contact memories of the last step, for the next step.
-    #[doc(hidden)]
-    pub fn kept_contacts(&self) -> Vec<KeptContact> {
-        let (candidates, ids) = (&self.candidates, &self.world.ids);
-        let (impulses, id) = (&candidates.impulses, |place: u32| ids[place as usize]);
-        let named = self.layout.plan.tasks().iter().flat_map(|task| task.named(&impulses.borne));
-        let pairs = named.map(|candidate| {
-            let PairCandidate { first, second } = candidates.pairs[candidate];
-            let (impact, impulse) = (impulses.pairs.impacts[candidate], impulses.pairs.impulses[candidate].normal);
-            KeptContact { first: id(first), second: Some(id(second)), face: None, impact, impulse }
-        });
-        let walls = candidates.walls.iter().enumerate().map(|(candidate, wall)| {
-            let (impact, impulse) = (impulses.walls.impacts[candidate], impulses.walls.impulses[candidate].normal);
-            KeptContact { first: id(wall.body), second: None, face: Some(wall.surface), impact, impulse }
-        });
-        pairs.chain(walls).collect()
-    }
-
     /// Returns the candidate pairs and their impulses in memory order.
     #[doc(hidden)]
     pub fn pairs_in_list(&mut self) -> (&[PairCandidate], &[Impulse], &[WallCandidate], &[Impulse]) {

@@ -24,7 +24,7 @@ pub struct Balance {
     /// Lost to friction.
     pub friction: f64,
     /// Net energy stored by tangential springs.
-    #[serde(default, skip_serializing_if = "is_zero")]
+    #[serde(default, skip_serializing_if = "crate::is_default")]
     pub springs: f64,
     /// Lost to resistance against rolling and twisting.
     #[serde(default)]
@@ -50,13 +50,13 @@ pub struct Balance {
     #[serde(default)]
     pub changing_gravity: f64,
     /// Gained from actions of the caller: work of forces and torques, written states, inserted and removed grains.
-    #[serde(default, skip_serializing_if = "is_zero")]
+    #[serde(default, skip_serializing_if = "crate::is_default")]
     pub outside: f64,
     /// Energy of grains that came from sources.
-    #[serde(default, skip_serializing_if = "is_zero")]
+    #[serde(default, skip_serializing_if = "crate::is_default")]
     pub inflow: f64,
     /// Energy of grains that went into sinks, with the stored energy of their contacts.
-    #[serde(default, skip_serializing_if = "is_zero")]
+    #[serde(default, skip_serializing_if = "crate::is_default")]
     pub outflow: f64,
     /// Energy at the end without an entry.
     pub closure: f64,
@@ -69,13 +69,13 @@ pub struct Balance {
     /// Impulse of the walls.
     pub wall_impulse: [f64; 3],
     /// Momentum added by actions of the caller.
-    #[serde(default, skip_serializing_if = "are_zero")]
+    #[serde(default, skip_serializing_if = "crate::is_default")]
     pub outside_impulse: [f64; 3],
     /// Momentum of grains that came from sources.
-    #[serde(default, skip_serializing_if = "are_zero")]
+    #[serde(default, skip_serializing_if = "crate::is_default")]
     pub inflow_impulse: [f64; 3],
     /// Momentum of grains that went into sinks.
-    #[serde(default, skip_serializing_if = "are_zero")]
+    #[serde(default, skip_serializing_if = "crate::is_default")]
     pub outflow_impulse: [f64; 3],
     /// Momentum at the end without an entry.
     pub momentum_closure: [f64; 3],
@@ -97,30 +97,20 @@ pub struct Balance {
     #[serde(default)]
     pub overlap_angular_impulse: [f64; 3],
     /// Angular momentum from contacts across a period: their two impulses act a period apart.
-    #[serde(default, skip_serializing_if = "are_zero")]
+    #[serde(default, skip_serializing_if = "crate::is_default")]
     pub period_angular_impulse: [f64; 3],
     /// Angular momentum added by actions of the caller.
-    #[serde(default, skip_serializing_if = "are_zero")]
+    #[serde(default, skip_serializing_if = "crate::is_default")]
     pub outside_angular_impulse: [f64; 3],
     /// Angular momentum of grains that came from sources.
-    #[serde(default, skip_serializing_if = "are_zero")]
+    #[serde(default, skip_serializing_if = "crate::is_default")]
     pub inflow_angular_impulse: [f64; 3],
     /// Angular momentum of grains that went into sinks.
-    #[serde(default, skip_serializing_if = "are_zero")]
+    #[serde(default, skip_serializing_if = "crate::is_default")]
     pub outflow_angular_impulse: [f64; 3],
     /// Angular momentum at the end without an entry.
     #[serde(default)]
     pub angular_momentum_closure: [f64; 3],
-}
-
-/// Returns true if the entry is zero, so that serialization omits an external entry without actions of the caller.
-fn is_zero(value: &f64) -> bool {
-    *value == 0.0
-}
-
-/// Same for a vector; see [`is_zero`].
-fn are_zero(vector: &[f64; 3]) -> bool {
-    *vector == [0.0; 3]
 }
 
 impl Balance {
