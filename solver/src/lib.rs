@@ -130,6 +130,7 @@ pub use simulation::gauge::Passages;
 pub use simulation::intervention::PairsInList;
 pub use simulation::intervention::{InterventionError, States};
 pub use simulation::ledger::Balance;
+pub use simulation::ranks::{dismiss, follow};
 pub use simulation::stages::{PresentStage, StageReport};
 pub use simulation::swept::{Crossing, Passage};
 pub use simulation::wall_record::{FaceWear, WallLoad};

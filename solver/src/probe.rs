@@ -86,7 +86,7 @@ impl Simulation {
                     Precision::Single => SweepOperands::Single(single),
                 };
                 let pass = SweepPass { factor: 1.0, inner: 1, stops: || false, level: ResidualLevel::Off };
-                relaxation.sweep_all(&layout.plan, operands, &pass, &mut nowhere, &team);
+                relaxation.sweep_all((&layout.plan, None), operands, &pass, &mut nowhere, &team);
                 if !world.drives.is_empty() {
                     relaxation.sweep_driven(&mut world.bodies, layout, &mut world.drives, 1.0, ResidualLevel::Off);
                 }

@@ -20,6 +20,8 @@ use crate::effects::drive::Drive;
 use crate::effects::spring::SpringLanes;
 use crate::groups::ContactLanes;
 use crate::lanes::Eight;
+use crate::partition::TaskGroups;
+use crate::simulation::Request;
 pub use crate::simulation::flow::Passed;
 pub use crate::simulation::gauge::Passages;
 pub use crate::simulation::stages::PresentStage;
@@ -141,8 +143,6 @@ impl Simulation {
             }
         };
         let particles = self.places_by_id().into_iter().enumerate().map(particle).collect();
-        let laid_out = self.pair_contacts().chain(self.wall_contacts()).filter(|contact| contact.normal_force != 0.0);
-        let contacts = laid_out.chain(self.strikes());
         let driven = world.drives.iter().map(|drive| {
             let Drive { wall, displacement, rate, .. } = *drive;
             DrivenWall { wall, displacement, rate }
@@ -150,7 +150,7 @@ impl Simulation {
         Snapshot {
             time: world.time,
             particles,
-            contacts: contacts.collect(),
+            contacts: self.contacts(),
             driven_walls: driven.collect(),
             origins: self.origins(),
             passed: self.passed(),
@@ -173,12 +173,26 @@ impl Simulation {
         places.zip(numbers).zip(sources).map(origin).collect()
     }
 
-    fn pair_contacts(&self) -> impl Iterator<Item = Contact> + '_ {
+    /// Contacts of the last step on all ranks: pairs of grains, contacts with walls, impacts outside of the solve.
+    pub(crate) fn contacts(&self) -> Vec<Contact> {
+        let pairs = self.layout.tasks().map(|(_, task)| self.pair_contacts(task));
+        let walls = self.layout.tasks().map(|(_, task)| self.wall_contacts(task));
+        let mut contacts: Vec<Contact> = match self.together(Request::Contacts) {
+            None => pairs.flatten().chain(walls.flatten()).collect(),
+            Some(ranks) => {
+                let [pairs, walls] = [pairs.map(Iterator::collect).collect(), walls.map(Iterator::collect).collect()];
+                ranks.merge(pairs).into_iter().chain(ranks.merge(walls)).flatten().collect()
+            }
+        };
+        contacts.retain(|contact| contact.normal_force != 0.0);
+        contacts.extend(self.strikes());
+        contacts
+    }
+
+    fn pair_contacts<'a>(&'a self, task: &'a TaskGroups) -> impl Iterator<Item = Contact> + 'a {
         let world = &self.world;
-        let groups = self.layout.tasks().flat_map(|(_, task)| {
-            let numbered = task.pairs.iter().zip(&task.pair_sources).enumerate();
-            numbered.map(|(number, (group, sources))| (group, sources, task.pair_pulls.get(number)))
-        });
+        let numbered = task.pairs.iter().zip(&task.pair_sources).enumerate();
+        let groups = numbered.map(|(number, (group, sources))| (group, sources, task.pair_pulls.get(number)));
         groups.flat_map(move |(group, sources, pulls)| {
             sources.occupied().map(move |(lane, _)| {
                 let (i, j) = (group.first[lane] as usize, group.second[lane] as usize);
@@ -189,12 +203,10 @@ impl Simulation {
         })
     }
 
-    fn wall_contacts(&self) -> impl Iterator<Item = Contact> + '_ {
+    fn wall_contacts<'a>(&'a self, task: &'a TaskGroups) -> impl Iterator<Item = Contact> + 'a {
         let world = &self.world;
-        let groups = self.layout.tasks().flat_map(|(_, task)| {
-            let numbered = task.walls.iter().zip(&task.wall_sources).enumerate();
-            numbered.map(|(number, (group, sources))| (group, sources, task.wall_pulls.get(number)))
-        });
+        let numbered = task.walls.iter().zip(&task.wall_sources).enumerate();
+        let groups = numbered.map(|(number, (group, sources))| (group, sources, task.wall_pulls.get(number)));
         groups.flat_map(move |(group, sources, pulls)| {
             sources.occupied().map(move |(lane, source)| {
                 let grain = group.body[lane] as usize;

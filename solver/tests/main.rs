@@ -40,6 +40,7 @@ mod periodic;
 mod placement;
 mod problem;
 mod random_scenes;
+mod ranks;
 mod resistance;
 mod rest;
 mod restitution;

@@ -14,6 +14,7 @@ use crate::surface::NearPart;
 use crate::wall::Pose;
 use crate::world::{GONE, Moves, World, chunk, chunks};
 use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use std::sync::Mutex;
 
@@ -34,7 +35,7 @@ pub struct PairCandidate {
 }
 
 /// Body index of a grain, and a surface that may come into contact; for a mesh, a slot for a contact: see `wall/contacts.rs`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[repr(C)]
 pub struct WallCandidate {
     /// Grain.
@@ -219,7 +220,7 @@ impl Candidates {
         if met.is_empty() {
             return false;
         }
-        if let Some(ranks) = ranks.filter(|_| self.rebuilds > 0) {
+        if let Some(ranks) = ranks {
             let boxes_of = self.boxes_of_grains();
             met.retain(|&(place, _)| ranks.owns(boxes_of[place as usize] as usize));
         }

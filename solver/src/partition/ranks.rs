@@ -39,7 +39,9 @@ pub(crate) struct Ranks {
     /// Ranks that relax contacts with dynamic walls in turn, and numbers of contacts.
     turns: Vec<(usize, usize)>,
     /// True if every rank has the impulses of all contacts: after a start or a change of stage, until the next build of the list.
-    pub(crate) complete: bool,
+    pub complete: bool,
+    /// True during a step.
+    pub is_in_step: bool,
 }
 
 /// Body indices of grains that are sent to other ranks and received from them.
@@ -62,7 +64,18 @@ impl Ranks {
     /// Creates the ranks of a run whose contacts every rank has.
     pub fn new(messages: Arc<dyn Messages>) -> Ranks {
         let (owners, sequence, turns) = Default::default();
-        Ranks { messages, owners, sequence, before: Default::default(), held: Vec::new(), turns, complete: true }
+        let (before, held, is_in_step) = Default::default();
+        Ranks { messages, owners, sequence, before, held, turns, complete: true, is_in_step }
+    }
+
+    /// Returns the same ranks for a simulation that starts anew, with the contacts of all ranks.
+    pub fn anew(&self) -> Ranks {
+        Ranks { is_in_step: self.is_in_step, ..Ranks::new(self.messages.clone()) }
+    }
+
+    /// Returns true if the contacts are divided among the ranks.
+    pub fn is_divided(&self) -> bool {
+        !self.owners.is_empty()
     }
 
     /// Returns the number of this rank.
@@ -132,7 +145,7 @@ impl Ranks {
         // Place, stage and rank of each change, in this order.
         let mut changes: Vec<(u32, usize, usize)> = Vec::new();
         for (rank, bytes) in self.messages.gather(bytemuck::cast_slice(&touched)).iter().enumerate() {
-            for Touched { place, stages } in bytemuck::pod_collect_to_vec::<u8, Touched>(bytes) {
+            for Touched { place, stages } in records::<Touched>(bytes) {
                 let of_rank = (0..=DRIVEN_STAGE).filter(|stage| stages >> stage & 1 == 1);
                 changes.extend(of_rank.map(|stage| (place, stage, rank)));
             }
@@ -167,7 +180,7 @@ impl Ranks {
         let own: Vec<u32> = stages.map(place).collect();
         let mut all: Vec<(u32, u16)> = Vec::new();
         for (rank, bytes) in (0..).zip(&self.messages.gather(bytemuck::cast_slice(&own))) {
-            all.extend(bytemuck::pod_collect_to_vec::<u8, u32>(bytes).into_iter().map(|place| (place, rank)));
+            all.extend(records::<u32>(bytes).map(|place| (place, rank)));
         }
         all.sort_unstable();
         self.sequence.clear();
@@ -272,7 +285,7 @@ impl Ranks {
         let mut received: Vec<Parcel> =
             others().map(|rank| (rank, vec![0; all[rank][own] * size_of::<T>()])).collect();
         self.messages.exchange(&sent, &mut received);
-        received.iter().flat_map(|(_, bytes)| bytemuck::pod_collect_to_vec::<u8, T>(bytes)).collect()
+        received.iter().flat_map(|(_, bytes)| records::<T>(bytes)).collect()
     }
 }
 
@@ -289,6 +302,11 @@ impl Links {
             None => list.push((other, vec![place])),
         }
     }
+}
+
+/// Reads records from bytes.
+fn records<T: Pod>(bytes: &[u8]) -> impl Iterator<Item = T> {
+    bytes.chunks_exact(size_of::<T>()).map(bytemuck::pod_read_unaligned)
 }
 
 /// Returns the records in some slots as bytes.

@@ -317,6 +317,12 @@ pub enum SettingError {
     /// Single-precision sweeps have no equations for a setting or effect of the scene.
     #[error("single precision does not go with {0}; double precision does")]
     SinglePrecision(Obstacle),
+    /// Only one rank can do this.
+    #[error("several ranks do not go with {what}; leave it out, or start one rank")]
+    Ranks {
+        /// Setting.
+        what: &'static str,
+    },
 }
 
 /// Setting or effect that excludes a method or single precision.

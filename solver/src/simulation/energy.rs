@@ -4,8 +4,11 @@ use crate::Simulation;
 use crate::detect::Candidates;
 use crate::laws::cohesion::Pull;
 use crate::laws::compliance::{NormalContact, NormalLaw};
+use crate::partition::PlannedTask;
+use crate::simulation::Request;
 use crate::world::{INERTIA, World};
 use serde::{Deserialize, Serialize};
+use std::ops::Range;
 
 /// Mechanical energy, J.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -60,7 +63,28 @@ impl Simulation {
 
     /// Energy of the contacts, and the deepest overlap.
     pub(crate) fn contact_energy(&self) -> ContactEnergy {
-        ContactEnergy::of(&self.world, &self.candidates, self.settings.normal_law)
+        self.contact_energy_of(|_| true)
+    }
+
+    /// Energy of the contacts whose places satisfy a predicate, on all ranks; a wall counts as the place of its grain.
+    pub(crate) fn contact_energy_of(&self, are_these: impl Fn([u32; 2]) -> bool) -> ContactEnergy {
+        let Simulation { world, candidates, settings, .. } = self;
+        let Some(ranks) = self.together(Request::Energy) else {
+            return ContactEnergy::of_some(world, candidates, settings.normal_law, are_these);
+        };
+        let terms = |task: &PlannedTask, walls: bool| {
+            let (mut terms, none) = (Vec::new(), 0..0);
+            let [pairs, walls] = if walls { [&none, &task.walls] } else { [&task.pairs, &none] };
+            let ranges = [pairs, walls].map(|range| range.start as usize..range.end as usize);
+            for_each_term(world, candidates, settings.normal_law, ranges, &are_these, |term| terms.push(term));
+            terms
+        };
+        let mut sum = ContactEnergy::default();
+        for walls in [false, true] {
+            let own = self.layout.plan.tasks().iter().map(|task| terms(task, walls)).collect();
+            ranks.merge(own).into_iter().flatten().for_each(|term| sum.add(term));
+        }
+        sum
     }
 
     /// Largest overlap of two grains, or of a grain and a wall, over the smaller radius; the radius of a wall counts as infinite.
@@ -84,45 +108,70 @@ impl ContactEnergy {
         are_these: impl Fn([u32; 2]) -> bool,
     ) -> ContactEnergy {
         let mut sum = ContactEnergy::default();
-        let mut take = |(contact, pull): (NormalContact<f64>, Pull), radius: f64, grain: usize| {
-            if contact.overlap <= -pull.range {
-                return;
-            }
-            sum.elastic += contact.elastic_energy(law);
-            sum.cohesive += pull.energy(-contact.overlap);
-            let share = contact.overlap / radius;
-            if share > 0.0 && sum.deepest.is_none_or(|(most, _)| share > most) {
-                sum.deepest = Some((share, world.ids[grain]));
-            }
-        };
-        // Most candidates are apart: this test needs neither a square root nor their materials.
-        let range = world.range_of_cohesion();
-        for pair in candidates.pairs.iter().filter(|pair| are_these([pair.first, pair.second])) {
-            let (first, second) = (pair.first as usize, pair.second as usize);
-            let (a, b) = (world.spheres[first].radius, world.spheres[second].radius);
-            if world.arm(first, second).norm_squared() <= (a + b + range).powi(2) * (1.0 + 1e-9) {
-                take(world.pair_contact(pair), a.min(b), first);
-            }
-        }
-        let poses: Vec<_> = world.walls.poses(world.time).collect();
-        let walls = world.walls.placed(&poses);
-        let mut last = None;
-        for wall in candidates.walls.iter().filter(|wall| are_these([wall.body; 2])) {
-            let sphere = &world.spheres[wall.body as usize];
-            if let Some(mesh) = world.walls.mesh_of(wall.surface) {
-                // All slots of the grain at once.
-                if last.replace((wall.body, mesh)) != Some((wall.body, mesh)) {
-                    for contact in walls.minima(mesh, &sphere.centre, sphere.radius + range).list() {
-                        take(world.wall_contact(wall, contact.distance), sphere.radius, wall.body as usize);
-                    }
-                }
-                continue;
-            }
-            let distance = walls.distance(wall.surface, &sphere.centre);
-            if distance <= (sphere.radius + range) * (1.0 + 1e-9) {
-                take(world.wall_contact(wall, distance), sphere.radius, wall.body as usize);
-            }
-        }
+        let ranges = [0..candidates.pairs.len(), 0..candidates.walls.len()];
+        for_each_term(world, candidates, law, ranges, are_these, |term| sum.add(term));
         sum
+    }
+
+    fn add(&mut self, Term { elastic, cohesive, share, grain }: Term) {
+        self.elastic += elastic;
+        self.cohesive += cohesive;
+        if share > 0.0 && self.deepest.is_none_or(|(most, _)| share > most) {
+            self.deepest = Some((share, grain));
+        }
+    }
+}
+
+/// Energy of one contact, its overlap over the radius, and the id of its first grain.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+struct Term {
+    elastic: f64,
+    cohesive: f64,
+    share: f64,
+    grain: u32,
+}
+
+/// Calls a function for each contact among ranges of pairs and walls of a list whose places satisfy a predicate.
+fn for_each_term(
+    world: &World,
+    candidates: &Candidates,
+    law: NormalLaw,
+    [pairs, walls]: [Range<usize>; 2],
+    are_these: impl Fn([u32; 2]) -> bool,
+    mut add: impl FnMut(Term),
+) {
+    let mut take = |(contact, pull): (NormalContact<f64>, Pull), radius: f64, grain: usize| {
+        if contact.overlap > -pull.range {
+            let (elastic, cohesive) = (contact.elastic_energy(law), pull.energy(-contact.overlap));
+            add(Term { elastic, cohesive, share: contact.overlap / radius, grain: world.ids[grain] });
+        }
+    };
+    // Most candidates are apart: this test needs neither a square root nor their materials.
+    let range = world.range_of_cohesion();
+    for pair in candidates.pairs[pairs].iter().filter(|pair| are_these([pair.first, pair.second])) {
+        let (first, second) = (pair.first as usize, pair.second as usize);
+        let (a, b) = (world.spheres[first].radius, world.spheres[second].radius);
+        if world.arm(first, second).norm_squared() <= (a + b + range).powi(2) * (1.0 + 1e-9) {
+            take(world.pair_contact(pair), a.min(b), first);
+        }
+    }
+    let poses: Vec<_> = world.walls.poses(world.time).collect();
+    let placed = world.walls.placed(&poses);
+    let mut last = None;
+    for wall in candidates.walls[walls].iter().filter(|wall| are_these([wall.body; 2])) {
+        let sphere = &world.spheres[wall.body as usize];
+        if let Some(mesh) = world.walls.mesh_of(wall.surface) {
+            // All slots of the grain at once.
+            if last.replace((wall.body, mesh)) != Some((wall.body, mesh)) {
+                for contact in placed.minima(mesh, &sphere.centre, sphere.radius + range).list() {
+                    take(world.wall_contact(wall, contact.distance), sphere.radius, wall.body as usize);
+                }
+            }
+            continue;
+        }
+        let distance = placed.distance(wall.surface, &sphere.centre);
+        if distance <= (sphere.radius + range) * (1.0 + 1e-9) {
+            take(world.wall_contact(wall, distance), sphere.radius, wall.body as usize);
+        }
     }
 }

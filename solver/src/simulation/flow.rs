@@ -407,7 +407,7 @@ impl Simulation {
             sum = sum.with(&self.booked_of(&self.world.spheres[place as usize], &self.world.bodies[place as usize]));
         }
         let counts = |places: [u32; 2]| places.iter().any(|&place| is_listed[place as usize]);
-        (sum, ContactEnergy::of_some(&self.world, &self.candidates, self.settings.normal_law, counts))
+        (sum, self.contact_energy_of(counts))
     }
 }
 

@@ -13,6 +13,7 @@
 //! ledger/         sources and sinks of energy and momentum
 //! wall_record.rs  loads and wear of walls
 //! checkpoint/     stored states, to resume from
+//! ranks.rs        runs on several ranks
 //! ```
 
 pub mod checkpoint;
@@ -21,6 +22,7 @@ pub(crate) mod flow;
 pub(crate) mod gauge;
 pub(crate) mod intervention;
 pub(crate) mod ledger;
+pub(crate) mod ranks;
 mod settings;
 pub(crate) mod stages;
 mod step;
@@ -33,7 +35,7 @@ use crate::effects::EffectSet;
 use crate::interrupt::Interrupt;
 use crate::lanes::{Available, InstructionSet, PREFETCH};
 use crate::methods::Solver;
-use crate::partition::{BoxGrid, Layout};
+use crate::partition::{BoxGrid, Layout, Ranks};
 use crate::scene::{Scene, SceneError, SolverSettings, populate};
 use crate::schedule::Team;
 use crate::solve::SolveReport;
@@ -99,6 +101,20 @@ pub struct StepReport {
     pub contacts: usize,
 }
 
+/// Call that the leading rank asks the others to make with it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Request {
+    /// End of the run.
+    End,
+    /// Division of a simulation.
+    Divide,
+    Step,
+    Contacts,
+    WallContacts,
+    Energy,
+    Checkpoint,
+}
+
 impl Simulation {
     /// Inserts the scene's grains and prepares the first step.
     ///
@@ -156,6 +172,7 @@ impl Simulation {
         self.relaxation.instruction_set = other.relaxation.instruction_set;
         self.use_prefetch(other.prefetch);
         self.layout.plan.set_portion(other.layout.plan.portion());
+        self.layout.ranks = other.layout.ranks.as_ref().map(Ranks::anew);
         self.team = other.team.clone();
         (self.steps, self.contact_sweeps) = (other.steps, other.contact_sweeps);
         self.ledger = other.ledger.clone();

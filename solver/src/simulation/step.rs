@@ -26,6 +26,7 @@ impl Simulation {
     }
 
     fn step_of(&mut self, team: &Team) -> StepReport {
+        self.begin_step_of_ranks();
         self.work_outside_of_the_solve = 0.0;
         // The contact problem of the step.
         self.pose_problem(team);
@@ -50,6 +51,7 @@ impl Simulation {
         self.remember_impulses(team);
         self.move_bodies(team);
         self.judge_stage();
+        self.end_step_of_ranks();
         clock.lap(&mut self.phases.integrate);
         let sweeps = u64::from(solve.sweeps) * u64::from(self.settings.sweeps_per_iteration());
         self.contact_sweeps += sweeps * self.layout.contacts as u64;
@@ -69,7 +71,9 @@ impl Simulation {
         self.enter_stage();
         let set = self.relaxation.instruction_set;
         let clock = Clock::start();
-        let unknown = self.may_be_swift() && self.candidates.miss_a_wall(&self.world, team);
+        let ranks = self.layout.ranks.as_ref().filter(|ranks| ranks.is_divided());
+        let misses = || self.candidates.miss_a_wall(&self.world, ranks, team);
+        let unknown = self.may_be_swift() && ranks.map_or_else(misses, |ranks| ranks.any(misses()));
         let stale = unknown || self.candidates.are_stale(&self.world, team);
         let rebuilt = self.let_flow(stale, team);
         if rebuilt {

@@ -145,10 +145,10 @@ impl Simulation {
     /// Adds the solved contacts of the step, before the grains move.
     pub(super) fn note_wall_contacts(&mut self) {
         let Some(mut record) = self.wall_record.take() else { return };
-        let (world, memory) = (&self.world, &self.candidates.impulses.walls);
+        let world = &self.world;
         self.for_each_wall_contact(|one| {
-            let WallContact { group, lane, candidate, velocities: [wall_velocity, after], .. } = *one;
-            let (place, normal) = (candidate.body as usize, group.contacts.normal(lane));
+            let WallContact { candidate, normal, velocities: [wall_velocity, after], .. } = *one;
+            let place = candidate.body as usize;
             let (sphere, body, [x, y, z, _]) = (&world.spheres[place], &world.bodies[place], world.before[place].0);
             let impulse = WallImpulse {
                 surface: candidate.surface,
@@ -163,9 +163,7 @@ impl Simulation {
                 arm: times(normal, sphere.radius),
                 shift: [0.0; 3],
             };
-            let along = group.contacts.normal_impulse(lane);
-            let begins = along > 0.0 && !memory.is_known(one.source);
-            record.add(world, &impulse, along, one.angular_impulse, one.work(), begins);
+            record.add(world, &impulse, one.pressing, one.angular_impulse, one.work(), one.begins);
         });
         self.wall_record = Some(record);
     }

@@ -17,7 +17,7 @@ use crate::groups::{
     WallTorqueLanes, with_effects, with_pairs,
 };
 use crate::lanes::{Available, Eight, Kernel, LANES, Lanes, PREFETCH, TaskSlots, cross, prefetch_places, times};
-use crate::partition::{ByBodies, ByNumber, ByPlace, Plan, Ranks, SingleCopy, TaskGroups, TaskShares, overlapped};
+use crate::partition::{ByBodies, ByNumber, ByPlace, Plan, Ranks, SingleCopy, TaskGroups, overlapped};
 use crate::schedule::{Phase, Team};
 use crate::world::Body;
 use bytemuck::Pod;

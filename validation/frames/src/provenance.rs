@@ -78,6 +78,9 @@ impl Build {
 pub struct Provenance {
     #[serde(flatten)]
     pub build: Build,
+    /// Number of ranks; left out if it is 1.
+    #[serde(default = "one", skip_serializing_if = "is_one")]
+    pub ranks: usize,
     pub threads: usize,
     pub scheduler: Scheduler,
     pub seed: u64,
@@ -92,6 +95,14 @@ pub struct Provenance {
     /// Start of the run, ISO 8601, UTC.
     pub time: String,
     pub command: String,
+}
+
+fn one() -> usize {
+    1
+}
+
+fn is_one(ranks: &usize) -> bool {
+    *ranks == 1
 }
 
 /// Preparation of the flowing initial state of a run.
@@ -119,6 +130,7 @@ impl Provenance {
     pub fn of_run(scene: &MeasuredScene, scene_file: &Path, seed: u64, execution: &Execution) -> Provenance {
         Provenance {
             build: Build { instruction_set: execution.instruction_set.name().into(), ..Build::here() },
+            ranks: 1,
             threads: execution.threads,
             scheduler: execution.scheduler,
             seed,

@@ -15,6 +15,7 @@ mod picture;
 mod print;
 mod problem;
 mod qualify;
+mod ranks;
 mod renamed;
 mod run;
 mod stability;
@@ -158,7 +159,14 @@ pub fn run_program(arguments: Vec<OsString>) -> ExitCode {
     };
     let console = Console::new(arguments.quiet, arguments.verbose);
     makadam_frames::interrupt::listen();
-    exit_code(arguments.command.run(&console), &console)
+    let done = match ranks::join(matches!(arguments.command, Command::Run(_))) {
+        Ok(true) => Ok(ExitCode::SUCCESS),
+        Ok(false) => arguments.command.run(&console),
+        Err(failure) => Err(failure),
+    };
+    let code = exit_code(done, &console);
+    ranks::leave();
+    code
 }
 
 /// Prints the help, the version, or an error of the command line.

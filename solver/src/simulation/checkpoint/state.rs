@@ -2,11 +2,12 @@
 
 use super::{MARK, MARK_OF_ALTERED, open, seal};
 use crate::Simulation;
-use crate::detect::{AngularImpulse, Impulse, Memory, PairCandidate, WallCandidate};
+use crate::detect::{Candidates, AngularImpulse, Impulse, Memory, PairCandidate, WallCandidate};
 use crate::groups::ImpactMemory;
-use crate::partition::{Layout, Plan};
+use crate::partition::{Layout, Plan, PlannedTask};
 use crate::scene::{GrainEntry, Scene, sphere_volume};
 use crate::schedule::Team;
+use crate::simulation::Request;
 use crate::simulation::flow::{Counts, Flow};
 use crate::simulation::gauge::{Gauges, Passages};
 use crate::simulation::intervention::Booked;
@@ -137,6 +138,61 @@ fn give(memory: &mut Memory, candidate: usize, (known, torque): (&KeptContact, O
     memory.set(candidate, known.scaled(scales), known.impact, torque);
 }
 
+/// Contacts of a task, of pairs of grains and of walls.
+#[derive(Default, Serialize, Deserialize)]
+struct OfTask {
+    /// Numbers of candidates.
+    candidates: [u32; 2],
+    /// Memories of the active ones, with their indices among the candidates of the task.
+    kept: [Vec<KeptContact>; 2],
+    /// Their angular impulses, N m s; empty if contacts transmit no torques.
+    torques: [Vec<[f64; 3]>; 2],
+}
+
+impl OfTask {
+    fn of(simulation: &Simulation, task: &PlannedTask) -> OfTask {
+        let Candidates { pairs, walls, impulses, .. } = &simulation.candidates;
+        let id = |place: u32| simulation.world.ids[place as usize];
+        let pair = |c: usize| (id(pairs[c].first), id(pairs[c].second));
+        let wall = |c: usize| (id(walls[c].body), walls[c].surface);
+        let all_walls = task.walls.start as usize..task.walls.end as usize;
+        let mut kept: [Vec<_>; 2] = [
+            remembered(task.named(&impulses.borne), &impulses.pairs, pair).collect(),
+            remembered(all_walls, &impulses.walls, wall).collect(),
+        ];
+        let torques = [torques_of(&kept[0], &impulses.pairs.torques), torques_of(&kept[1], &impulses.walls.torques)];
+        for (kept, range) in kept.iter_mut().zip([&task.pairs, &task.walls]) {
+            kept.iter_mut().for_each(|one| one.candidate -= range.start);
+        }
+        OfTask { candidates: [task.pairs.len() as u32, task.walls.len() as u32], kept, torques }
+    }
+
+    /// Appends the contacts of the next task.
+    fn append(&mut self, next: OfTask) {
+        for kind in 0..2 {
+            let start = self.candidates[kind];
+            let moved = |one: &KeptContact| KeptContact { candidate: start + one.candidate, ..*one };
+            self.kept[kind].extend(next.kept[kind].iter().map(moved));
+            self.torques[kind].extend(&next.torques[kind]);
+            self.candidates[kind] += next.candidates[kind];
+        }
+    }
+
+    /// Returns the contacts of all tasks of all ranks.
+    fn all(simulation: &Simulation) -> OfTask {
+        let own = simulation.layout.plan.tasks().iter().map(|task| OfTask::of(simulation, task));
+        let mut all = OfTask::default();
+        match simulation.together(Request::Checkpoint) {
+            None => own.for_each(|next| all.append(next)),
+            Some(ranks) => {
+                let own = own.map(|one| vec![one]).collect();
+                ranks.merge(own).into_iter().flatten().for_each(|next| all.append(next));
+            }
+        }
+        all
+    }
+}
+
 /// Impulses and impacts of the active candidates, each with its index in the list. An impulse is active if any of its bits is
 /// set.
 fn remembered<'a>(
@@ -180,18 +236,18 @@ impl State {
             inverse_mass: world.bodies[place].inverse_mass,
             material: world.materials[place],
         });
-        let id = |place: u32| world.ids[place as usize];
-        let (pairs, walls) = (&candidates.pairs, &candidates.walls);
-        let tasks = simulation.layout.plan.tasks();
-        let pairs_named = tasks.iter().flat_map(|task| task.named(&candidates.impulses.borne));
-        let pair = |c: usize| (id(pairs[c].first), id(pairs[c].second));
-        let wall = |c: usize| (id(walls[c].body), walls[c].surface);
-        let impulses = &candidates.impulses;
-        let pairs_borne: Vec<_> = remembered(pairs_named, &impulses.pairs, pair).collect();
-        let walls_borne: Vec<_> = remembered(0..walls.len(), &impulses.walls, wall).collect();
+        let OfTask { candidates: [pairs, walls], kept, torques } = OfTask::all(simulation);
+        let [pairs_kept, walls_kept] = kept;
+        let [pair_torques, wall_torques] = torques;
+        let mut beyond = candidates.beyond().to_vec();
+        if let Some(ranks) = simulation.layout.ranks.as_ref().filter(|ranks| ranks.is_divided()) {
+            beyond = ranks.everyone(&beyond).concat();
+            beyond.sort_unstable();
+            beyond.dedup();
+        }
         State {
-            pair_torques: torques_of(&pairs_borne, &impulses.pairs.torques),
-            wall_torques: torques_of(&walls_borne, &impulses.walls.torques),
+            pair_torques,
+            wall_torques,
             step: simulation.settings.step,
             steps: simulation.steps,
             contact_sweeps: simulation.contact_sweeps,
@@ -200,11 +256,11 @@ impl State {
                 built_at,
                 rebuilds: candidates.rebuilds,
                 reference: reference.iter().map(|centre| (*centre).into()).collect(),
-                pairs: pairs.len() as u32,
-                walls: walls.len() as u32,
+                pairs,
+                walls,
             }),
-            pairs: pairs_borne,
-            walls: walls_borne,
+            pairs: pairs_kept,
+            walls: walls_kept,
             driven_walls: (world.drives.iter())
                 .map(|drive| DriveState {
                     displacement: drive.displacement,
@@ -220,7 +276,7 @@ impl State {
                 moved_walls: world.walls.steered().map(|(wall, steered)| (wall, *steered)).collect(),
                 booked: simulation.interventions.booked,
                 disturbed: simulation.interventions.disturbed,
-                beyond: candidates.beyond().to_vec(),
+                beyond,
                 springs: simulation.ledger.as_ref().map_or(0.0, Ledger::springs),
                 roll: world.roll.clone(),
                 stages: simulation.stages.as_ref().map(|stages| stages.state.clone()),

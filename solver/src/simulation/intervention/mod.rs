@@ -118,6 +118,11 @@ pub(crate) struct Interventions {
 }
 
 impl Interventions {
+    /// Returns true if the caller has intervened, or may.
+    pub(crate) fn any(&self) -> bool {
+        self.count > 0 || self.handed_out || self.loads.iter().any(|loads| !loads.are_none())
+    }
+
     /// Returns the interventions after grains have been inserted or removed; `new_ids` maps old ids to new ids.
     fn after(&self, new_ids: &[Option<u32>], grains: usize) -> Interventions {
         let mut next = Interventions {

@@ -206,17 +206,15 @@ impl Ledger {
         }
         simulation.for_each_wall_contact(|one| {
             let (place, candidate) = (one.candidate.body as usize, &one.candidate);
-            let normal = one.group.contacts.normal(one.lane);
+            let normal = one.normal;
             let grain = self.passage(world, place, normal, 1.0);
             let [before, after] = one.velocities;
             let face = world.walls.placed(&self.expectations.poses).face(candidate.surface);
             let approach = minus(minus(before, face.gain_at(&world.spheres[place].centre).into()), grain.before);
             let (contact, pull) = world.wall_contact(candidate, face.distance(&world.spheres[place].centre));
             let contact = NormalContact { velocity: dot(normal, approach), ..contact };
-            let contacts = &one.group.contacts;
-            let tangential = contacts.tangential_impulse(one.lane);
-            let springs = contacts.tangential.spring.taken_up(one.lane, tangential);
-            let borne = Borne { normal, along: one.along(), tangential, springs, in_impact: one.in_impact };
+            let WallContact { tangential, springs, in_impact, .. } = *one;
+            let borne = Borne { normal, along: one.along(), tangential, springs, in_impact };
             let passages = [minus(before, grain.before), minus(after, grain.after)];
             let expected = self.contact(&borne, contact, pull, passages, scheme);
             self.expectations.walls[one.source] = expected;

@@ -2,17 +2,27 @@
 
 use crate::Simulation;
 use crate::detect::WallCandidate;
-use crate::groups::WallGroup;
 use crate::lanes::{Eight, cross, dot, minus, plus, times};
+use crate::simulation::Request;
 use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
 
 /// Solved contact with a wall in the last step.
-pub(crate) struct WallContact<'a> {
-    /// Index of the candidate in the list.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(crate) struct WallContact {
+    /// Index of the candidate in the list of its rank.
     pub source: usize,
     pub candidate: WallCandidate,
-    pub group: &'a WallGroup,
-    pub lane: usize,
+    /// Unit normal from the grain to the wall.
+    pub normal: [f64; 3],
+    /// Normal impulse on the wall, and with it that of cohesion, N s.
+    pub pressing: f64,
+    /// Tangential impulse on the wall, N s.
+    pub tangential: [f64; 3],
+    /// Energy taken up by the tangential spring, J.
+    pub springs: f64,
+    /// True if the contact carried nothing in the step before.
+    pub begins: bool,
     /// Impulse of cohesion, N s.
     pub pull: f64,
     /// True if the contact is in an impact.
@@ -25,16 +35,15 @@ pub(crate) struct WallContact<'a> {
     pub spins: [[f64; 3]; 2],
 }
 
-impl WallContact<'_> {
+impl WallContact {
     /// Normal impulse on the wall minus the impulse of cohesion, N s.
     pub fn along(&self) -> f64 {
-        self.group.contacts.normal_impulse(self.lane) - self.pull
+        self.pressing - self.pull
     }
 
     /// Impulse on the wall, N s.
     pub fn impulse(&self) -> [f64; 3] {
-        let contacts = &self.group.contacts;
-        plus(times(contacts.normal(self.lane), self.along()), contacts.tangential_impulse(self.lane))
+        plus(times(self.normal, self.along()), self.tangential)
     }
 
     /// Mean angular velocity of the wall over the step, rad/s.
@@ -79,12 +88,22 @@ pub(crate) struct WallImpulse {
 }
 
 impl Simulation {
-    /// Calls the function for each contact with a wall of the last step.
-    pub(crate) fn for_each_wall_contact(&self, mut visit: impl FnMut(&WallContact<'_>)) {
+    /// Calls the function for each contact with a wall of the last step, of all ranks.
+    pub(crate) fn for_each_wall_contact(&self, mut visit: impl FnMut(&WallContact)) {
+        let Some(ranks) = self.together(Request::WallContacts) else {
+            return self.for_each_own_wall_contact(|_, one| visit(one));
+        };
+        let mut own = vec![Vec::new(); self.layout.plan.tasks().len()];
+        self.for_each_own_wall_contact(|task, one| own[task].push(*one));
+        ranks.merge(own).iter().flatten().for_each(visit);
+    }
+
+    /// Calls the function for each contact with a wall of the last step of this rank, with the index of its task.
+    fn for_each_own_wall_contact(&self, mut visit: impl FnMut(usize, &WallContact)) {
         let Simulation { world, candidates, layout, .. } = self;
         // Contacts with dynamic walls are listed in the order of this loop.
         let mut driven = layout.driven.iter().filter(|_| !world.drives.is_empty()).peekable();
-        for task in layout.plan.tasks() {
+        for (place, task) in layout.plan.tasks().iter().enumerate() {
             let groups = &layout.groups[task.number as usize];
             for (number, (group, sources)) in groups.walls.iter().zip(&groups.wall_sources).enumerate() {
                 let (pulls, torques) = (groups.wall_pulls.get(number), groups.wall_torques.get(number));
@@ -103,17 +122,22 @@ impl Simulation {
                         let before = minus(times(one.jacobian, drive.rate_before), one.drift);
                         (before, (turning * drive.rate_before).into())
                     });
-                    visit(&WallContact {
+                    let (contacts, tangential) = (&group.contacts, group.contacts.tangential_impulse(lane));
+                    let one = WallContact {
                         source,
                         candidate: candidates.walls[source],
-                        group,
-                        lane,
+                        normal: contacts.normal(lane),
+                        pressing: contacts.normal_impulse(lane),
+                        tangential,
+                        springs: contacts.tangential.spring.taken_up(lane, tangential),
+                        begins: contacts.normal_impulse(lane) > 0.0 && !candidates.impulses.walls.is_known(source),
                         pull: pulls.map_or(0.0, |pulls| pulls.0[lane]),
                         in_impact: groups.wall_impacts[number].speed[lane] > 0.0,
                         angular_impulse: torques.map_or([0.0; 3], |lanes| lanes.torques.angular_impulse(lane)),
                         velocities: [before, after],
                         spins: [spin_before, spin],
-                    });
+                    };
+                    visit(place, &one);
                 }
             }
         }

@@ -203,6 +203,14 @@ impl Simulation {
                 }
             }
         }
+        if let Some(ranks) = layout.ranks.as_ref().filter(|ranks| ranks.any(deep)) {
+            let own: Vec<bool> = swept.look.iter().map(|look| *look == Look::All).collect();
+            for of_rank in ranks.everyone(&own) {
+                let all = swept.look.iter_mut().zip(of_rank).filter(|(_, is_all)| *is_all);
+                all.for_each(|(look, _)| *look = Look::All);
+            }
+            deep = true;
+        }
         if swift || deep {
             self.stop_at_walls(pace, team);
         }

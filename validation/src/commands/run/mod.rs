@@ -10,7 +10,7 @@ mod writer;
 use super::arguments::{OutputArguments, SceneArguments, accuracy, one_of, seconds};
 use super::beforehand::{begin, tell_findings};
 use super::export::export_frames;
-use super::{Console, Failure};
+use super::{Console, Failure, ranks};
 use crate::forecast::{chosen, outside_of_accuracy};
 use clap::Args;
 use folder::{CheckpointFile, Task, task};
@@ -106,7 +106,12 @@ pub(super) fn run(arguments: &RunArguments, console: &Console) -> Result<ExitCod
     let output = arguments.output.folder(&file_stem(&scene.name));
     let execution = Execution {
         scheduler: arguments.scheduler,
-        threads: arguments.threads.map_or_else(|| threads_for(scene.most_grains()), usize::from),
+        // Which cores a rank may use is the launcher's affair.
+        threads: match (arguments.threads, ranks::count()) {
+            (Some(threads), _) => threads.into(),
+            (None, 1) => threads_for(scene.most_grains()),
+            (None, _) => 1,
+        },
         instruction_set: arguments.isa.unwrap_or_else(InstructionSet::detect),
         prefetch: arguments.prefetch.map(usize::from),
         ..Execution::serial()
@@ -118,7 +123,7 @@ pub(super) fn run(arguments: &RunArguments, console: &Console) -> Result<ExitCod
         output: output.clone(),
         interval: Duration::from_secs_f64(arguments.checkpoint_interval),
         findings: findings.clone(),
-        provenance: Provenance::of_run(&scene, &file, seed, &execution),
+        provenance: Provenance { ranks: ranks::count(), ..Provenance::of_run(&scene, &file, seed, &execution) },
     };
     let _lock = lock(&output, console)?;
     let mut session = match task(&output, &scene, seed, arguments, last_step)? {
@@ -140,6 +145,8 @@ pub(super) fn run(arguments: &RunArguments, console: &Console) -> Result<ExitCod
             if arguments.ledger {
                 simulation.open_ledger();
             }
+            scene.record_walls(&mut simulation);
+            ranks::divide(&mut simulation, &scene)?;
             Session::begin(plan(), simulation)?
         }
     };
@@ -205,6 +212,7 @@ fn resume<'s>(
         )));
     }
     execution.apply(&mut simulation)?;
+    ranks::divide(&mut simulation, plan.scene)?;
     console.note(&format!("going on from step {} of {shown}", simulation.steps_taken()));
     Session::resume(plan, simulation, checkpoint.progress)
 }

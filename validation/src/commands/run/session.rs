@@ -80,8 +80,7 @@ pub(super) struct Session<'a> {
 
 impl<'a> Session<'a> {
     /// Begins a run; removes the checkpoint of an earlier run in the folder first, then its other files.
-    pub fn begin(plan: Plan<'a>, mut simulation: Simulation) -> Result<Session<'a>, Failure> {
-        plan.scene.record_walls(&mut simulation);
+    pub fn begin(plan: Plan<'a>, simulation: Simulation) -> Result<Session<'a>, Failure> {
         let progress = Progress {
             started: simulation.time(),
             contact_sweeps_before: simulation.contact_sweeps(),
