@@ -132,12 +132,28 @@ fn same_on_any_number_of_ranks(scene: &Scene, before: usize, steps: usize, chang
     }
 }
 
+/// The reference scenes that simulate what ranks must exchange: grains over borders, periods, meshes, sources and sinks, dynamic walls,
+/// stages, moving walls, torques.
 #[test]
-fn the_drum_has_the_same_bits_on_ranks() {
-    same_on_any_number_of_ranks(&reference_scene("drum"), 300, 120, |_| ());
-}
-
-#[test]
-fn the_packing_has_the_same_bits_on_ranks() {
-    same_on_any_number_of_ranks(&reference_scene("packing"), 0, 200, |_| ());
+fn reference_scenes_have_the_same_bits_on_ranks() {
+    for (name, before, steps) in [
+        ("drum", 300, 120),
+        ("packing", 0, 200),
+        ("heap", 400, 60),
+        ("drum-segregation", 200, 40),
+        ("hopper", 1500, 60),
+        ("silo", 300, 60),
+        ("triaxial", 600, 60),
+        ("screw", 300, 40),
+        ("drum-rolling", 200, 40),
+        ("cooling-gas", 10, 60),
+        ("cohesive-heap", 300, 40),
+        ("oedometer", 300, 40),
+        ("vibrated-bed", 300, 40),
+        ("packing-20k", 200, 20),
+    ] {
+        let clock = std::time::Instant::now();
+        same_on_any_number_of_ranks(&reference_scene(name), before, steps, |_| ());
+        eprintln!("{name}: {:.1} s", clock.elapsed().as_secs_f64());
+    }
 }
