@@ -19,7 +19,7 @@ fn periodic(setup: &Setup, min: [f64; 3], max: [f64; 3], axes: &[Axis]) -> Scene
 }
 
 /// A gas of grains of two sizes in a cube of so many diameters, with friction, periodic along all axes.
-fn gas(diameters: f64, count: usize) -> Scene {
+pub fn gas(diameters: f64, count: usize) -> Scene {
     let side = diameters * 2.0 * RADIUS;
     let population = format!(
         "[[population]]\ncount = {count}\nmaterial = 'grain'\nradius = {{ kind = 'uniform', mean = 0.004, spread = 0.2 }}\n\

@@ -69,7 +69,12 @@ impl Messages for World {
     fn gather(&self, own: &[u8]) -> Vec<Vec<u8>> {
         let mut lengths = vec![0_u64; self.ranks()];
         self.communicator.all_gather_into(&(own.len() as u64), &mut lengths[..]);
-        if lengths.iter().sum::<u64>() > LARGEST as u64 {
+        let all = lengths.iter().sum::<u64>();
+        // Empty buffers have equal addresses, which MPI refuses.
+        if all == 0 {
+            return vec![Vec::new(); self.ranks()];
+        }
+        if all > LARGEST as u64 {
             return (0..self.ranks())
                 .map(|rank| {
                     let mut bytes = if rank == self.rank() { own.to_vec() } else { Vec::new() };
@@ -80,7 +85,7 @@ impl Messages for World {
         }
         let counts: Vec<i32> = lengths.iter().map(|&length| length as i32).collect();
         let starts: Vec<i32> = counts.iter().scan(0, |next, count| Some(std::mem::replace(next, *next + count))).collect();
-        let mut all = vec![0; lengths.iter().sum::<u64>() as usize];
+        let mut all = vec![0; all as usize];
         self.communicator.all_gather_varcount_into(own, &mut PartitionMut::new(&mut all[..], &counts[..], &starts[..]));
         let part = |(&start, &count): (&i32, &i32)| all[start as usize..(start + count) as usize].to_vec();
         starts.iter().zip(&counts).map(part).collect()
