@@ -87,8 +87,9 @@ pub(super) fn effects(arguments: &EffectsArguments, console: &Console) -> Result
 pub(super) struct SweepArguments {
     #[command(flatten)]
     pub source: SourceArguments,
-    /// Key and its values, such as material.grain.friction=0.1,0.3,0.5; if given several times, every combination is run.
-    #[arg(long, value_name = "KEY=VALUES", required = true)]
+    /// Key and its values, such as material.grain.friction=0.1,0.3,0.5; if given several times, every combination is run; if
+    /// absent, the scene itself.
+    #[arg(long, value_name = "KEY=VALUES")]
     pub over: Vec<parameter_study::Range>,
     /// Number of seeds of each combination, consecutive from the scene's own (--set seed=N).
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u64).range(1..=1000))]
@@ -133,15 +134,10 @@ pub(super) fn sweep(arguments: &SweepArguments, console: &Console) -> Result<Exi
     let shown = if arguments.observables.is_empty() { compared() } else { arguments.observables.clone() };
     let study = parameter_study::Study::make(&plan, &scene, account(1, &[&scene]), shown)?;
     console.publish(&study, &folder, arguments.study.output.json)?;
-    for point in &study.points {
-        for (run, alarm) in point.runs.iter().flat_map(|run| run.alarms.iter().map(move |alarm| (run, alarm))) {
-            console.warn(&format!("{}, seed {}: {}", point.values.join(", "), run.seed, alarm.words()));
-        }
-    }
     if let [first, others @ ..] = &study.failed[..] {
         let parameter_study::Failed { values, seed, problem } = first;
         let more = if others.is_empty() { String::new() } else { format!("; {} more: see sweep.json", others.len()) };
-        return Err(Failure::Running(format!("{}, seed {seed}: {problem}{more}", values.join(", "))));
+        return Err(Failure::Running(format!("{}: {problem}{more}", parameter_study::run_name(values, *seed))));
     }
     let lacking = study.points.iter().any(|point| point.observables.is_empty());
     if lacking {
