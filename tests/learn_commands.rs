@@ -245,7 +245,7 @@ fn a_sweep_without_keys_is_one_row_over_seeds() {
     let short = ["sweep", &smoke, "--seeds", "3", "--set", "duration=0.1", "-q"];
     let alarmed = [
         "--set",
-        "measure.observables=[\"balances\", \"size-mixing\"]",
+        "measure.observables=[\"balances\", \"coordination-number\", \"size-mixing\"]",
         "--set",
         "watch.residual=1e-12",
         "--set",

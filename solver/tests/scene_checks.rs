@@ -387,7 +387,7 @@ fn sources_and_sinks_that_never_act_are_told() {
             vec![stages, source, "stage = 'one'\nrate = 100\nfrom = 0.3\n"],
             "insert[0].from: never acts: the run, or its",
         ),
-        (vec![stages, sink, "from = 0.6\n"], "remove[0].from: never acts: the run, or its stage, ends at 0.6"),
+        (vec![stages, sink, "from = 0.7\n"], "remove[0].from: never acts: the run, or its stage, ends at 0.6"),
     ] {
         let told = told(&never);
         assert!(told.len() == 1 && told[0].contains(words), "{never:?}: {told:?}");

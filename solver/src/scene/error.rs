@@ -70,11 +70,8 @@ fn in_the_words_of_scenes(message: &str) -> String {
     let until = |words: &str| message.split_once(words).map(|(before, _)| before.to_string());
     let table = until("internally tagged enum ").map(|before| before + "a table with a kind");
     let words = [("f64", "a number"), ("usize", COUNT), ("u64", COUNT), ("u32", COUNT), ("an array of", "a list of")];
-    let plain = || {
-        words.iter().fold(message.to_string(), |text, (name, words)| {
-            text.replace(&format!("expected {name}"), &format!("expected {words}"))
-        })
-    };
+    let of = |word: &str| format!("expected {word}");
+    let plain = || words.iter().fold(message.to_string(), |text, (name, new)| text.replace(&of(name), &of(new)));
     table.or_else(|| until("struct ").map(|before| before + "a table")).unwrap_or_else(plain)
 }
 

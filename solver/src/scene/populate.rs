@@ -140,7 +140,7 @@ impl Misfit {
             Misfit::TooSmall(sites) => (
                 "count",
                 format!("{} grains do not fit their region: it has {sites} lattice sites", population.count),
-                "enlarge the region, lower the count, or lower the spacing",
+                "enlarge the region, or lower the count, the spacing or the radius, which is in metres",
             ),
             Misfit::TooLarge(sites) => (
                 "region",

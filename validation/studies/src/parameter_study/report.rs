@@ -63,14 +63,18 @@ impl Study {
                 let words: Vec<String> = run.alarms.iter().map(Noticed::words).collect();
                 doubts.push(format!("* {}: {}", run_name(&point.values, run.seed), words.join("; ")));
             }
-            let mut first: BTreeMap<&str, (u64, &str)> = BTreeMap::new();
+            let mut reasons: BTreeMap<(u64, &str), Vec<&str>> = BTreeMap::new();
+            let mut known = Vec::new();
             for run in &point.runs {
                 for (name, why) in run.without_value.iter().filter(|(name, _)| self.shows(name)) {
-                    first.entry(name).or_insert((run.seed, why));
+                    if !known.contains(&name) {
+                        known.push(name);
+                        reasons.entry((run.seed, why)).or_default().push(name);
+                    }
                 }
             }
-            for (name, (seed, why)) in first {
-                doubts.push(format!("{}: {name}: no value: {why}", run_name(&point.values, seed)));
+            for ((seed, why), names) in reasons {
+                doubts.push(format!("{}: {}: no value: {why}", run_name(&point.values, seed), names.join(", ")));
             }
         }
         doubts
