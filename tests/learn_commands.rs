@@ -262,6 +262,11 @@ fn a_sweep_without_keys_is_one_row_over_seeds() {
     assert!(text.contains("seed 1: size_mixing_index: no value: "), "{text}");
     let runs = std::fs::read_to_string(folder.path().join("results/sweep/smoke/runs.csv")).unwrap();
     assert!(runs.starts_with("seed,wall_seconds,sound,") && runs.contains(",false,"), "{runs}");
+    let other =
+        ["sweep", &smoke, "--over", "material.grain.friction=0.1", "--seeds", "1", "--set", "duration=0.1", "-q"];
+    let (code, _, errors) = outcome(folder.path(), &other);
+    assert!(code == 2 && errors.contains("tables of a sweep over no key; give another folder"), "{errors}");
+    said(folder.path(), &other.into_iter().chain(["--restart"]).collect::<Vec<_>>());
 }
 
 #[test]

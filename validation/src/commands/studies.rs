@@ -20,6 +20,7 @@ use makadam_measure::observables::catalogue::group_of;
 use makadam_studies::effects::{self, Ablation, Costs};
 use makadam_studies::parameter_study;
 use makadam_studies::tradeoff::{self, Bound, Campaign, Terms};
+use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;
 
@@ -130,6 +131,7 @@ pub(super) fn sweep(arguments: &SweepArguments, console: &Console) -> Result<Exi
         announce: &console.bars(),
     };
     let _lock = FolderLock::take(&folder)?;
+    refuse_other_keys(&folder, arguments)?;
     let compared = || scene.compare.iter().map(|expectation| expectation.observable.clone()).collect();
     let shown = if arguments.observables.is_empty() { compared() } else { arguments.observables.clone() };
     let study = parameter_study::Study::make(&plan, &scene, account(1, &[&scene]), shown)?;
@@ -144,6 +146,20 @@ pub(super) fn sweep(arguments: &SweepArguments, console: &Console) -> Result<Exi
         console.warn("some combinations have no value of any observable: see runs.csv");
     }
     Ok(within_tolerance(!lacking))
+}
+
+/// Refuses a folder with the tables of a sweep over other keys, which the new tables would replace.
+fn refuse_other_keys(folder: &Path, arguments: &SweepArguments) -> Result<(), Failure> {
+    let text = std::fs::read(folder.join("sweep.json")).unwrap_or_default();
+    let Ok(earlier) = serde_json::from_slice::<serde_json::Value>(&text) else { return Ok(()) };
+    let own: Vec<&str> = arguments.over.iter().map(|range| range.key.as_str()).collect();
+    let keys: Vec<&str> = earlier["keys"].as_array().into_iter().flatten().filter_map(|key| key.as_str()).collect();
+    if keys == own || arguments.study.restart {
+        return Ok(());
+    }
+    let over = if keys.is_empty() { "no key".into() } else { keys.join(", ") };
+    let problem = format!("{} holds the tables of a sweep over {over}", folder.display());
+    Err(Failure::Usage(format!("{problem}; give another folder with --output, or replace them with --restart")))
 }
 
 #[derive(Debug, Args)]
