@@ -41,7 +41,7 @@ fn bad_input_names_file_line_and_remedy() {
         let message = refusal("count = 2000", &format!("count = {count}"));
         assert!(message.contains("expected a whole number from 0; write it without a sign, a point"), "{message}");
     }
-    let message = refusal("duration = 1.5", "duration = 1.5\ngravity = [0.0, -9.81]");
+    let message = refusal("gravity = [0.0, 0.0, -9.81]", "gravity = [0.0, -9.81]");
     assert!(message.contains("expected a list of length 3; write as many values in brackets"), "{message}");
     let message = refusal("density = 2500.0", "density = 2500.0\ndensity = 2500.0");
     assert!(message.starts_with("bad.toml:9:") && message.contains("keep one of the two lines"), "{message}");
