@@ -154,7 +154,7 @@ fn output_that_cannot_be_written() {
     let (code, message) =
         fails(folder.path(), &["run", scene.to_str().unwrap(), "--steps", "5", "--output", "file/out"]);
     assert_eq!(code, 1);
-    assert!(message.contains("file/out") && message.contains("writable"), "{message}");
+    assert!(message.contains("file/out") && message.contains("a file is there: name a folder"), "{message}");
 }
 
 #[test]

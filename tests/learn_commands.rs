@@ -223,7 +223,7 @@ fn a_sweep_runs_every_combination_and_goes_on_from_what_is_kept() {
     let more = ["--set", "measure.from=0.05", "--output", "out", "--quiet"];
     let arguments: Vec<&str> = sweep.into_iter().chain(more).collect();
     let text = said(folder.path(), &arguments);
-    assert!(text.contains("material.grain.friction") && text.contains(" ± "), "{text}");
+    assert!(text.contains("material.grain.friction") && text.contains(" ± ") && text.contains(" (2)"), "{text}");
     let points = std::fs::read_to_string(folder.path().join("out/points.csv")).unwrap();
     assert_eq!(points.lines().count(), 3, "{points}");
     let runs = std::fs::read_to_string(folder.path().join("out/runs.csv")).unwrap();
@@ -236,6 +236,37 @@ fn a_sweep_runs_every_combination_and_goes_on_from_what_is_kept() {
     );
     let (code, _, errors) = outcome(folder.path(), &["sweep", &smoke, "--over", "material.grain.friction=0.1,-1"]);
     assert!(code == 3 && errors.contains("friction=-1"), "{code}: {errors}");
+}
+
+#[test]
+fn a_sweep_without_keys_is_one_row_over_seeds() {
+    let folder = tempfile::tempdir().unwrap();
+    let smoke = smoke().display().to_string();
+    let short = ["sweep", &smoke, "--seeds", "3", "--set", "duration=0.1", "-q"];
+    let alarmed = [
+        "--set",
+        "measure.observables=[\"balances\", \"coordination-number\", \"size-mixing\"]",
+        "--set",
+        "watch.residual=1e-12",
+        "--set",
+        "watch.every=16",
+    ];
+    let shown = ["--observables", "largest_overlap,size_mixing_index"];
+    let text = said(folder.path(), &short.into_iter().chain(alarmed).chain(shown).collect::<Vec<_>>());
+    let row = text.lines().find(|line| line.starts_with("largest_overlap")).unwrap();
+    let cells: Vec<&str> = row.split_whitespace().collect();
+    assert!(text.contains("1 combination.") && row.contains(" * ") && cells[3] == "3", "{text}");
+    let [mean, low, high] = [4, 6, 7].map(|cell| cells[cell].parse::<f64>().unwrap());
+    assert!(low < mean && mean < high, "{row}");
+    assert!(text.contains("* seed 2: NOT SOUND: "), "{text}");
+    assert!(text.contains("seed 1: size_mixing_index: no value: "), "{text}");
+    let runs = std::fs::read_to_string(folder.path().join("results/sweep/smoke/runs.csv")).unwrap();
+    assert!(runs.starts_with("seed,wall_seconds,sound,") && runs.contains(",false,"), "{runs}");
+    let other =
+        ["sweep", &smoke, "--over", "material.grain.friction=0.1", "--seeds", "1", "--set", "duration=0.1", "-q"];
+    let (code, _, errors) = outcome(folder.path(), &other);
+    assert!(code == 2 && errors.contains("tables of a sweep over no key; give another folder"), "{errors}");
+    said(folder.path(), &other.into_iter().chain(["--restart"]).collect::<Vec<_>>());
 }
 
 #[test]

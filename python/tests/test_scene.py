@@ -99,7 +99,7 @@ def test_overrides_replace_add_and_remove():
         ({"duration": -1.0}, "duration", "out of range"),
         ({"zzz": 1}, "zzz", "unknown field"),
         ({"material": {"glass": {"density": 2500.0}}}, "material.glass", "missing field"),
-        ({"solver": {"step": "fast"}}, "solver.step", "expected f64"),
+        ({"solver": {"step": "fast"}}, "solver.step", "expected a number"),
         ({"grain": [{"material": "steel", "radius": 0.005, "position": [0, 0, 0]}]}, "grain[0].material", "steel"),
         ({"measure": {"observables": []}, "compare": [{"observable": "gini"}]}, "compare[0].observable", "not measured"),
     ],

@@ -97,6 +97,31 @@ fn a_grain_passes_once_a_lap_of_a_periodic_axis() {
     assert_relative_eq!(simulation.gauges()[0][0].momentum[0], 11.0 * mass, max_relative = 1e-12);
 }
 
+/// Rectangles of different size and orientation that share edges and corners: each grain passes one of them.
+#[test]
+fn a_passage_on_a_common_edge_counts_once() {
+    let gauges = [
+        rectangle("a", [0.0, 0.0, 0.0], [[0.3, 0.0, 0.0], [0.0, 0.1, 0.0]]),
+        rectangle("b", [0.9, 0.0, 0.0], [[-0.6, 0.0, 0.0], [0.0, 0.1, 0.0]]),
+        rectangle("c", [0.3, 0.7, 0.0], [[0.0, -0.6, 0.0], [-0.3, 0.0, 0.0]]),
+        rectangle("d", [0.3, 0.1, 0.0], [[0.0, 0.6, 0.0], [0.6, 0.0, 0.0]]),
+    ];
+    let places = [[0.3, 0.05], [0.3, 0.1], [0.1, 0.1], [0.6, 0.1], [0.3, 0.4], [0.2, 0.3], [0.0, 0.1], [0.3, 0.0]];
+    let grains = places.map(|[x, y]| grain(0.004, [x, y, 0.001], [0.0, 0.0, -1.0]));
+    let text = format!(
+        "name = 'edges'\nduration = 1.0\ngravity = [0, 0, 0]\n\
+         domain = {{ min = [-1, -1, -1], max = [1, 1, 1] }}\n\
+         [material.grain]\ndensity = {DENSITY}\nyoungs_modulus = 1e7\npoisson_ratio = 0.3\nfriction = 0.5\nrestitution = 0.5\n\
+         [solver]\n{SOLVER}\n{}{}",
+        grains.concat(),
+        gauges.concat()
+    );
+    let mut simulation = start(&parse(&text).unwrap());
+    steps(&mut simulation, 4);
+    let counted: u64 = simulation.gauges().iter().flatten().map(|way| way.grains).sum();
+    assert_eq!(counted, places.len() as u64, "{:?}", simulation.gauges());
+}
+
 #[test]
 fn a_gauge_without_size_or_place_is_refused() {
     let flat = rectangle("a", [0.0; 3], [[1.0, 0.0, 0.0], [2.0, 0.0, 0.0]]);

@@ -36,6 +36,15 @@ fn bad_input_names_file_line_and_remedy() {
     assert!(message.starts_with("bad.toml:3:") && message.contains("duraton"), "{message}");
     let message = refusal("density = 2500.0", "density = \"2500 kg/m3\"");
     assert!(message.starts_with("bad.toml:8:") && message.contains("SI units"), "{message}");
+    assert!(message.contains("expected a number"), "{message}");
+    for count in ["1e3", "-5", "2.5"] {
+        let message = refusal("count = 2000", &format!("count = {count}"));
+        assert!(message.contains("expected a whole number from 0; write it without a sign, a point"), "{message}");
+    }
+    let message = refusal("gravity = [0.0, 0.0, -9.81]", "gravity = [0.0, -9.81]");
+    assert!(message.contains("expected a list of length 3; write as many values in brackets"), "{message}");
+    let message = refusal("density = 2500.0", "density = 2500.0\ndensity = 2500.0");
+    assert!(message.starts_with("bad.toml:9:") && message.contains("keep one of the two lines"), "{message}");
     let message = refusal("restitution = 0.3", "restitution = 1.3");
     assert!(message.starts_with("bad.toml:12:") && message.contains("from 0 to 1"), "{message}");
     let message = refusal("material = \"grain\"", "material = \"gravel\"");
@@ -120,6 +129,7 @@ fn overlapping_and_outlying_grains_are_refused() {
     };
     assert_eq!(refuse(scene("[0.1995, 0, 0]", "0.1")).unwrap(), 2);
     assert!(refuse(scene("[0.19, 0, 0]", "0.1")).unwrap_err().contains("overlap by"));
+    assert!(refuse(scene("[0.19, 0, 0]", "0.1")).unwrap_err().contains("(largest_start_overlap)"));
     assert!(refuse(scene("[3.0, 0, 0]", "0.1")).unwrap_err().contains("outside the domain"));
 }
 

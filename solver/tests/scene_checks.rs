@@ -359,6 +359,42 @@ fn settings_without_effect_are_told() {
 }
 
 #[test]
+fn sources_and_sinks_that_never_act_are_told() {
+    let source = "[[insert]]\nmaterial = 'grain'\nradius = { kind = 'discrete', radii = [0.004], shares = [1] }\n\
+                  region = { kind = 'box', min = [0.02, 0.02, 0.02], max = [0.06, 0.06, 0.06] }\n";
+    let sink = "[[remove]]\nregion = { kind = 'box', min = [-0.1, -0.1, -0.1], max = [0.1, 0.1, -0.05] }\n";
+    let stages = "[[stage]]\nname = 'one'\nduration = 0.2\n[[stage]]\nname = 'two'\nduration = 0.4\n";
+    let told = |tables: &[&str]| {
+        let text = sketch("", "") + &tables.concat();
+        warnings(&parse(&if tables.contains(&stages) { text.replace("duration = 0.2\ng", "g") } else { text }).unwrap())
+    };
+    for acts in [
+        vec![source, "rate = 100\nfrom = 0.1\n"],
+        vec![source, "total = 1\n"],
+        vec![sink, "until = 0.1\n"],
+        vec![stages, source, "rate = 100\nfrom = 0.5\n"],
+        vec![stages, sink, "stage = 'two'\nfrom = 0.3\n"],
+    ] {
+        assert_eq!(told(&acts), Vec::<String>::new(), "{acts:?}");
+    }
+    for (never, words) in [
+        (vec![source, "rate = 100\nfrom = 0.2\n"], "insert[0].from: never acts: the run, or its stage, ends at 0.2 s"),
+        (vec![source, "total = 9\nfrom = 3\n"], "insert[0].from: never acts"),
+        (vec![source, "rate = 4\n"], "insert[0]: less than one grain is due"),
+        (vec![source, "mass_rate = 1e-6\n"], "insert[0]: less than one grain is due"),
+        (vec![sink, "from = 0.5\n"], "remove[0].from: never acts"),
+        (
+            vec![stages, source, "stage = 'one'\nrate = 100\nfrom = 0.3\n"],
+            "insert[0].from: never acts: the run, or its",
+        ),
+        (vec![stages, sink, "from = 0.7\n"], "remove[0].from: never acts: the run, or its stage, ends at 0.6"),
+    ] {
+        let told = told(&never);
+        assert!(told.len() == 1 && told[0].contains(words), "{never:?}: {told:?}");
+    }
+}
+
+#[test]
 fn a_duration_is_some_whole_number_of_steps() {
     let with = |step: &str| sketch("step = 5e-4", &format!("step = {step}"));
     let refused = parse(&with("0.1").replace("duration = 0.2", "duration = 0.04")).unwrap_err().to_string();

@@ -271,6 +271,11 @@ fn errors_name_the_key_in_the_stage() {
             "stage[0].until.wall_force.force: -1 is out of range",
         ),
         ("duration = 0.1\nuntil = { kinetic_energy = 1e-9 }", "stage[0].until: given in addition to duration"),
+        (
+            "until = { kinetic_energy = 1e-9, removed_mass = 1.0 }\nat_most = 1.0",
+            "exactly 1 element, more than 1 element; give one of the keys of this table, and no other",
+        ),
+        ("until = {}\nat_most = 1.0", "exactly 1 element, found 0 elements; give one of the keys"),
         ("", "stage[0]: has no end"),
         ("duration = 0.1\nat_least = 0.1", "stage[0].duration: given with limits"),
         ("duration = 1e-4", "solver.step: no step of 0.0004 s is taken in 0.0001 s"),

@@ -85,6 +85,7 @@ fn errors_name_line_column_and_remedy() {
             "file = 'start.csv'\nmaterial = 'iron'",
             ["line 2: material", "iron", "grain, wall"],
         ),
+        ("x,y,z,radius\n", named, ["start.file", "line 1: names of columns, and no grains", "[[insert]]"]),
         (
             "",
             "file = 'none.csv'\nmaterial = 'grain'",
@@ -103,6 +104,16 @@ fn overlaps_at_the_start_are_refused() {
     let error = populate(&Scene::parse_in(&text, &folder).unwrap(), 1).unwrap_err().to_string();
     std::fs::remove_dir_all(folder).unwrap();
     assert!(error.contains("start.file") && error.contains("grains 0 and 1 overlap"), "{error}");
+}
+
+#[test]
+fn a_source_needs_no_grains_at_the_start() {
+    let (folder, text) = scene_in("empty", "x,y,z,radius\n", "file = 'start.csv'\nmaterial = 'grain'");
+    let source = "[[insert]]\nmaterial = 'grain'\nradius = { kind = 'discrete', radii = [0.005], shares = [1] }\ntotal = 3\n\
+                  region = { kind = 'box', min = [0, 0, 0.1], max = [0.1, 0.1, 0.2] }\n";
+    let scene = Scene::parse_in(&(text + "\n" + source), &folder).unwrap();
+    std::fs::remove_dir_all(folder).unwrap();
+    assert_eq!((scene.grain_count(), scene.most_grains()), (0, 3));
 }
 
 /// The default step follows the grains of a file as it follows listed ones.

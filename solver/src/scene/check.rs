@@ -181,6 +181,13 @@ pub(super) fn tube(
     at.key("length").range(length, 1e-9, 1e4, "m")
 }
 
+/// Refuses a place, by its corners (m), that no grain can reach.
+pub(super) fn near_domain(scene: &Scene, at: &DocumentPath, (low, high): ([f64; 3], [f64; 3])) -> Checked {
+    let is_apart = |axis: usize| low[axis] > scene.domain.max[axis] || high[axis] < scene.domain.min[axis];
+    let problem = || format!("from {low:?} to {high:?} m, outside the domain: no grain can reach it");
+    at.require(!(0..3).any(is_apart), problem, "move it into [domain], or enlarge [domain]")
+}
+
 fn grains(scene: &Scene) -> Checked {
     let mut count = scene.listed().count() as f64;
     for (index, population) in scene.population.iter().enumerate() {
@@ -200,6 +207,10 @@ fn grains(scene: &Scene) -> Checked {
         listed(scene, &DocumentPath::default().key("grain").index(index), grain)?;
     }
     let Some(start) = &scene.start else { return Ok(()) };
+    if start.grains().is_empty() && scene.insert.is_empty() {
+        let remedy = "give a line for each grain; a start without grains needs an [[insert]]";
+        return Err(start.at_line(1, "names of columns, and no grains", remedy));
+    }
     let mut grains = start.grains().iter().enumerate();
     grains.try_for_each(|(index, grain)| {
         listed(scene, &DocumentPath::default(), grain).map_err(|fault| start.of_grain(index, &fault))

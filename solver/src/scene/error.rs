@@ -44,31 +44,34 @@ impl SceneError {
             meant(&problem)
         } else if let Some(kinds) = problem.starts_with("missing field `kind`").then(kinds).flatten() {
             format!("add that key to the table: {kinds}")
-        } else if problem.starts_with("missing field") {
-            "add that key to the table".into()
-        } else if problem.contains(KIND_WANTED) {
-            "write it as { kind = \"...\" }; see the scene reference for the kinds".into()
-        } else if problem.contains("expected f64") {
-            "write a plain number in SI units, such as radius = 0.005 for 5 mm".into()
         } else {
-            "see the scenes under reference-scenes/ for the form".into()
+            let known = ADVICE.iter().find(|(words, _)| problem.contains(words));
+            known.map_or("see the scene reference for the form of each key", |(_, advice)| advice).into()
         };
         SceneError::Invalid(Fault { line: Some(line), ..Fault::new(DocumentPath::default(), problem, advice) })
     }
 }
 
-/// Phrase in a message for a value that is not a table with a kind.
-const KIND_WANTED: &str = "a table with a kind";
+/// Remedies for messages of the TOML reader that contain the words.
+const ADVICE: [(&str, &str); 7] = [
+    ("missing field", "add that key to the table"),
+    ("a table with a kind", "write it as { kind = \"...\" }; see the scene reference for the kinds"),
+    ("a number", "write a plain number in SI units, such as radius = 0.005 for 5 mm"),
+    (COUNT, "write it without a sign, a point or an exponent, such as count = 1000"),
+    ("list of length", "write as many values in brackets, such as [0.0, 0.0, 1.0] for 3"),
+    ("exactly 1 element", "give one of the keys of this table, and no other"),
+    ("duplicate key", "keep one of the two lines"),
+];
+const COUNT: &str = "a whole number from 0";
 
 /// Removes the names of Rust types from a message.
 fn in_the_words_of_scenes(message: &str) -> String {
-    match message.split_once("expected internally tagged enum ") {
-        Some((before, _)) => format!("{before}expected {KIND_WANTED}"),
-        None => match message.split_once("expected struct ") {
-            Some((before, _)) => format!("{before}expected a table"),
-            None => message.into(),
-        },
-    }
+    let until = |words: &str| message.split_once(words).map(|(before, _)| before.to_string());
+    let table = until("internally tagged enum ").map(|before| before + "a table with a kind");
+    let words = [("f64", "a number"), ("usize", COUNT), ("u64", COUNT), ("u32", COUNT), ("an array of", "a list of")];
+    let of = |word: &str| format!("expected {word}");
+    let plain = || words.iter().fold(message.to_string(), |text, (name, new)| text.replace(&of(name), &of(new)));
+    table.or_else(|| until("struct ").map(|before| before + "a table")).unwrap_or_else(plain)
 }
 
 /// Returns the remedy for an unknown name in a message of the TOML reader; the message lists the known names after the unknown one.

@@ -163,15 +163,14 @@ impl Scene {
         self.grain_count().saturating_add(come as usize)
     }
 
-    /// Returns the longest time in which a source acts, from the start of the run or of its stage, s.
-    fn longest_of(&self, source: &Insertion) -> f64 {
-        let stage = self.stage.iter().find(|stage| source.stage.as_ref() == Some(&stage.name));
-        stage.map_or(self.duration, Stage::longest)
+    /// Returns the longest time of the run, or of the stage that is named, s.
+    pub(super) fn longest_of(&self, name: Option<&String>) -> f64 {
+        self.stage.iter().find(|stage| name == Some(&stage.name)).map_or(self.duration, Stage::longest)
     }
 
     /// Returns an estimate of the grains of a source by the end of the run.
     pub(crate) fn expected(&self, source: &Insertion) -> f64 {
-        let due = source.grains_by(self.longest_of(source), self.material[&source.material].density);
+        let due = source.grains_by(self.longest_of(source.stage.as_ref()), self.material[&source.material].density);
         due.min(source.total.map_or(f64::INFINITY, |total| total as f64))
     }
 }
@@ -197,12 +196,7 @@ pub(super) fn check(scene: &Scene) -> Checked {
         known_stage(scene, &at, stage.as_ref())?;
         region.check(&at.key("region"))?;
         times(&at, *from, *until)?;
-        let (low, high) = region.bounds();
-        let is_apart = |axis: usize| low[axis] > scene.domain.max[axis] || high[axis] < scene.domain.min[axis];
-        if (0..3).any(is_apart) {
-            let problem = format!("from {low:?} to {high:?} m, outside the domain: no grain can enter it");
-            return Err(at.key("region").fault(problem, "move it into [domain], or enlarge [domain]"));
-        }
+        super::check::near_domain(scene, &at.key("region"), region.bounds())?;
     }
     Ok(())
 }
@@ -257,7 +251,7 @@ fn rate_can_be_met(scene: &Scene, at: &DocumentPath, source: &Insertion, volume:
     let (speed, gravity) = (Vector3::from(source.velocity).norm(), scene.largest_gravity());
     let stay = 0.25 * width / (speed + (speed * speed + 0.25 * gravity * width).sqrt());
     let active = source
-        .elapsed(scene.longest_of(source))
+        .elapsed(scene.longest_of(source.stage.as_ref()))
         .min(source.total.map_or(f64::INFINITY, |total| total as f64 * least / solid));
     let most = FULL * volume / stay.min(active);
     if solid > most {

@@ -8,7 +8,8 @@ use serde::{Deserialize, Serialize};
 /// Surface in space that counts the grains that pass, without touching them.
 ///
 /// A grain passes in a step if its centre moves from one side of the surface to the other, on a straight line through the surface:
-/// forward towards the side of the normal, otherwise backward. A centre on the surface is on the side of the normal.
+/// forward towards the side of the normal, otherwise backward. A centre on the surface is on the side of the normal. On a
+/// common edge of two gauges, one of them counts.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -51,11 +52,8 @@ pub(super) fn check(scene: &Scene) -> Checked {
             return Err(at.fault(problem, "give a rectangle, or a disc without a hole"));
         }
         super::check::shape(&at, shape)?;
-        let ((low, high), domain, period) = (shape.bounds()[0], &scene.domain, scene.domain.period());
-        if (0..3).any(|axis| low[axis] > domain.max[axis] || high[axis] < domain.min[axis]) {
-            let problem = format!("from {low:?} to {high:?} m, outside the domain");
-            return Err(at.fault(problem, "move it into [domain], or enlarge [domain]"));
-        }
+        let ((low, high), period) = (shape.bounds()[0], scene.domain.period());
+        super::check::near_domain(scene, &at, (low, high))?;
         let width = |axis: usize| high[axis] - low[axis];
         let wide = |&axis: &usize| period.is_periodic(axis) && width(axis) > period.length(axis) * (1.0 + 1e-9);
         if let Some(axis) = (0..3).find(wide) {

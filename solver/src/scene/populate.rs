@@ -89,7 +89,7 @@ fn jittered_lattice(
     if sites.len() < population.count {
         let (count, sites) = (population.count, sites.len());
         let problem = format!("{count} grains do not fit their region: it has {sites} lattice sites");
-        let remedy = "enlarge the region, lower the count, or lower the spacing";
+        let remedy = "enlarge the region, or lower the count, the spacing or the radius, which is in metres";
         return Err(Fault::new(at.key("count"), problem, remedy).into());
     }
     // The lowest sites come first, so that the bed forms without a long fall; sites of equal height retain lattice order.
@@ -257,15 +257,18 @@ fn inside_container(scene: &Scene, grains: &[Grain]) -> Result<(), Fault> {
         for (wall, surface) in scene.wall.iter().zip(&surfaces) {
             let overlap = surface.depth(&Vector3::from(grain.position), grain.radius);
             if overlap > scene.largest_start_overlap * grain.radius {
-                return Err(fault(
-                    index,
-                    format!("lies {overlap:.3e} m inside or behind wall '{}'", wall.name),
-                    "move the grain or its region away from the wall, into the container",
-                ));
+                let problem = format!("lies {overlap:.3e} m inside or behind wall '{}'", wall.name);
+                return Err(fault(index, problem, &accepted("move the grain or its region into the container", scene)));
             }
         }
     }
     Ok(())
+}
+
+/// Returns a remedy of an overlap at the start, with the largest accepted one.
+fn accepted(remedy: &str, scene: &Scene) -> String {
+    let most = scene.largest_start_overlap;
+    format!("{remedy}: at most {most} of the smaller radius is accepted (largest_start_overlap)")
 }
 
 fn no_overlap(scene: &Scene, grains: &[Grain]) -> Result<(), SceneError> {
@@ -278,11 +281,7 @@ fn no_overlap(scene: &Scene, grains: &[Grain]) -> Result<(), SceneError> {
         });
         if let Some((other, overlap)) = overlapping {
             let problem = format!("grains {other} and {index} overlap by {overlap:.3e} m at the start");
-            let remedy = format!(
-                "move them apart: at most {} of the smaller radius is accepted (largest_start_overlap)",
-                scene.largest_start_overlap
-            );
-            return Err(Fault::new(origin(scene, index), problem, remedy).into());
+            return Err(Fault::new(origin(scene, index), problem, accepted("move them apart", scene)).into());
         }
         neighbours.add(&grain.position, grain.radius);
     }

@@ -44,7 +44,7 @@ impl Start {
     }
 
     /// Makes a fault of a line, from 1.
-    fn at_line(&self, line: usize, problem: &str, remedy: &str) -> Fault {
+    pub(super) fn at_line(&self, line: usize, problem: &str, remedy: &str) -> Fault {
         let at = DocumentPath::default().key("start").key("file");
         at.fault(format!("'{}' line {line}: {problem}", self.file), remedy)
     }

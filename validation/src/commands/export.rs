@@ -22,7 +22,7 @@ pub(super) struct ExportArguments {
     #[arg(value_name = "RUN or SCENE")]
     pub what: String,
     /// Format of the frames of a run, as `[output] formats` of a scene.
-    #[arg(long, value_parser = one_of(FrameFormat::ALL, FrameFormat::name), required_unless_present = "code")]
+    #[arg(long, value_parser = one_of(FrameFormat::ALL, FrameFormat::name))]
     pub format: Option<FrameFormat>,
     /// Code for which the scene is written: deck or driver, grains, meshes of walls.
     #[arg(long = "for", id = "code", value_parser = another_code(), value_name = "CODE", conflicts_with = "format")]

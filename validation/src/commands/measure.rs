@@ -187,7 +187,8 @@ fn other_window(scene: &MeasuredScene, measured: &[&Snapshot]) -> Option<String>
         // Conditions end stages at times that the scene does not state.
         return None;
     }
-    let (first, last) = (measured.first()?.time, measured.last()?.time);
+    // Rounding would show in the words.
+    let [first, last] = [measured.first()?, measured.last()?].map(|frame| (frame.time * 1e9).round() / 1e9);
     let (end, slack, interval) = (scene.duration, scene.measure.slack(), scene.measure.interval);
     let Some(from) = scene.measure.from else {
         let is_other = (last - end).abs() > slack;

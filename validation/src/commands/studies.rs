@@ -20,6 +20,7 @@ use makadam_measure::observables::catalogue::group_of;
 use makadam_studies::effects::{self, Ablation, Costs};
 use makadam_studies::parameter_study;
 use makadam_studies::tradeoff::{self, Bound, Campaign, Terms};
+use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;
 
@@ -87,8 +88,9 @@ pub(super) fn effects(arguments: &EffectsArguments, console: &Console) -> Result
 pub(super) struct SweepArguments {
     #[command(flatten)]
     pub source: SourceArguments,
-    /// Key and its values, such as material.grain.friction=0.1,0.3,0.5; if given several times, every combination is run.
-    #[arg(long, value_name = "KEY=VALUES", required = true)]
+    /// Key and its values, such as material.grain.friction=0.1,0.3,0.5; if given several times, every combination is run; if
+    /// absent, the scene itself.
+    #[arg(long, value_name = "KEY=VALUES")]
     pub over: Vec<parameter_study::Range>,
     /// Number of seeds of each combination, consecutive from the scene's own (--set seed=N).
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u64).range(1..=1000))]
@@ -129,25 +131,35 @@ pub(super) fn sweep(arguments: &SweepArguments, console: &Console) -> Result<Exi
         announce: &console.bars(),
     };
     let _lock = FolderLock::take(&folder)?;
+    refuse_other_keys(&folder, arguments)?;
     let compared = || scene.compare.iter().map(|expectation| expectation.observable.clone()).collect();
     let shown = if arguments.observables.is_empty() { compared() } else { arguments.observables.clone() };
     let study = parameter_study::Study::make(&plan, &scene, account(1, &[&scene]), shown)?;
     console.publish(&study, &folder, arguments.study.output.json)?;
-    for point in &study.points {
-        for (run, alarm) in point.runs.iter().flat_map(|run| run.alarms.iter().map(move |alarm| (run, alarm))) {
-            console.warn(&format!("{}, seed {}: {}", point.values.join(", "), run.seed, alarm.words()));
-        }
-    }
     if let [first, others @ ..] = &study.failed[..] {
         let parameter_study::Failed { values, seed, problem } = first;
         let more = if others.is_empty() { String::new() } else { format!("; {} more: see sweep.json", others.len()) };
-        return Err(Failure::Running(format!("{}, seed {seed}: {problem}{more}", values.join(", "))));
+        return Err(Failure::Running(format!("{}: {problem}{more}", parameter_study::run_name(values, *seed))));
     }
     let lacking = study.points.iter().any(|point| point.observables.is_empty());
     if lacking {
         console.warn("some combinations have no value of any observable: see runs.csv");
     }
     Ok(within_tolerance(!lacking))
+}
+
+/// Refuses a folder with the tables of a sweep over other keys, which the new tables would replace.
+fn refuse_other_keys(folder: &Path, arguments: &SweepArguments) -> Result<(), Failure> {
+    let text = std::fs::read(folder.join("sweep.json")).unwrap_or_default();
+    let Ok(earlier) = serde_json::from_slice::<serde_json::Value>(&text) else { return Ok(()) };
+    let own: Vec<&str> = arguments.over.iter().map(|range| range.key.as_str()).collect();
+    let keys: Vec<&str> = earlier["keys"].as_array().into_iter().flatten().filter_map(|key| key.as_str()).collect();
+    if keys == own || arguments.study.restart {
+        return Ok(());
+    }
+    let over = if keys.is_empty() { "no key".into() } else { keys.join(", ") };
+    let problem = format!("{} holds the tables of a sweep over {over}", folder.display());
+    Err(Failure::Usage(format!("{problem}; give another folder with --output, or replace them with --restart")))
 }
 
 #[derive(Debug, Args)]

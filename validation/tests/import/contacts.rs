@@ -113,6 +113,12 @@ fn reversed_forces_are_noted() {
     last.contacts.iter_mut().for_each(|contact| contact.normal_force = -contact.normal_force.abs());
     let notes = unlike(&scene, std::iter::once(&*last));
     assert!(notes.len() == 1 && notes[0].contains("no contact pushes"), "{notes:?}");
+    for contact in &mut last.contacts {
+        (contact.normal_force, contact.tangential_force) =
+            (contact.normal_force.abs(), [1e-5 * contact.normal_force; 3]);
+    }
+    let notes = unlike(&scene, std::iter::once(&*last));
+    assert!(notes.len() == 1 && notes[0].contains("no contact has a tangential force"), "{notes:?}");
 }
 
 /// A measured frame of which no file lists contacts would count as one without any.

@@ -254,6 +254,20 @@ fn sizes_state_listed_grains() {
     assert!(error.contains("grain 1 has a radius of 0.5 m, and the scene has no such grain"), "{error}");
 }
 
+/// A frame without grains has no columns in legacy VTK: the others keep their velocities and radii.
+#[test]
+fn frames_without_grains_state_nothing() {
+    let scene = scene_of(&["m"], "{ kind = 'uniform', mean = 0.005, spread = 0.2 }");
+    let empty = "# vtk DataFile Version 5.1\nx\nASCII\nDATASET POLYDATA\nPOINTS 0 float\n";
+    let full = "time,id,x,y,z,r,vx,vy,vz\n0.4,1,0,0,0,0.005,1,0,0\n";
+    let mut tables = tables(&[("a.vtk", empty.into()), ("b.csv", full.into())], &[]).unwrap();
+    tables.grains[0].time = Some(0.3);
+    let recording = assembled(&scene, &tables).unwrap();
+    assert_eq!(recording.frames.iter().map(|frame| frame.particles.len()).collect::<Vec<_>>(), [0, 1]);
+    assert_eq!(recording.frames[1].particles[0].radius, 0.005);
+    assert!(!recording.lacks.contains(&Content::Velocities), "{:?}", recording.lacks);
+}
+
 #[test]
 fn grains_keep_size_and_kind() {
     let scene = scene_of(&["m", "m"], "{ kind = 'uniform', mean = 0.005, spread = 0.2 }");

@@ -7,7 +7,7 @@ use crate::scene::{Motion, Scene, SolverMethod, SolverSettings};
 /// Largest unreported difference between the duration and a whole number of steps, over the duration.
 const UNEVEN: f64 = 0.01;
 
-/// Reports settings that the method ignores, motions that never start, and a duration that is not a whole number of steps.
+/// Reports settings that the method ignores, motions, sources and sinks that never act, and a duration that is not a whole number of steps.
 pub(super) fn faults(scene: &Scene) -> Vec<Fault> {
     let root = DocumentPath::default();
     let mut faults = Vec::new();
@@ -44,6 +44,19 @@ pub(super) fn faults(scene: &Scene) -> Vec<Fault> {
                     format!("wall '{}' never moves: the scene ends at {} s", wall.name, short(scene.duration));
                 faults.push(at.key("start").fault(problem, "let it begin earlier, or raise duration"));
             }
+        }
+    }
+    let sources = scene.insert.iter().enumerate().map(|(index, source)| ("insert", index, source.from, &source.stage));
+    let sinks = scene.remove.iter().enumerate().map(|(index, sink)| ("remove", index, sink.from, &sink.stage));
+    for (list, index, from, stage) in sources.chain(sinks) {
+        let (at, end) = (root.key(list).index(index), scene.longest_of(stage.as_ref()));
+        if from >= end && end > 0.0 {
+            let problem = format!("never acts: the run, or its stage, ends at {} s", short(end));
+            faults.push(at.key("from").fault(problem, "let it begin earlier, or raise the duration"));
+        } else if list == "insert" && scene.expected(&scene.insert[index]) < 1.0 {
+            faults.push(
+                at.fault("less than one grain is due before it ends".into(), "raise its rate, or let it act longer"),
+            );
         }
     }
     let steps = (scene.duration / settings.step).round();

@@ -4,7 +4,9 @@ use super::{CodeSummary, FinalState, Source, Timing};
 use makadam_frames::plan::MeasuredScene;
 use makadam_frames::provenance::processor;
 use makadam_frames::recording::{Content, Noticed, Recording};
-use makadam_measure::observables::{ForceDistribution, ForcePool, Measurement, Series, measure, series};
+use makadam_measure::observables::{
+    ForceDistribution, ForcePool, Measurement, Series, measured_in, series, unmeasured,
+};
 use serde::{Deserialize, Serialize};
 
 /// Measured run of one code.
@@ -68,6 +70,9 @@ pub struct Harvest {
     pub alarms: Vec<Noticed>,
     /// Content that its frames lack; observables that need the content were not measured.
     pub lacks: Vec<Content>,
+    /// Requested observables without a value, with the reason.
+    #[serde(default)]
+    pub without_value: Vec<(String, String)>,
     /// Notes on its frames, one sentence each.
     #[serde(default)]
     pub notes: Vec<String>,
@@ -78,6 +83,8 @@ impl Harvest {
     pub fn of(scene: &MeasuredScene, recording: &Recording, contact_law: &str, date: String) -> Harvest {
         let mut forces = ForcePool::new(&recording.code);
         forces.add_recording(scene, recording);
+        let measured = measured_in(scene, recording);
+        let without = unmeasured(scene, &recording.lacks, &measured);
         Harvest {
             run: MeasuredRun {
                 code: recording.code.clone(),
@@ -92,11 +99,12 @@ impl Harvest {
                 processor: processor(),
                 date,
                 scene_hash: String::new(),
-                measurements: measure(scene, recording),
+                measurements: measured.measurements,
             },
             forces,
             alarms: recording.alarms.clone(),
             lacks: recording.lacks.clone(),
+            without_value: without.into_iter().map(|one| (one.observable.into(), one.reason)).collect(),
             notes: recording.notes.clone(),
             series: series(scene, recording),
             final_state: recording.frames.last().map(|frame| FinalState {

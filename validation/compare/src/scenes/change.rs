@@ -147,11 +147,15 @@ fn set(at: &mut Item, change: &Change, key: &[String], full: &mut Option<Item>) 
         let entry = match &inner {
             // Tables that the text omits are written out, so that one of their values can be changed.
             Some(item) if item.is_table_like() => item.clone(),
-            None if key.len() == change.key.len() && !OPTIONAL.contains(&step.as_str()) => {
+            // Materials have names of the scene's own.
+            None if (key.len() == change.key.len() && !OPTIONAL.contains(&step.as_str()))
+                || (change.is_of("material") && key.len() + 1 == change.key.len()) =>
+            {
+                let place = change.key[..=change.key.len() - key.len()].join(".");
                 let names: Vec<&str> = table.iter().map(|(name, _)| name).collect();
                 let listed = || wish(step).map_or_else(|| format!("it has {}", names.join(", ")), String::from);
                 let remedy = suggestion(step, names.iter().copied(), &listed());
-                return Err(change.refuse(format!("the scene has no '{step}'; {remedy}")));
+                return Err(change.refuse(format!("the scene has no '{place}'; {remedy}")));
             }
             _ => Item::Table(Table::new()),
         };

@@ -61,6 +61,7 @@ fn what_leads_nowhere_is_refused_in_words() {
         ("population[1].count=5", "population has 1 entries: say which, such as population.0"),
         ("duration.x=1", "duration is a value"),
         ("materail.grain.friction=1", "did you mean material?"),
+        ("material.grian.friction=1", "the scene has no 'material.grian'; did you mean grain?"),
         ("mesh.file=a.stl", "a wall of a CAD file is"),
     ] {
         let message = with(&[change]).unwrap_err().to_string();

@@ -72,7 +72,8 @@ impl<'a> Identity<'a> {
                 let of = name.map_or(String::new(), |name| format!(" is of {name} and"));
                 if fitting.is_empty() {
                     return fault(format!(
-                        "grain {own}{of} has {radius}, and the scene has no such grain: it has {}",
+                        "grain {own}{of} has {radius}, and the scene has no such grain: it has {}; give lengths in metres, and the \
+                         scene that was run",
                         self.radii_text()
                     ));
                 }
@@ -247,5 +248,6 @@ fn has_radius(group: &Alike, radius: f64) -> bool {
 
 /// Formats a range of radii, for messages.
 fn range((low, high): (f64, f64)) -> String {
+    let [low, high] = [low, high].map(|radius| format!("{radius:.9e}").parse().unwrap_or(radius));
     if low == high { format!("{low} m") } else { format!("{low} to {high} m") }
 }

@@ -33,7 +33,7 @@ use contacts::{Columns, ContactList, vector};
 use frames::{Assembly, Frame};
 use identity::{Identity, Numbers};
 use makadam::scene::{Domain, Reaction};
-use makadam::snapshot::{Particle, Snapshot};
+use makadam::snapshot::{Contact, Particle, Snapshot};
 use manifest::Missing;
 use nalgebra::Vector3;
 use std::collections::BTreeSet;
@@ -65,6 +65,11 @@ impl Tables {
             }
         }
         Ok(tables)
+    }
+
+    /// Iterates over the frames with grains: a frame without any has no columns in some formats.
+    fn with_grains(&self) -> impl Iterator<Item = &FrameTable> {
+        self.grains.iter().filter(|table| !table.values.is_empty())
     }
 
     /// Adds the frames of a file of grains or of contacts. The file name gives the time or step of a single frame that states neither.
@@ -121,7 +126,7 @@ pub fn assemble(scene: &MeasuredScene, manifest: &Manifest, tables: &Tables) -> 
     let frames = assembly.frames()?;
     let identity = Identity::new(scene, manifest, &frames);
     let numbers = identity.numbers(&frames, &mut assembly.missing)?;
-    let radii = match tables.grains.iter().find(|table| table.radius().is_none()) {
+    let radii = match tables.with_grains().find(|table| table.radius().is_none()) {
         Some(table) => identity.radii(table, &mut assembly)?,
         None => Vec::new(),
     };
@@ -157,7 +162,7 @@ fn lacks(scene: &MeasuredScene, tables: &Tables) -> Vec<Content> {
         (0..).zip(&scene.wall).filter(|(_, wall)| wall.motion.is_driven()).map(|(wall, _)| wall).collect();
     let states_poses =
         |table: &FrameTable| driven.iter().all(|wall| table.driven_walls.iter().any(|stated| stated.wall == *wall));
-    let all_have = |of: fn(usize) -> Column| tables.grains.iter().all(|table| table.vector(of).is_some());
+    let all_have = |of: fn(usize) -> Column| tables.with_grains().all(|table| table.vector(of).is_some());
     let some_has = |column: Column| tables.contacts.iter().any(|table| table.find(column).is_some());
     let has = [
         (Content::DrivenWalls, !driven.is_empty() && tables.grains.iter().all(states_poses)),
@@ -248,15 +253,29 @@ fn image(domain: &Domain, point: Vector3<f64>) -> Vector3<f64> {
     Vector3::from_fn(|axis, _| if is_inside(axis) { point[axis] } else { wrapped[axis] })
 }
 
-/// Returns notes on measured frames: grains outside the domain, and forces without any repulsive one.
+/// Largest tangential over normal force of a central force that a file states with six digits.
+const CENTRAL: f64 = 1e-3;
+/// Smallest number of contacts of a bed, which under friction is not free of tangential forces.
+const FEWEST_CONTACTS: usize = 10;
+
+/// Returns notes on measured frames: grains outside the domain, forces without any repulsive one, and without any tangential one.
 pub fn unlike<'f>(scene: &MeasuredScene, frames: impl Iterator<Item = &'f Snapshot> + Clone) -> Vec<String> {
     let may_leave = scene.watch.on_escape == Reaction::Ignore;
     let outside = frames.clone().find_map(|frame| outside_domain(frame, scene)).filter(|_| !may_leave);
+    let has_friction = scene.material.values().any(|material| material.friction > 0.0);
+    let mut between = frames.clone().flat_map(|frame| &frame.contacts).filter(|contact| contact.normal_force > 0.0);
+    let central =
+        |contact: &Contact| contact.tangential_force.iter().all(|part| part.abs() < CENTRAL * contact.normal_force);
+    let slides = has_friction && between.clone().count() >= FEWEST_CONTACTS && between.all(central);
+    let slides = slides.then(|| {
+        "no contact has a tangential force: the column may hold the central part of the forces alone (fx of LAMMPS's compute pair/local)"
+            .to_string()
+    });
     let mut contacts = frames.flat_map(|frame| &frame.contacts).peekable();
     let pulls = contacts.peek().is_some() && !contacts.any(|contact| contact.normal_force > 0.0);
     let pulls = pulls.then(|| {
         "no contact pushes its grains apart: forces are those on the first grain, and normals lead away from it"
             .to_string()
     });
-    outside.into_iter().chain(pulls).collect()
+    outside.into_iter().chain(pulls).chain(slides).collect()
 }

@@ -101,7 +101,11 @@ impl FrameTable {
                     self.words.insert(self.values.len(), cells[*place].to_string());
                     f64::NAN
                 }
-                Err(problem) => return Err(fault(format!("column {}: {problem}", self.columns[column]))),
+                Err(problem) => {
+                    let is_partner = matches!(self.meanings[column], Column::Second | Column::Wall);
+                    let remedy = if is_partner { "; give -1 where a contact has no such partner" } else { "" };
+                    return Err(fault(format!("column {}: {problem}{remedy}", self.columns[column])));
+                }
             };
             self.values.push(value);
         }

@@ -39,6 +39,7 @@ pub struct WriteError {
 fn remedy(source: &std::io::Error) -> &'static str {
     match source.kind() {
         std::io::ErrorKind::InvalidData => "",
+        std::io::ErrorKind::AlreadyExists | std::io::ErrorKind::NotADirectory => "; a file is there: name a folder",
         _ => "; check that the path is writable and the disk has room",
     }
 }

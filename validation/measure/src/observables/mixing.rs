@@ -82,7 +82,10 @@ fn read(view: &View<'_>, readings: &mut Readings) -> Result<(), String> {
             readings,
         );
     }
-    Ok(())
+    match largest >= TWO_SIZES * smallest {
+        true => Ok(()),
+        false => Err(format!("the largest radius is less than {TWO_SIZES} of the smallest")),
+    }
 }
 
 /// Adds the mixing index of marked grains and, in drums, the ratio of their distance from the middle of the bed to that of the others.

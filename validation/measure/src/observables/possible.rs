@@ -36,9 +36,8 @@ pub fn impossible(scene: &MeasuredScene, text: Option<&str>) -> Vec<Finding> {
 /// Returns the name of a group, and the missing part of the scene.
 fn lack(scene: &MeasuredScene, group: Observable) -> Option<(&'static str, &'static str)> {
     let any = |wanted: fn(&Shape) -> bool| scene.wall.iter().any(|wall| wanted(&wall.shape));
-    let drum = "no cylinder turns about its own axis, across gravity";
     let (is_there, lacks) = match group {
-        Observable::DynamicAngleOfRepose | Observable::DrumFlow => (has_drum(scene), drum),
+        Observable::DynamicAngleOfRepose | Observable::DrumFlow => (has_drum(scene), NO_DRUM),
         Observable::Discharge => {
             let outlet = any(|shape| matches!(shape, Shape::Disc { hole, .. } if *hole > 0.0));
             (outlet || !scene.remove.is_empty(), "there is no sink, and no wall is a disc with a hole")
@@ -60,6 +59,24 @@ fn lack(scene: &MeasuredScene, group: Observable) -> Option<(&'static str, &'sta
     (!is_there).then(|| (name.map_or("", |(name, _)| name), lacks))
 }
 
+const NO_DRUM: &str = "no cylinder turns about its own axis, across gravity";
+
+/// Returns the reason for one number of a group without a value: the missing part of the scene, or of the measured frames.
+fn lack_of_number(scene: &MeasuredScene, name: &str) -> Option<&'static str> {
+    match name {
+        "population_mixing_index" | "first_over_other_distance" if scene.population.len() < 2 => {
+            Some("the scene has fewer than two populations")
+        }
+        "small_over_large_distance" | "first_over_other_distance" if !has_drum(scene) => Some(NO_DRUM),
+        "wall_force_over_weight" if scene.gravity == [0.0; 3] && scene.gravity_changes.is_empty() => {
+            Some("there is no gravity")
+        }
+        "wall_force_over_weight" => Some("no measured frame has contacts"),
+        "coulomb_excess" => Some("no contact with friction bears a force"),
+        _ => None,
+    }
+}
+
 /// Returns true if a scene has a drum under gravity at some time.
 fn has_drum(scene: &MeasuredScene) -> bool {
     let later = scene.gravity_changes.iter().map(|change| change.gravity);
@@ -76,9 +93,11 @@ pub fn unmeasured(scene: &MeasuredScene, lacks: &[Content], measured: &Measured)
     let turns = (0..scene.wall.len()).any(|wall| scene.course(wall).axis().is_some());
     let refusal = |group: Observable| measured.refusals.iter().find(|(refused, _)| *refused == group);
     let without = definitions().filter_map(|(_, definition)| Some((definition.name, asked(definition.name)?.0)));
-    let reason = |name: &str, group: Observable| match (missing(scene, name, lacks), lack(scene, group)) {
+    let lacking =
+        |name: &str, group| lack(scene, group).map(|(_, lacks)| lacks).or_else(|| lack_of_number(scene, name));
+    let reason = |name: &str, group: Observable| match (missing(scene, name, lacks), lacking(name, group)) {
         (Some(content), _) => format!("the frames have no {}", content.words()),
-        (None, Some((_, lacks))) => lacks.into(),
+        (None, Some(lacks)) => lacks.into(),
         (None, None) => refusal(group).map_or_else(|| "it has no value in these frames".into(), |(_, why)| why.clone()),
     };
     let without = without.filter(|(name, _)| !has(name) && (turns || *name != "torque(wall)"));

@@ -17,4 +17,11 @@ fn what_a_scene_cannot_have_is_said_with_its_line() {
     assert!(left.iter().any(|one| one.observable == "wall_torque" && one.reason.contains("cylinder")));
     assert!(left.iter().any(|one| one.observable == "driven_wall_displacement" && one.reason.contains("driven")));
     assert!(left.iter().all(|one| one.observable != "gini"), "it was not asked for");
+    scene.measure.observables = vec![Observable::SizeMixing];
+    let alike = Measured { refusals: vec![(Observable::SizeMixing, "alike".into())], ..Measured::default() };
+    let reasons: Vec<String> = unmeasured(&scene, &[], &alike).into_iter().map(|one| one.reason).collect();
+    assert_eq!(
+        reasons,
+        ["alike", NO_DRUM, "the scene has fewer than two populations", "the scene has fewer than two populations"]
+    );
 }

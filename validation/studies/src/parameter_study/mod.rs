@@ -84,7 +84,7 @@ pub enum ParameterError {
 pub struct Plan<'a> {
     /// File of the scene, which is read once.
     pub file: &'a Path,
-    /// Keys with their values; every combination is run.
+    /// Keys with their values; every combination is run, the scene itself without keys.
     pub ranges: &'a [Range],
     /// Seeds of each combination.
     pub seeds: &'a [u64],
@@ -106,6 +106,8 @@ pub struct Run {
     pub measurements: Vec<Measurement>,
     /// Violations that a watchdog found.
     pub alarms: Vec<Noticed>,
+    /// Requested observables without a value, with the reason.
+    pub without_value: BTreeMap<String, String>,
 }
 
 /// A run that failed.
@@ -148,6 +150,12 @@ pub struct Study {
     /// Observables of the report; all if empty.
     #[serde(skip)]
     pub shown: Vec<String>,
+}
+
+/// Returns the name of a run: its values and its seed.
+pub fn run_name(values: &[String], seed: u64) -> String {
+    let seed = format!("seed {seed}");
+    values.iter().chain([&seed]).map(String::as_str).collect::<Vec<_>>().join(", ")
 }
 
 /// Scene with its values, ready to run.
@@ -230,10 +238,13 @@ fn prepare(plan: &Plan<'_>) -> Result<Vec<Prepared>, ParameterError> {
         let pairs = plan.ranges.iter().zip(&values);
         let changes: Vec<Change> =
             pairs.map(|(range, value)| Change::new(&scenes::key_of(&range.key), value)).collect();
-        let label = changes.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
+        let mut label = changes.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
         let changed = scenes::changed(&text, &scenes::folder(plan.file), &changes)
             .map_err(|error| ParameterError::Usage(format!("--over {error}")))?;
         let scene = scenes::parse(&changed, plan.file).map_err(|error| refused(&label, error))?;
+        if label.is_empty() {
+            label.clone_from(&scene.name);
+        }
         points.push(Prepared { values, label, scene });
     }
     Ok(points)
@@ -242,8 +253,9 @@ fn prepare(plan: &Plan<'_>) -> Result<Vec<Prepared>, ParameterError> {
 fn run(plan: &Plan<'_>, cache: &RunCache, point: &Prepared, seed: u64) -> Result<Run, RunError> {
     let announce = |_: &str| (plan.announce)(&format!("{}, seed {seed}", point.label));
     let runs = Runs::of_one_seed(&point.scene, plan.file, seed, Duration::MAX, &announce);
-    let Harvest { run, alarms, .. } = runs.take(cache, &Makadam, seed)?;
-    Ok(Run { seed, wall_seconds: run.wall_seconds, measurements: run.measurements, alarms })
+    let Harvest { run, alarms, without_value, .. } = runs.take(cache, &Makadam, seed)?;
+    let without_value = without_value.into_iter().collect();
+    Ok(Run { seed, wall_seconds: run.wall_seconds, measurements: run.measurements, alarms, without_value })
 }
 
 /// Mean and spread over runs, by observable.

@@ -158,7 +158,7 @@ pub fn two_digits(value: f64) -> String {
 
 /// Formats a value with its error: the error to two significant digits, the value to the same digit: 31.67 ± 0.38.
 pub fn with_error(value: f64, error: f64) -> String {
-    if !(value.is_finite() && error.is_finite()) || error == 0.0 {
+    if !(value.is_finite() && error.is_finite()) || error.abs() <= 1e-9 * value.abs() {
         return format!("{} ± {}", significant(value), two_digits(error));
     }
     // Exponent of the rounded error: 0.0996 is 0.10.

@@ -23,6 +23,7 @@ fn values_are_rounded_by_their_error() {
     assert_eq!(with_error(-0.5, 1.26), "-0.5 ± 1.3");
     assert_eq!(with_error(3.14159e-6, 2.5e-8), "(3.142 ± 0.025)e-6");
     assert_eq!(with_error(2.0, 0.0), "2 ± 0");
+    assert_eq!(with_error(1.000000000000015, 9.2e-15), "1 ± 9.2×10⁻¹⁵");
     assert_eq!(with_error(0.312345, 1.5e-5), "0.312345 ± 0.000015");
 }
 
