@@ -1,7 +1,7 @@
 //! The files of a report: data as the schema says, and all that its page links to.
 
 use crate::support::sample;
-use jsonschema::Validator;
+use crate::support::schema::faults;
 use makadam_compare::scenes;
 use makadam_measure::statistics::Outcome;
 use makadam_qualification::report::{Qualification, ReportDocument, StudyOutcome, schema, write};
@@ -22,36 +22,27 @@ fn document(folder: &Path) -> Value {
     serde_json::from_slice(&fs::read(page_file.with_file_name("report.json")).expect("the data")).expect("JSON")
 }
 
-/// Lists the faults of a document, each with its place.
-fn faults(validator: &Validator, document: &Value) -> Vec<String> {
-    validator.iter_errors(document).map(|fault| format!("{}: {fault}", fault.instance_path())).collect()
-}
-
-fn validator() -> Validator {
-    jsonschema::draft202012::new(&schema()).expect("a schema of draft 2020-12")
-}
-
 #[test]
 fn a_report_is_what_its_schema_says() {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    assert_eq!(faults(&validator(), &document(folder.path())), Vec::<String>::new());
+    assert_eq!(faults(&schema(), &document(folder.path())), Vec::<String>::new());
 }
 
 #[test]
 fn every_held_scene_is_what_the_schema_says_of_scenes() {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let (validator, mut document) = (validator(), document(folder.path()));
+    let (schema, mut document) = (schema(), document(folder.path()));
     for name in scenes::names() {
         let scene = scenes::load(&scenes::find(name, &[]).expect("a scene")).expect("a scene");
         document["qualification"]["comparisons"][0]["scene"] = serde_json::to_value(&scene).expect("plain data");
-        assert_eq!(faults(&validator, &document), Vec::<String>::new(), "{name}");
+        assert_eq!(faults(&schema, &document), Vec::<String>::new(), "{name}");
     }
 }
 
 #[test]
 fn a_report_with_a_wrong_type_or_a_missing_field_is_refused() {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let (validator, whole) = (validator(), document(folder.path()));
+    let (schema, whole) = (schema(), document(folder.path()));
     let row = "/qualification/comparisons/0/rows/0";
     for (place, wrong) in [
         ("/version", json!("1")),
@@ -68,7 +59,7 @@ fn a_report_with_a_wrong_type_or_a_missing_field_is_refused() {
     ] {
         let mut document = whole.clone();
         *document.pointer_mut(place).unwrap_or_else(|| panic!("{place} is in no report")) = wrong;
-        let faults = faults(&validator, &document);
+        let faults = faults(&schema, &document);
         assert!(faults.iter().any(|fault| fault.starts_with(place)), "{place}: {faults:?}");
     }
     for place in [
@@ -85,9 +76,13 @@ fn a_report_with_a_wrong_type_or_a_missing_field_is_refused() {
         let mut document = whole.clone();
         let parent = document.pointer_mut(parent).and_then(Value::as_object_mut).expect("an object");
         parent.remove(key).unwrap_or_else(|| panic!("{place} is in no report"));
-        let faults = faults(&validator, &document);
+        let faults = faults(&schema, &document);
         assert!(faults.iter().any(|fault| fault.contains(&format!("\"{key}\" is a required property"))), "{faults:?}");
     }
+    let mut document = whole.clone();
+    document["qualification"]["comparisons"][0]["scene"]["solver"]["sweps"] = json!(20);
+    let faults = faults(&schema, &document);
+    assert!(faults.iter().any(|fault| fault.contains("/scene/solver")), "{faults:?}");
 }
 
 #[test]
