@@ -176,8 +176,8 @@ fn quadrants<L: Lanes>(a: &[f64], b: &[f64], corners: &mut Vec<f64>) {
     for first in (0..count).step_by(LANES) {
         let (mut at, mut places) = ([Eight::default(); 2], [0; LANES]);
         let taken = LANES.min(count - first);
-        for lane in 0..taken {
-            (at[0].0[lane], at[1].0[lane], places[lane]) = (a[column], b[row], row * a.len() + column);
+        for (lane, place) in places.iter_mut().enumerate().take(taken) {
+            (at[0].0[lane], at[1].0[lane], *place) = (a[column], b[row], row * a.len() + column);
             column += 1;
             if column == columns.end {
                 (column, row) = (columns.start, row + 1);
@@ -185,8 +185,8 @@ fn quadrants<L: Lanes>(a: &[f64], b: &[f64], corners: &mut Vec<f64>) {
         }
         let mut volumes = Eight::default();
         quadrant(L::load(&at[0]), L::load(&at[1])).store(&mut volumes);
-        for lane in 0..taken {
-            corners[places[lane]] = volumes.0[lane];
+        for (place, volume) in places.iter().zip(&volumes.0).take(taken) {
+            corners[*place] = *volume;
         }
     }
 }
