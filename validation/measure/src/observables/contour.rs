@@ -19,16 +19,7 @@ pub fn contours(field: &Field, level: f64) -> Vec<Loop> {
     let mut next: HashMap<Link, Vec<Link>> = HashMap::new();
     let mut order = Vec::new();
     for row in -1..field.rows as isize {
-        let is_above = |column: isize| [row, row + 1].map(|row| field.get(column, row) >= level);
-        let mut left = is_above(-1);
         for column in -1..field.columns as isize {
-            // The line misses most squares.
-            let right = is_above(column + 1);
-            let is_missed = left == right && left[0] == left[1];
-            left = right;
-            if is_missed {
-                continue;
-            }
             for (from, to) in pieces(field, level, column, row) {
                 order.push(from);
                 next.entry(from).or_default().push(to);
