@@ -123,9 +123,8 @@ fn same_on_any_number_of_ranks(scene: &Scene, before: usize, steps: usize, chang
         change(&mut start);
         let threads = 1 + count % 2;
         start.use_team(Scheduler::WorkStealing, threads).unwrap();
-        let (found, state) = on_ranks(count, scene, start, |simulation| {
-            (course(simulation, steps, steps / 2), simulation.checkpoint())
-        });
+        let (found, state) =
+            on_ranks(count, scene, start, |simulation| (course(simulation, steps, steps / 2), simulation.checkpoint()));
         for (found, expected) in found.iter().zip(&expected) {
             assert_eq!(found, expected, "{}, {count} ranks", scene.name);
         }

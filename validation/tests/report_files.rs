@@ -10,6 +10,7 @@ use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
+use std::sync::LazyLock;
 
 /// A report with every kind of part: scenes with and without verdicts, a study.
 fn full() -> Qualification {
@@ -17,9 +18,14 @@ fn full() -> Qualification {
     Qualification { studies: vec![sample::study(StudyOutcome::Passed)], ..sample::qualification(comparisons) }
 }
 
-fn document(folder: &Path) -> Value {
-    let page_file = write(&full(), folder).expect("a report");
-    serde_json::from_slice(&fs::read(page_file.with_file_name("report.json")).expect("the data")).expect("JSON")
+/// The data of its files, written once.
+fn document() -> Value {
+    static DOCUMENT: LazyLock<Value> = LazyLock::new(|| {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let page_file = write(&full(), folder.path()).expect("a report");
+        serde_json::from_slice(&fs::read(page_file.with_file_name("report.json")).expect("the data")).expect("JSON")
+    });
+    DOCUMENT.clone()
 }
 
 /// Lists the faults of a document, each with its place.
@@ -33,14 +39,12 @@ fn validator() -> Validator {
 
 #[test]
 fn a_report_is_what_its_schema_says() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    assert_eq!(faults(&validator(), &document(folder.path())), Vec::<String>::new());
+    assert_eq!(faults(&validator(), &document()), Vec::<String>::new());
 }
 
 #[test]
 fn every_held_scene_is_what_the_schema_says_of_scenes() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let (validator, mut document) = (validator(), document(folder.path()));
+    let (validator, mut document) = (validator(), document());
     for name in scenes::names() {
         let scene = scenes::load(&scenes::find(name, &[]).expect("a scene")).expect("a scene");
         document["qualification"]["comparisons"][0]["scene"] = serde_json::to_value(&scene).expect("plain data");
@@ -50,8 +54,7 @@ fn every_held_scene_is_what_the_schema_says_of_scenes() {
 
 #[test]
 fn a_report_with_a_wrong_type_or_a_missing_field_is_refused() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let (validator, whole) = (validator(), document(folder.path()));
+    let (validator, whole) = (validator(), document());
     let row = "/qualification/comparisons/0/rows/0";
     for (place, wrong) in [
         ("/version", json!("1")),

@@ -17,8 +17,8 @@ use crate::groups::{ContactLanes, ImpactLanes, WallGroup, with_effects, with_pai
 use crate::lanes::{Available, Eight, Lanes, Number, Quad, Slots, TaskSlots, dot, minus, times};
 use crate::laws::compliance::{NormalContact, NormalScheme};
 use crate::partition::{
-    ByBodies, ByCandidates, ByNumber, DRIVEN_STAGE, DrivenContact, FindWaits, LaneAssigner, Layout, PlannedTask, Taken, TakenGroups,
-    TaskGroups,
+    ByBodies, ByCandidates, ByNumber, DRIVEN_STAGE, DrivenContact, FindWaits, LaneAssigner, Layout, PlannedTask, Taken,
+    TakenGroups, TaskGroups,
 };
 use crate::scene::SolverSettings;
 use crate::schedule::{Phase, Team};

@@ -23,7 +23,10 @@ impl World {
     /// If the library of MPI does not let several threads call it one after another.
     pub fn join() -> Option<World> {
         let (universe, granted) = ::mpi::initialize_with_threading(Threading::Serialized)?;
-        assert!(granted >= Threading::Serialized, "this MPI offers threads {granted:?}; build it with MPI_THREAD_SERIALIZED");
+        assert!(
+            granted >= Threading::Serialized,
+            "this MPI offers threads {granted:?}; build it with MPI_THREAD_SERIALIZED"
+        );
         Some(World { communicator: universe.world(), _universe: universe })
     }
 }
@@ -84,7 +87,8 @@ impl Messages for World {
                 .collect();
         }
         let counts: Vec<i32> = lengths.iter().map(|&length| length as i32).collect();
-        let starts: Vec<i32> = counts.iter().scan(0, |next, count| Some(std::mem::replace(next, *next + count))).collect();
+        let starts: Vec<i32> =
+            counts.iter().scan(0, |next, count| Some(std::mem::replace(next, *next + count))).collect();
         let mut all = vec![0; all as usize];
         self.communicator.all_gather_varcount_into(own, &mut PartitionMut::new(&mut all[..], &counts[..], &starts[..]));
         let part = |(&start, &count): (&i32, &i32)| all[start as usize..(start + count) as usize].to_vec();

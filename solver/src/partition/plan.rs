@@ -162,7 +162,8 @@ impl Plan {
     /// Leaves out the tasks of other boxes than those of a condition.
     pub(crate) fn keep(&mut self, is_kept: impl Fn(usize) -> bool) {
         for stage in 0..STAGES {
-            self.stages[stage] = self.tasks[..self.stages[stage]].iter().filter(|task| is_kept(task.home as usize)).count();
+            self.stages[stage] =
+                self.tasks[..self.stages[stage]].iter().filter(|task| is_kept(task.home as usize)).count();
         }
         self.tasks.retain(|task| is_kept(task.home as usize));
         self.stages[STAGES] = self.tasks.len();

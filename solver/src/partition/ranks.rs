@@ -105,7 +105,8 @@ impl Ranks {
 
     /// Divides the boxes among the ranks, given the number of grains of each, by recursive bisection across the longest axis.
     pub fn divide(&mut self, boxes: &BoxGrid, grains: impl Fn(usize) -> usize) {
-        let mut all: Vec<([i32; 3], usize)> = (0..boxes.boxes()).map(|number| (boxes.coordinates(number), number)).collect();
+        let mut all: Vec<([i32; 3], usize)> =
+            (0..boxes.boxes()).map(|number| (boxes.coordinates(number), number)).collect();
         self.owners.clear();
         self.owners.resize(all.len(), 0);
         let ranks = 0..self.count();
@@ -216,7 +217,8 @@ impl Ranks {
     pub fn in_order<T: Pod>(&self, own: &[T]) -> Vec<T> {
         let all = self.messages.gather(bytemuck::must_cast_slice(own));
         let mut of_ranks: Vec<_> = all.iter().map(|bytes| bytes.chunks_exact(size_of::<T>())).collect();
-        let next = |&rank: &u16| bytemuck::pod_read_unaligned(of_ranks[usize::from(rank)].next().expect("a record per task"));
+        let next =
+            |&rank: &u16| bytemuck::pod_read_unaligned(of_ranks[usize::from(rank)].next().expect("a record per task"));
         self.sequence.iter().map(next).collect()
     }
 
@@ -282,8 +284,7 @@ impl Ranks {
         let others = || (0..self.count()).filter(move |&rank| rank != own);
         let all = self.everyone(&lengths);
         let sent: Vec<Parcel> = others().map(|rank| (rank, bytemuck::must_cast_slice(&lists[rank]).to_vec())).collect();
-        let mut received: Vec<Parcel> =
-            others().map(|rank| (rank, vec![0; all[rank][own] * size_of::<T>()])).collect();
+        let mut received: Vec<Parcel> = others().map(|rank| (rank, vec![0; all[rank][own] * size_of::<T>()])).collect();
         self.messages.exchange(&sent, &mut received);
         received.iter().flat_map(|(_, bytes)| records::<T>(bytes)).collect()
     }

@@ -4,8 +4,8 @@
 /// Normal, two tangential, and turning.
 const DIRECTIONS: usize = 4;
 
-use bytemuck::{Pod, Zeroable};
 use crate::lanes::{Eight, LANES, Lanes, Number, SingleLanes, Sixteen, dot};
+use bytemuck::{Pod, Zeroable};
 use serde::{Deserialize, Serialize};
 
 /// Root mean square and maximum of a residual over all contacts, m/s.

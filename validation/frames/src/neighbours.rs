@@ -3,6 +3,7 @@
 use makadam::scene::Domain;
 use makadam::snapshot::Particle;
 use nalgebra::Vector3;
+use std::ops::Range;
 
 /// Two grains and the gap between their surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,22 +44,27 @@ pub fn close_pairs(grains: &[Particle], reach: f64) -> Vec<Pair> {
     }
 
     let mut pairs = Vec::with_capacity(4 * grains.len());
-    for (index, (one, place, radius)) in sorted.iter().enumerate() {
-        let cell = cell_of(place);
-        let (from, to) = (cell.x.saturating_sub(1), (cell.x + 1).min(dims.x - 1));
-        let row = |y: usize, z: usize| start[flat(Vector3::new(from, y, z))]..start[flat(Vector3::new(to, y, z)) + 1];
-        // Half of the neighbouring cells, so that each pair is found once: the rest of the row, then the rows behind it.
-        let rest = index + 1..row(cell.y, cell.z).end;
-        let behind = (cell.y + 1 < dims.y).then(|| row(cell.y + 1, cell.z));
-        let above = (cell.z + 1..dims.z.min(cell.z + 2))
-            .flat_map(|z| (cell.y.saturating_sub(1)..dims.y.min(cell.y + 2)).map(move |y| (y, z)));
-        for range in std::iter::once(rest).chain(behind).chain(above.map(|(y, z)| row(y, z))) {
-            for (other, other_place, other_radius) in &sorted[range] {
+    for (index, &(one, place, radius)) in sorted.iter().enumerate() {
+        let mut add = |range: Range<usize>| {
+            for &(other, other_place, other_radius) in &sorted[range] {
                 let (touch, square) = (radius + other_radius, (other_place - place).norm_squared());
                 if square < (touch + reach).powi(2) {
                     let gap = square.sqrt() - touch;
-                    pairs.push(Pair { first: *one.min(other), second: *one.max(other), gap });
+                    pairs.push(Pair { first: one.min(other), second: one.max(other), gap });
                 }
+            }
+        };
+        let cell = cell_of(&place);
+        let (from, to) = (cell.x.saturating_sub(1), (cell.x + 1).min(dims.x - 1));
+        let row = |y: usize, z: usize| start[flat(Vector3::new(from, y, z))]..start[flat(Vector3::new(to, y, z)) + 1];
+        // Half of the neighbouring cells, so that each pair is found once: the rest of the row, then the rows behind it.
+        add(index + 1..row(cell.y, cell.z).end);
+        if cell.y + 1 < dims.y {
+            add(row(cell.y + 1, cell.z));
+        }
+        if cell.z + 1 < dims.z {
+            for y in cell.y.saturating_sub(1)..dims.y.min(cell.y + 2) {
+                add(row(y, cell.z + 1));
             }
         }
     }

@@ -41,7 +41,9 @@ pub(super) fn join(runs: bool) -> Result<bool, Failure> {
     let Some(ranks) = joined.filter(|_| launched > 1) else { return Ok(false) };
     if !runs {
         return match ranks.rank() {
-            0 => Err(Failure::Usage(format!("only makadam run knows several ranks; start one process, not {launched}"))),
+            0 => {
+                Err(Failure::Usage(format!("only makadam run knows several ranks; start one process, not {launched}")))
+            }
             _ => Ok(true),
         };
     }

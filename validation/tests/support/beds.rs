@@ -117,13 +117,21 @@ pub fn fcc(diameter: f64, half: f64, turn: Rotation3<f64>, shift: Vector3<f64>) 
     let edge = diameter * SQRT_2;
     // The cube's corner lies sqrt(3) of its half width away, the lattice is shifted by up to an edge.
     let count = (1.75 * half / edge).ceil() as i64 + 2;
+    let place = |site: Vector3<f64>| turn * (site * edge) + shift;
+    let along = turn * (Vector3::z() * edge);
     let mut sites = Vec::new();
     for i in -count..=count {
         for j in -count..=count {
-            for k in -count..=count {
+            // Of a row of the lattice, the cells that reach into the cube.
+            let row = place(Vector3::new(i as f64, j as f64, 0.0));
+            let (mut first, mut last) = (-count as f64, count as f64);
+            for axis in (0..3).filter(|&axis| along[axis] != 0.0) {
+                let ends = [-half - edge, half + edge].map(|end| (end - row[axis]) / along[axis]);
+                (first, last) = (first.max(ends[0].min(ends[1])), last.min(ends[0].max(ends[1])));
+            }
+            for k in first.ceil() as i64..=last.floor() as i64 {
                 for basis in [[0.0, 0.0, 0.0], [0.5, 0.5, 0.0], [0.5, 0.0, 0.5], [0.0, 0.5, 0.5]] {
-                    let site = Vector3::new(i as f64, j as f64, k as f64) + Vector3::from(basis);
-                    let place = turn * (site * edge) + shift;
+                    let place = place(Vector3::new(i as f64, j as f64, k as f64) + Vector3::from(basis));
                     if place.amax() <= half {
                         sites.push(place);
                     }

@@ -2,7 +2,7 @@
 
 use super::{MARK, MARK_OF_ALTERED, open, seal};
 use crate::Simulation;
-use crate::detect::{Candidates, AngularImpulse, Impulse, Memory, PairCandidate, WallCandidate};
+use crate::detect::{AngularImpulse, Candidates, Impulse, Memory, PairCandidate, WallCandidate};
 use crate::groups::ImpactMemory;
 use crate::partition::{Layout, Plan, PlannedTask};
 use crate::scene::{GrainEntry, Scene, sphere_volume};

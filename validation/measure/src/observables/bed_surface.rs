@@ -99,15 +99,15 @@ impl<'a> MeanField<'a> {
     /// Adds a frame.
     pub fn add(&mut self, frame: &Snapshot) {
         let Some(field) = &mut self.field else { return };
-        let place = |grain: &Particle| self.drum.section(&Vector3::from(grain.position));
-        let visits = frame.particles.iter().map(|grain| field.reached(place(grain), grain.radius));
+        let place = |grain: &Particle| (self.drum.section(&Vector3::from(grain.position)), grain.radius);
+        let spheres: Vec<_> = frame.particles.iter().map(place).collect();
+        let visits = spheres.iter().map(|(place, radius)| field.reached(*place, *radius));
         let left = self.left.checked_sub(visits.fold(0, usize::saturating_add));
-        let is_large = |grain: &Particle| effort::too_large(grain.radius, field.cell);
-        let Some(left) = left.filter(|_| !frame.particles.iter().any(is_large)) else {
+        let is_large = |(_, radius): &_| effort::too_large(*radius, field.cell);
+        let Some(left) = left.filter(|_| !spheres.iter().any(is_large)) else {
             self.field = None;
             return;
         };
-        let spheres: Vec<_> = frame.particles.iter().map(|grain| (place(grain), grain.radius)).collect();
         field.add_spheres(&spheres, self.volume);
         (self.left, self.frames) = (left, self.frames + 1);
     }

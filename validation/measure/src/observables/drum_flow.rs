@@ -90,6 +90,10 @@ fn speed_ratio(view: &View<'_>, drum: &Drum) -> Option<f64> {
     for grain in grains {
         let place = Vector3::from(grain.position);
         let [x, y] = drum.section(&place);
+        // Most grains lie far inside the shell: rounding does not exclude one of the layer.
+        if (x * x + y * y).sqrt() < drum.radius - 1.001 * SHELL_LAYER * grain.radius {
+            continue;
+        }
         let distance = x.hypot(y);
         let beside = (x * across + y * up) / (distance * across.hypot(up));
         if drum.radius - distance <= SHELL_LAYER * grain.radius

@@ -123,8 +123,8 @@ impl Kernel for Spheres<'_> {
     fn run<L: Lanes>(self) {
         let Spheres { field, spheres, volume } = self;
         let (cell, origin, columns) = (field.cell, field.origin, field.columns);
-        // Quadrants with corners at the nodes of a row of the grid, and of the row below.
-        let (mut here, mut below, mut lines): (Vec<Eight>, Vec<Eight>, Vec<Eight>) = Default::default();
+        // Lines of the grid relative to a sphere, and the volumes of the quadrants at their crossings, row after row.
+        let (mut across, mut along, mut corners): (Vec<f64>, Vec<f64>, Vec<f64>) = Default::default();
         for &(centre, radius) in spheres {
             let [(left, right), (bottom, top)] = field.reach(centre, radius);
             if left > right || bottom > top {
@@ -132,40 +132,61 @@ impl Kernel for Spheres<'_> {
             }
             let line = |axis: usize, index: isize| (origin[axis] + index as f64 * cell - centre[axis]) / radius;
             let (width, share) = ((right - left + 1) as usize, radius.powi(3) / volume);
-            let groups = (width + 1).div_ceil(LANES);
-            lines.clear();
-            lines.extend((0..groups).map(|group| {
-                let first = left + (group * LANES) as isize;
-                Eight(std::array::from_fn(|lane| line(0, first + lane as isize)))
-            }));
-            here.resize(groups, Eight::default());
-            below.resize(groups, Eight::default());
-            for row in bottom..=top + 1 {
-                let b = line(1, row);
-                for (a, nodes) in lines.iter().zip(&mut here) {
-                    let a = L::load(a);
-                    // Rows beyond the sphere need no quadrant.
-                    let beyond = if b >= 1.0 {
-                        L::zero()
-                    } else if b <= -1.0 {
-                        half_space(a)
-                    } else {
-                        quadrant(a, L::splat(b))
-                    };
-                    beyond.store(nodes);
+            across.clear();
+            across.extend((left..=right + 1).map(|index| line(0, index)));
+            along.clear();
+            along.extend((bottom..=top + 1).map(|index| line(1, index)));
+            quadrants::<L>(&across, &along, &mut corners);
+            // A cell is a difference of quadrants; corners are shared by four cells.
+            let stride = width + 1;
+            for (row, pair) in corners.windows(2 * stride).step_by(stride).enumerate() {
+                let (below, here) = pair.split_at(stride);
+                let start = (bottom as usize + row) * columns + left as usize;
+                let cells = &mut field.values[start..start + width];
+                for (place, value) in cells.iter_mut().enumerate() {
+                    *value += share * (below[place] - below[place + 1] - (here[place] - here[place + 1]));
                 }
-                if row > bottom {
-                    // A cell is a difference of quadrants; nodes are shared by four cells.
-                    let node = |nodes: &[Eight], place: usize| nodes[place / LANES].0[place % LANES];
-                    let start = (row - 1) as usize * columns + left as usize;
-                    let cells = &mut field.values[start..start + width];
-                    for (place, value) in cells.iter_mut().enumerate() {
-                        let part = |nodes: &[Eight]| node(nodes, place) - node(nodes, place + 1);
-                        *value += share * (part(&below) - part(&here));
-                    }
-                }
-                std::mem::swap(&mut here, &mut below);
             }
+        }
+    }
+}
+
+/// Sets `corners` to the volumes of the unit ball in the quadrants X > a, Y > b, for each of the ascending `b` all of the ascending `a`.
+#[inline(always)]
+fn quadrants<L: Lanes>(a: &[f64], b: &[f64], corners: &mut Vec<f64>) {
+    // Only lines through the ball need a quadrant.
+    let inner = |lines: &[f64]| {
+        let first = lines.iter().take_while(|line| **line <= -1.0).count();
+        first..first + lines[first..].iter().take_while(|line| **line < 1.0).count()
+    };
+    let (columns, rows) = (inner(a), inner(b));
+    corners.clear();
+    corners.resize(a.len() * b.len(), 0.0);
+    for row in 0..rows.start {
+        for (column, corner) in corners[row * a.len()..][..columns.end].iter_mut().enumerate() {
+            *corner = half_space(a[column]);
+        }
+    }
+    for row in rows.clone() {
+        corners[row * a.len()..][..columns.start].fill(half_space(b[row]));
+    }
+    // Their crossings fill the lanes, row after row.
+    let count = columns.len() * rows.len();
+    let (mut column, mut row) = (columns.start, rows.start);
+    for first in (0..count).step_by(LANES) {
+        let (mut at, mut places) = ([Eight::default(); 2], [0; LANES]);
+        let taken = LANES.min(count - first);
+        for (lane, place) in places.iter_mut().enumerate().take(taken) {
+            (at[0].0[lane], at[1].0[lane], *place) = (a[column], b[row], row * a.len() + column);
+            column += 1;
+            if column == columns.end {
+                (column, row) = (columns.start, row + 1);
+            }
+        }
+        let mut volumes = Eight::default();
+        quadrant(L::load(&at[0]), L::load(&at[1])).store(&mut volumes);
+        for (place, volume) in places.iter().zip(&volumes.0).take(taken) {
+            corners[*place] = *volume;
         }
     }
 }
