@@ -27,7 +27,7 @@ struct Twist {
 }
 
 /// Sphere around the points of a wall in the scene, or around the domain if the wall is infinite.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Extent {
     /// Centre, m.
     pub middle: Vector,

@@ -7,9 +7,8 @@
 //! impact. Later changes are accelerations, as for a vibrating wall: resting grains follow the wall without rebound.
 
 use super::Vector;
-use super::motion::{Displacement, Movement, Pose, Turning};
+use super::motion::{Displacement, Movement, Pose};
 use crate::scene::Motion;
-use crate::surface::Face;
 use serde::{Deserialize, Serialize};
 
 /// Motion of a wall by the caller.
@@ -42,7 +41,7 @@ pub(crate) struct Steered {
     /// Angle, rad.
     angle: f64,
     angle_in_list: f64,
-    rate: f64,
+    pub(super) rate: f64,
 }
 
 /// Upper bound of all positions and speeds of walls, in SI units.
@@ -124,26 +123,11 @@ impl Steered {
         Ok(())
     }
 
-    /// Returns true if the motion maps a face onto itself.
-    pub(super) fn keeps_in_place(&self, face: &Face) -> bool {
-        self.about.is_some_and(|(point, axis)| face.turns_in_place(point.into(), axis.into()))
-    }
-
-    /// Completes a pose at rest.
-    pub(super) fn pose(&self, pose: &mut Pose, turned: impl FnOnce(Vector, Vector, f64) -> Displacement) {
-        match self.about {
-            None => {
-                pose.displacement = Displacement::By(self.shift.into());
-                pose.velocity = self.velocity.into();
-                pose.gain = pose.velocity - Vector::from(self.velocity_before);
-            }
-            Some((point, axis)) => {
-                let (centre, axis) = (Vector::from(point), Vector::from(axis));
-                pose.displacement = turned(centre, axis, self.angle);
-                pose.turning = Turning::about(centre, axis * self.rate);
-                pose.in_place = pose.turning;
-            }
-        }
+    /// Completes the pose at rest of a translation.
+    pub(super) fn shift(&self, pose: &mut Pose) {
+        pose.displacement = Displacement::By(self.shift.into());
+        pose.velocity = self.velocity.into();
+        pose.gain = pose.velocity - Vector::from(self.velocity_before);
     }
 
     /// Returns an upper bound of the displacement (m) of a point within `radius` (m) of the centre since the build of the candidate list.
@@ -195,25 +179,16 @@ impl Steered {
 
 impl Movement {
     /// Prescribes a motion of the wall from its next step on; `now` is the present time and `listed` that of the last build of the candidate list, s.
-    pub(super) fn steer(&mut self, asked: &WallMotion, faces: &[Face], [now, listed]: [f64; 2]) -> Result<(), String> {
-        let first = self.steered.is_none();
-        let mut steered = match self.steered {
-            Some(steered) => steered,
-            None => {
-                let angles = [now, listed].map(|time| self.angle(time - self.origin));
-                let poses = [now, listed].map(|time| self.relative_pose(time - self.origin));
-                Steered::begin(&self.motion, asked, poses.each_ref(), angles)?
-            }
+    pub(super) fn steer(&mut self, asked: &WallMotion, [now, listed]: [f64; 2]) -> Result<(), String> {
+        let begin = || {
+            let angles = [now, listed].map(|time| self.angle(time - self.origin));
+            let poses = [now, listed].map(|time| self.relative_pose(time - self.origin));
+            Steered::begin(&self.motion, asked, poses.each_ref(), angles)
         };
-        steered.take(asked, first)?;
-        self.restore(steered, faces);
-        Ok(())
-    }
-
-    /// Restores the motion of the wall from a stored state.
-    pub(super) fn restore(&mut self, steered: Steered, faces: &[Face]) {
-        self.turns = steered.about.is_some() && !faces.iter().all(|face| steered.keeps_in_place(&self.based(face)));
+        let mut steered = self.steered.map_or_else(begin, Ok)?;
+        steered.take(asked, self.steered.is_none())?;
         self.steered = Some(steered);
+        Ok(())
     }
 }
 
