@@ -9,6 +9,7 @@ use serde::de::{MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::collections::BTreeMap;
 use std::fmt;
+use std::sync::Arc;
 
 /// Motion of a wall: prescribed, or driven by a force or a torque. A list of prescribed motions is composed in
 /// its order: the first acts on the wall first, and each later one carries it along. Points and axes are those of the scene.
@@ -261,10 +262,23 @@ impl Motion {
     }
 }
 
-/// Rows of a table of poses: time (s), displacement (m), rotation vector (rad).
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+/// Rows of a table of poses: time (s), displacement (m), rotation vector (rad). Copies share them.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct PoseTable(Vec<[f64; 7]>);
+#[serde(from = "Vec<[f64; 7]>")]
+pub struct PoseTable(Arc<[[f64; 7]]>);
+
+impl From<Vec<[f64; 7]>> for PoseTable {
+    fn from(rows: Vec<[f64; 7]>) -> PoseTable {
+        PoseTable(rows.into())
+    }
+}
+
+impl Serialize for PoseTable {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.0.serialize(serializer)
+    }
+}
 
 /// Columns of a table of poses.
 const COLUMNS: [&str; 7] = ["time", "x", "y", "z", "rx", "ry", "rz"];
@@ -303,7 +317,7 @@ impl PoseTable {
                 return Err((line, problem, remedy));
             }
         }
-        Ok(PoseTable(rows))
+        Ok(rows.into())
     }
 
     /// Returns the rows.
