@@ -376,9 +376,11 @@ impl Watchdog {
         let energy = simulation.energy_of_grains();
         // Potential energy half a step earlier: a step without contacts does not change it.
         let (half, momentum) = (0.5 * simulation.settings.step, simulation.momentum());
-        let mechanical =
-            energy.kinetic + energy.potential + contacts.cohesive + half * world.gravity.dot(&Vector3::from(momentum))
-                - self.supplied;
+        let mechanical = energy.kinetic
+            + energy.potential
+            + contacts.stored.cohesive
+            + half * world.gravity.dot(&Vector3::from(momentum))
+            - self.supplied;
         let mass: f64 = world.bodies[..world.grains()].iter().map(|body| 1.0 / body.inverse_mass).sum();
         let weight = world.field.largest() * mass;
         self.kinetic = self.kinetic.max(energy.kinetic);
@@ -391,7 +393,7 @@ impl Watchdog {
         let bound = self.settings.energy;
         let gained = share > bound;
         // Each gain is reported once.
-        let present = mechanical + contacts.elastic;
+        let present = mechanical + contacts.stored.elastic;
         self.available = if gained { present } else { self.available.min(present) };
         let fastest = || {
             let squares =

@@ -28,13 +28,35 @@ impl Energy {
     }
 }
 
+/// Stored energy of contacts, J.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Stored {
+    pub elastic: f64,
+    pub cohesive: f64,
+}
+
+impl Stored {
+    /// Energy of one contact.
+    pub fn of(contact: &NormalContact<f64>, pull: &Pull, law: NormalLaw) -> Stored {
+        Stored { elastic: contact.elastic_energy(law), cohesive: pull.energy(-contact.overlap) }
+    }
+
+    pub fn total(&self) -> f64 {
+        self.elastic + self.cohesive
+    }
+
+    /// Adds the energy of other contacts.
+    pub fn add(&mut self, other: Stored) {
+        self.elastic += other.elastic;
+        self.cohesive += other.cohesive;
+    }
+}
+
 /// Energy of contacts, and the deepest overlap.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct ContactEnergy {
-    /// Elastic, J.
-    pub elastic: f64,
-    /// Cohesive, J.
-    pub cohesive: f64,
+    /// Stored energy.
+    pub stored: Stored,
     /// Largest overlap over the smaller radius, and the id of a grain with this overlap.
     pub deepest: Option<(f64, u32)>,
 }
@@ -42,7 +64,7 @@ pub(crate) struct ContactEnergy {
 impl Simulation {
     /// Mechanical energy of the present state, J.
     pub fn energy(&self) -> Energy {
-        let ContactEnergy { elastic, cohesive, .. } = self.contact_energy();
+        let Stored { elastic, cohesive } = self.contact_energy().stored;
         Energy { elastic, cohesive, ..self.energy_of_grains() }
     }
 
@@ -88,8 +110,7 @@ impl ContactEnergy {
             if contact.overlap <= -pull.range {
                 return;
             }
-            sum.elastic += contact.elastic_energy(law);
-            sum.cohesive += pull.energy(-contact.overlap);
+            sum.stored.add(Stored::of(&contact, &pull, law));
             let share = contact.overlap / radius;
             if share > 0.0 && sum.deepest.is_none_or(|(most, _)| share > most) {
                 sum.deepest = Some((share, world.ids[grain]));

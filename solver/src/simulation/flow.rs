@@ -10,7 +10,7 @@ use crate::Simulation;
 use crate::lanes::{cross, plus, times};
 use crate::scene::{Insertion, Neighbours, Region, Removal, Scene, sphere_volume};
 use crate::schedule::{Phase, Team};
-use crate::simulation::energy::ContactEnergy;
+use crate::simulation::energy::{ContactEnergy, Stored};
 use crate::simulation::intervention::Booked;
 use crate::wall::WallsAt;
 use crate::world::{Body, INERTIA, NewGrain, Sphere, World, chunk, chunks};
@@ -298,7 +298,7 @@ impl Simulation {
             come.iter().fold(Booked::default(), |sum, grain| sum.with(&self.booked_of(&grain.sphere, &grain.body)));
         flow.supplied += came.energy - (went.0.energy + went.1.cohesive);
         if let Some(ledger) = &mut self.ledger {
-            ledger.exchange([&came, &went.0], [went.1.elastic, went.1.cohesive]);
+            ledger.exchange([&came, &went.0], went.1);
         }
         let moves = self.world.change(&gone, &come);
         self.candidates.change(&moves, &self.world);
@@ -396,10 +396,10 @@ impl Simulation {
     }
 
     /// Sums energy, momentum and angular momentum of grains, and the energy stored in their contacts.
-    fn booked_with(&self, places: &[u32]) -> (Booked, ContactEnergy) {
+    fn booked_with(&self, places: &[u32]) -> (Booked, Stored) {
         let mut sum = Booked::default();
         if places.is_empty() {
-            return (sum, ContactEnergy::default());
+            return (sum, Stored::default());
         }
         let mut is_listed = vec![false; self.world.bodies.len()];
         for &place in places {
@@ -407,7 +407,7 @@ impl Simulation {
             sum = sum.with(&self.booked_of(&self.world.spheres[place as usize], &self.world.bodies[place as usize]));
         }
         let counts = |places: [u32; 2]| places.iter().any(|&place| is_listed[place as usize]);
-        (sum, ContactEnergy::of_some(&self.world, &self.candidates, self.settings.normal_law, counts))
+        (sum, ContactEnergy::of_some(&self.world, &self.candidates, self.settings.normal_law, counts).stored)
     }
 }
 

@@ -36,7 +36,7 @@ mod walls;
 pub use balance::Balance;
 pub(crate) use walls::{WallContact, WallImpulse};
 
-use super::energy::Energy;
+use super::energy::{ContactEnergy, Energy, Stored};
 use crate::Simulation;
 use crate::detect::Candidates;
 use crate::effects::spring::SpringLanes;
@@ -47,7 +47,7 @@ use crate::laws::compliance::{NormalContact, NormalScheme};
 use crate::partition::TaskGroups;
 use crate::simulation::intervention::Booked;
 use crate::world::World;
-use balance::{Expectations, Expected, Stored};
+use balance::{Expectations, Expected};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -142,7 +142,7 @@ impl Ledger {
         if !rebuilt && !self.unlisted {
             return 0.0;
         }
-        let stored = Stored::of_all(world, candidates, scheme.law);
+        let stored = ContactEnergy::of(world, candidates, scheme.law).stored;
         let found = stored.total() - self.stored.total();
         self.stored = stored;
         if std::mem::take(&mut self.unlisted) {
@@ -158,17 +158,17 @@ impl Ledger {
 
     /// Books grains that `[come, go]` with their energy and momenta; `stored` is the elastic and cohesive energy (J) of the
     /// contacts of those that go. New grains have no overlap.
-    pub fn exchange(&mut self, [come, go]: [&Booked; 2], stored: [f64; 2]) {
-        let go = Booked { energy: go.energy + stored[0] + stored[1], ..*go };
+    pub fn exchange(&mut self, [come, go]: [&Booked; 2], stored: Stored) {
+        let go = Booked { energy: go.energy + stored.elastic + stored.cohesive, ..*go };
         self.entries.inflow = self.entries.inflow.with(come);
         self.entries.outflow = self.entries.outflow.with(&go);
-        self.stored.elastic -= stored[0];
-        self.stored.cohesive -= stored[1];
+        self.stored.elastic -= stored.elastic;
+        self.stored.cohesive -= stored.cohesive;
     }
 
     /// Restarts from the present stored energy of contacts, after an external change of the state.
     pub fn restart_stored(&mut self, world: &World, candidates: &Candidates, scheme: &NormalScheme) {
-        self.stored = Stored::of_all(world, candidates, scheme.law);
+        self.stored = ContactEnergy::of(world, candidates, scheme.law).stored;
     }
 
     /// Books a change of gravity from the value `before` (m/s2), after a step of length `h` (s) has moved the grains.
@@ -231,14 +231,11 @@ impl Ledger {
         });
     }
 
-    /// Books the losses in an impact of two grains outside of the solve, J.
-    pub fn lose_in_impact(&mut self, restitution: f64, friction: f64) {
+    /// Books the losses by restitution and friction in an impact of two grains outside of the solve, J; its angular momentum error, and
+    /// the part of a period between the two grains, kg m2/s.
+    pub fn book_impact(&mut self, [restitution, friction]: [f64; 2], [overlap, period]: [[f64; 3]; 2]) {
         self.entries.restitution += restitution;
         self.entries.friction += friction;
-    }
-
-    /// Books the angular momentum error of such an impact, and its part from a period between the two grains, kg m2/s.
-    pub fn turn_in_impact(&mut self, overlap: [f64; 3], period: [f64; 3]) {
         add(&mut self.entries.overlap_angular_impulse, overlap);
         add(&mut self.entries.period_angular_impulse, period);
     }
@@ -382,6 +379,9 @@ impl Simulation {
         let outside = self.interventions.booked;
         let (end, momentum_end) = (self.energy_half_a_step_earlier(), self.momentum());
         let angular_momentum_end = self.angular_momentum();
+        let closure = |[start, end]: [[f64; 3]; 2], gained: &[[f64; 3]], lost| {
+            plus(gained.iter().fold(minus(end, start), |left, entry| minus(left, *entry)), lost)
+        };
         let balance = Balance {
             start: *start,
             end,
@@ -407,15 +407,11 @@ impl Simulation {
             outside_impulse: outside.impulse,
             inflow_impulse: entries.inflow.impulse,
             outflow_impulse: entries.outflow.impulse,
-            momentum_closure: std::array::from_fn(|axis| {
-                momentum_end[axis]
-                    - momentum_start[axis]
-                    - entries.gravity_impulse[axis]
-                    - entries.wall_impulse[axis]
-                    - outside.impulse[axis]
-                    - entries.inflow.impulse[axis]
-                    + entries.outflow.impulse[axis]
-            }),
+            momentum_closure: closure(
+                [*momentum_start, momentum_end],
+                &[entries.gravity_impulse, entries.wall_impulse, outside.impulse, entries.inflow.impulse],
+                entries.outflow.impulse,
+            ),
             angular_momentum_start: *angular_momentum_start,
             angular_momentum_end,
             gravity_angular_impulse: entries.gravity_angular_impulse,
@@ -425,17 +421,18 @@ impl Simulation {
             outside_angular_impulse: outside.angular_impulse,
             inflow_angular_impulse: entries.inflow.angular_impulse,
             outflow_angular_impulse: entries.outflow.angular_impulse,
-            angular_momentum_closure: std::array::from_fn(|axis| {
-                angular_momentum_end[axis]
-                    - angular_momentum_start[axis]
-                    - entries.gravity_angular_impulse[axis]
-                    - entries.wall_angular_impulse[axis]
-                    - entries.overlap_angular_impulse[axis]
-                    - entries.period_angular_impulse[axis]
-                    - outside.angular_impulse[axis]
-                    - entries.inflow.angular_impulse[axis]
-                    + entries.outflow.angular_impulse[axis]
-            }),
+            angular_momentum_closure: closure(
+                [*angular_momentum_start, angular_momentum_end],
+                &[
+                    entries.gravity_angular_impulse,
+                    entries.wall_angular_impulse,
+                    entries.overlap_angular_impulse,
+                    entries.period_angular_impulse,
+                    outside.angular_impulse,
+                    entries.inflow.angular_impulse,
+                ],
+                entries.outflow.angular_impulse,
+            ),
         };
         Some(Balance { closure: end.total() - start.total() - balance.gained() + balance.lost(), ..balance })
     }

@@ -271,12 +271,12 @@ impl Simulation {
         let along = dot(normal, impulse);
         let Simulation { world, ledger, .. } = self;
         let Some(ledger) = ledger else { return };
-        ledger.lose_in_impact(along * dot(normal, mean), dot(minus(impulse, times(normal, along)), mean));
+        let lost = [along * dot(normal, mean), dot(minus(impulse, times(normal, along)), mean)];
         // The impulse acts at the point of impact, but is booked at the positions at the start of the step.
         let ([i, j], on_second) = (one.places, times(impulse, -1.0));
         let arm: [f64; 3] = world.arm(i, j).into();
         let spun = times(cross(normal, impulse), world.spheres[i].radius + world.spheres[j].radius);
         let apart = (world.spheres[j].centre - world.spheres[i].centre - world.arm(i, j)).into();
-        ledger.turn_in_impact(plus(spun, cross(arm, on_second)), cross(apart, on_second));
+        ledger.book_impact(lost, [plus(spun, cross(arm, on_second)), cross(apart, on_second)]);
     }
 }
