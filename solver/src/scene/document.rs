@@ -245,18 +245,11 @@ impl DocumentPath {
     /// [`Fault`].
     pub fn usual(&self, value: f64, usual: [f64; 2], possible: [f64; 2], unusual_values: bool, unit: &str) -> Checked {
         let [low, high] = if unusual_values { possible } else { usual };
-        if value.is_finite() && value >= low && value <= high {
-            return Ok(());
-        }
-        let [value, low, high, least, most] = [value, low, high, possible[0], possible[1]].map(short);
-        let remedy = match unusual_values {
-            true => format!("give a number from {low} to {high} {unit}"),
-            false => format!(
-                "give a number from {low} to {high} {unit}; if it is meant, unusual_values = true at the top of the scene accepts \
-                 {least} to {most} {unit}"
-            ),
-        };
-        Err(self.fault(format!("{value} is out of range"), &remedy))
+        let [least, most] = possible.map(short);
+        let accepted = format!(
+            "{unit}; if it is meant, unusual_values = true at the top of the scene accepts {least} to {most} {unit}"
+        );
+        self.range(value, low, high, if unusual_values { unit } else { &accepted })
     }
 
     /// Rejects a vector unless it has three components with magnitudes below 1e6, SI units.
