@@ -6,8 +6,8 @@ use super::error::{Fault, is_printable, short};
 use super::settings::{Obstacle, SettingError};
 use super::types::usual_spacing;
 use super::{
-    ContactCoefficients, GrainEntry, MOST_MEMORY, NormalLaw, Placement, Scene, Shape, SolverMethod, SolverSettings,
-    Stop, TangentialLaw, flow, gauge, motion, periodic, stages,
+    ContactCoefficients, Domain, GrainEntry, MOST_MEMORY, NormalLaw, Placement, Scene, Shape, SolverMethod,
+    SolverSettings, Stop, TangentialLaw, flow, gauge, motion, periodic, stages,
 };
 use crate::surface::FACES;
 use nalgebra::Vector3;
@@ -374,19 +374,11 @@ fn names(scene: &Scene) -> Checked {
     for name in scene.material.keys() {
         fit(&root.key("material"), "a material's name", name)?;
     }
-    let mut walls = HashMap::new();
+    own_names(&root.key("wall"), "wall", scene.wall.iter().map(|wall| &*wall.name))?;
     for (index, wall) in scene.wall.iter().enumerate() {
-        let at = root.key("wall").index(index).key("name");
-        fit(&at, "a wall's name", &wall.name)?;
-        if let Some(before) = walls.insert(&wall.name, index) {
-            let problem = format!("'{}' is the name of wall[{before}] too", wall.name);
-            return Err(at.fault(problem, "give each wall a name of its own: tables tell them apart by it"));
-        }
-        if wall.name == TAKEN && wall.motion.is_driven() {
-            let problem =
-                format!("the columns of a driven wall '{TAKEN}' would be those of the observable driven-wall");
-            return Err(at.fault(problem, "give the wall another name"));
-        }
+        let problem = || format!("the columns of a driven wall '{TAKEN}' would be those of the observable driven-wall");
+        let free = wall.name != TAKEN || !wall.motion.is_driven();
+        root.key("wall").index(index).key("name").require(free, problem, "give the wall another name")?;
     }
     let mut pairs = HashMap::new();
     for (index, rule) in scene.pair.iter().enumerate() {
@@ -398,6 +390,34 @@ fn names(scene: &Scene) -> Checked {
         }
     }
     Ok(())
+}
+
+/// Checks the names of the entries of a list, each valid and unlike those before it; `what` is such an entry.
+pub(super) fn own_names<'n>(list: &DocumentPath, what: &str, names: impl Iterator<Item = &'n str>) -> Checked {
+    let mut known = HashMap::new();
+    for (index, name) in names.enumerate() {
+        let at = list.index(index).key("name");
+        fit(&at, &format!("a {what}'s name"), name)?;
+        if let Some(before) = known.insert(name, index) {
+            let problem = format!("'{name}' is the name of {what}[{before}] too");
+            return Err(at.fault(problem, &format!("give each {what} a name of its own: tables tell them apart by it")));
+        }
+    }
+    Ok(())
+}
+
+/// Checks that a box between two corners (m) meets the domain, or lies `entirely` inside it.
+pub(super) fn in_domain(
+    scene: &Scene,
+    at: &DocumentPath,
+    (low, high): ([f64; 3], [f64; 3]),
+    entirely: bool,
+) -> Checked {
+    let Domain { min, max, .. } = scene.domain;
+    let [below, above] = if entirely { [low, high] } else { [high, low] };
+    let fits = (0..3).all(|axis| below[axis] >= min[axis] && above[axis] <= max[axis]);
+    let place = if entirely { "not inside the domain" } else { "outside the domain" };
+    at.require(fits, || format!("from {low:?} to {high:?} m, {place}"), "move it into [domain], or enlarge [domain]")
 }
 
 /// Checks that a name is printable and valid in a table and as a file name.

@@ -240,11 +240,7 @@ pub enum SceneFileError {
         source: std::io::Error,
     },
     /// The memory for the grains cannot be allocated.
-    #[error(
-        "{}: the memory for its grains is not there: {:.1} GB more were asked for; lower the count, or use a machine with more",
-        file.display(),
-        *bytes as f64 * 1e-9
-    )]
+    #[error("{}: {}", file.display(), SceneError::Memory { bytes: *bytes })]
     Memory {
         /// File name, or a substitute for a scene without a file.
         file: PathBuf,

@@ -1,6 +1,6 @@
 //! Grains that come and go during a run: sources, sinks, their regions and their checks.
 
-use super::check::{MOST_GRAINS, extent, known_material, tube};
+use super::check::{MOST_GRAINS, extent, in_domain, known_material, tube};
 use super::document::{Checked, DocumentPath};
 use super::error::short;
 use super::populate::{symmetric, uniform};
@@ -197,12 +197,7 @@ pub(super) fn check(scene: &Scene) -> Checked {
         known_stage(scene, &at, stage.as_ref())?;
         region.check(&at.key("region"))?;
         times(&at, *from, *until)?;
-        let (low, high) = region.bounds();
-        let is_apart = |axis: usize| low[axis] > scene.domain.max[axis] || high[axis] < scene.domain.min[axis];
-        if (0..3).any(is_apart) {
-            let problem = format!("from {low:?} to {high:?} m, outside the domain: no grain can enter it");
-            return Err(at.key("region").fault(problem, "move it into [domain], or enlarge [domain]"));
-        }
+        in_domain(scene, &at.key("region"), region.bounds(), false)?;
     }
     Ok(())
 }
@@ -228,12 +223,8 @@ fn check_source(scene: &Scene, at: &DocumentPath, source: &Insertion) -> Checked
             at.key("total").range(total.unwrap_or(1) as f64, 1.0, MOST_GRAINS, "grains")?;
         }
     }
-    let ((low, high), (volume, width)) = (source.region.bounds(), source.region.size());
-    let is_outside = |axis: usize| low[axis] < scene.domain.min[axis] || high[axis] > scene.domain.max[axis];
-    if (0..3).any(is_outside) {
-        let problem = format!("from {low:?} to {high:?} m, not inside the domain");
-        return Err(at.key("region").fault(problem, "move it into [domain], or enlarge [domain]"));
-    }
+    in_domain(scene, &at.key("region"), source.region.bounds(), true)?;
+    let (volume, width) = source.region.size();
     let largest = 2.0 * source.radius.bounds().1;
     if width < largest {
         let (width, largest) = (short(width), short(largest));

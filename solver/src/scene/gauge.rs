@@ -1,7 +1,7 @@
 //! Gauges: surfaces in space that count the grains that pass.
 
 use super::document::{Checked, DocumentPath};
-use super::{Scene, Shape};
+use super::{Scene, Shape, check};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -37,25 +37,18 @@ impl Gauge {
 
 /// Checks the gauges.
 pub(super) fn check(scene: &Scene) -> Checked {
+    let list = DocumentPath::default().key("gauge");
+    check::own_names(&list, "gauge", scene.gauge.iter().map(|gauge| &*gauge.name))?;
     for (index, gauge) in scene.gauge.iter().enumerate() {
-        let Gauge { name, shape } = gauge;
-        let root = DocumentPath::default().key("gauge").index(index);
-        super::check::fit(&root.key("name"), "a gauge's name", name)?;
-        if let Some(before) = scene.gauge[..index].iter().position(|gauge| gauge.name == *name) {
-            let problem = format!("'{name}' is the name of gauge[{before}] too");
-            return Err(root.key("name").fault(problem, "give each gauge a name of its own"));
-        }
-        let at = root.key("shape");
+        let shape = &gauge.shape;
+        let at = list.index(index).key("shape");
         if gauge.place().is_none() {
             let problem = format!("a {} that is no gauge", shape.kind());
             return Err(at.fault(problem, "give a rectangle, or a disc without a hole"));
         }
-        super::check::shape(&at, shape)?;
-        let ((low, high), domain, period) = (shape.bounds()[0], &scene.domain, scene.domain.period());
-        if (0..3).any(|axis| low[axis] > domain.max[axis] || high[axis] < domain.min[axis]) {
-            let problem = format!("from {low:?} to {high:?} m, outside the domain");
-            return Err(at.fault(problem, "move it into [domain], or enlarge [domain]"));
-        }
+        check::shape(&at, shape)?;
+        let ((low, high), period) = (shape.bounds()[0], scene.domain.period());
+        check::in_domain(scene, &at, (low, high), false)?;
         let width = |axis: usize| high[axis] - low[axis];
         let wide = |&axis: &usize| period.is_periodic(axis) && width(axis) > period.length(axis) * (1.0 + 1e-9);
         if let Some(axis) = (0..3).find(wide) {

@@ -81,21 +81,14 @@ fn breaks(wall: &Wall, course: &Motion, axis: Axis, ends: [f64; 2]) -> Option<&'
 
 /// Returns the reason why a motion ends the periodicity of a shape along an axis, to which `parallel` compares directions.
 fn turns_wrongly(motion: &Motion, shape: &Shape, parallel: &impl Fn(&[f64; 3]) -> bool) -> Option<&'static str> {
-    match (motion, shape) {
-        (Motion::Table { content, .. }, _) => content.turns().then_some("a table turns it"),
-        (
-            Motion::Rotating { axis: turning, .. } | Motion::TorqueDriven { axis: turning, .. },
-            Shape::Plane { normal, .. },
-        ) => {
-            let own = Vector3::from(*normal).cross(&Vector3::from(*turning)).norm() < PARALLEL;
-            (!own && !parallel(turning)).then_some("it turns about another axis")
-        }
-        (Motion::Rotating { .. } | Motion::TorqueDriven { .. }, Shape::Spheres { .. }) => {
-            Some("spheres that turn about an axis")
-        }
-        (Motion::Rotating { axis: turning, .. } | Motion::TorqueDriven { axis: turning, .. }, _) => {
-            (!parallel(turning)).then_some("it turns about another axis")
-        }
-        _ => None,
+    if let Motion::Table { content, .. } = motion {
+        return content.turns().then_some("a table turns it");
     }
+    let (_, turning) = motion.axis()?;
+    let is_own = match shape {
+        Shape::Spheres { .. } => return Some("spheres that turn about an axis"),
+        Shape::Plane { normal, .. } => Vector3::from(*normal).cross(&Vector3::from(turning)).norm() < PARALLEL,
+        _ => false,
+    };
+    (!is_own && !parallel(&turning)).then_some("it turns about another axis")
 }

@@ -5,11 +5,9 @@
 
 use super::document::{Checked, DocumentPath};
 use super::error::Fault;
-use super::{
-    Cohesion, GrainEntry, Insertion, Motion, Precision, Scene, SolverMethod, SolverSettings, Stop, Wall, check, motion,
-};
+use super::{Cohesion, GrainEntry, Insertion, Motion, Precision, Scene, SolverMethod, Stop, Wall, check, motion};
 use serde::{Deserialize, Serialize};
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 use toml::Value;
 
 /// Stage of a process: its end, and the settings that it changes.
@@ -110,15 +108,6 @@ impl Stage {
     }
 }
 
-impl StageSolver {
-    fn apply(&self, settings: &mut SolverSettings) {
-        settings.step = self.step.unwrap_or(settings.step);
-        settings.stop = self.stop.unwrap_or(settings.stop);
-        settings.method = self.method.unwrap_or(settings.method);
-        settings.precision = self.precision.unwrap_or(settings.precision);
-    }
-}
-
 impl Scene {
     /// Returns the scene of one stage, without stages: its gravity, materials, solver settings, and the last motion of each wall.
     /// `starts` are the times (s) at which this stage and those before it have begun; a source or sink of a stage acts in it alone.
@@ -145,7 +134,11 @@ impl Scene {
             let given = self.stage[..=number].iter().rev().find_map(|stage| stage.motion.get(&wall.name));
             wall.motion = given.unwrap_or(&wall.motion).clone();
         }
-        stage.solver.apply(&mut scene.solver);
+        let (own, solver) = (&stage.solver, &mut scene.solver);
+        solver.step = own.step.unwrap_or(solver.step);
+        solver.stop = own.stop.unwrap_or(solver.stop);
+        solver.method = own.method.unwrap_or(solver.method);
+        solver.precision = own.precision.unwrap_or(solver.precision);
         let start = starts.get(number).copied().unwrap_or_default();
         let sources = scene.insert.iter_mut().map(|source| (&mut source.stage, &mut source.from, &mut source.until));
         let sinks = scene.remove.iter_mut().map(|sink| (&mut sink.stage, &mut sink.from, &mut sink.until));
@@ -202,14 +195,9 @@ impl Scene {
 /// Checks the stages.
 pub(super) fn check(scene: &Scene) -> Checked {
     let root = DocumentPath::default();
-    let mut names = HashMap::new();
+    check::own_names(&root.key("stage"), "stage", scene.stage.iter().map(|stage| &*stage.name))?;
     for (number, (stage, own)) in scene.stage.iter().zip(scene.stage_scenes()).enumerate() {
         let at = root.key("stage").index(number);
-        check::fit(&at.key("name"), "a stage's name", &stage.name)?;
-        if let Some(before) = names.insert(&stage.name, number) {
-            let problem = format!("'{}' is the name of stage[{before}] too", stage.name);
-            return Err(at.key("name").fault(problem, "give each stage a name of its own"));
-        }
         end(scene, &at, stage)?;
         stage
             .material
