@@ -268,12 +268,11 @@ unsafe fn transposed_halves(rows: [__m256; 4]) -> [__m256; 4] {
 unsafe fn four_octets(base: *const Octet, indices: &[u32; SINGLE_LANES], lane: usize) -> [__m256; 4] {
     // SAFETY: guaranteed by the caller; octets are aligned to 32 bytes.
     unsafe {
-        transposed_halves([
-            _mm256_load_ps(base.add(indices[lane] as usize).cast()),
-            _mm256_load_ps(base.add(indices[lane + 1] as usize).cast()),
-            _mm256_load_ps(base.add(indices[lane + 2] as usize).cast()),
-            _mm256_load_ps(base.add(indices[lane + 3] as usize).cast()),
-        ])
+        let mut rows = [_mm256_setzero_ps(); 4];
+        for row in 0..4 {
+            rows[row] = _mm256_load_ps(base.add(indices[lane + row] as usize).cast());
+        }
+        transposed_halves(rows)
     }
 }
 
@@ -285,11 +284,10 @@ unsafe fn four_octets(base: *const Octet, indices: &[u32; SINGLE_LANES], lane: u
 unsafe fn put_four_octets(base: *mut Octet, indices: &[u32; SINGLE_LANES], lane: usize, four: [__m256; 4]) {
     // SAFETY: guaranteed by the caller; octets are aligned to 32 bytes.
     unsafe {
-        let [a, b, c, d] = transposed_halves(four);
-        _mm256_store_ps(base.add(indices[lane] as usize).cast(), a);
-        _mm256_store_ps(base.add(indices[lane + 1] as usize).cast(), b);
-        _mm256_store_ps(base.add(indices[lane + 2] as usize).cast(), c);
-        _mm256_store_ps(base.add(indices[lane + 3] as usize).cast(), d);
+        let rows = transposed_halves(four);
+        for row in 0..4 {
+            _mm256_store_ps(base.add(indices[lane + row] as usize).cast(), rows[row]);
+        }
     }
 }
 
