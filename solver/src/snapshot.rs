@@ -16,12 +16,14 @@
 //! ```
 
 use crate::Simulation;
+use crate::detect::WallCandidate;
 use crate::effects::drive::Drive;
 use crate::effects::spring::SpringLanes;
 use crate::groups::ContactLanes;
 use crate::lanes::Eight;
 pub use crate::simulation::flow::Passed;
 pub use crate::simulation::gauge::Passages;
+use crate::simulation::ledger::WallContact;
 pub use crate::simulation::stages::PresentStage;
 use crate::simulation::swept::Struck;
 pub use crate::simulation::wall_record::{FaceWear, WallLoad};
@@ -141,8 +143,10 @@ impl Simulation {
             }
         };
         let particles = self.places_by_id().into_iter().enumerate().map(particle).collect();
-        let laid_out = self.pair_contacts().chain(self.wall_contacts()).filter(|contact| contact.normal_force != 0.0);
-        let contacts = laid_out.chain(self.strikes());
+        let mut contacts: Vec<Contact> = self.pair_contacts().collect();
+        self.for_each_wall_contact(|one| contacts.push(self.wall_contact(one)));
+        contacts.retain(|contact| contact.normal_force != 0.0);
+        contacts.extend(self.strikes());
         let driven = world.drives.iter().map(|drive| {
             let Drive { wall, displacement, rate, .. } = *drive;
             DrivenWall { wall, displacement, rate }
@@ -150,7 +154,7 @@ impl Simulation {
         Snapshot {
             time: world.time,
             particles,
-            contacts: contacts.collect(),
+            contacts,
             driven_walls: driven.collect(),
             origins: self.origins(),
             passed: self.passed(),
@@ -184,26 +188,23 @@ impl Simulation {
                 let (i, j) = (group.first[lane] as usize, group.second[lane] as usize);
                 let along = world.pair_geometry(i, j).point;
                 let point = world.spheres[i].centre + Vector3::from(group.contacts.normal(lane)) * along;
-                self.contact(world.ids[i], Partner::Grain(world.ids[j]), point, (&group.contacts, pulls), lane)
+                self.contact(
+                    world.ids[i],
+                    Partner::Grain(world.ids[j]),
+                    point,
+                    (&group.contacts, pulls.map_or(0.0, |pulls| pulls.0[lane])),
+                    lane,
+                )
             })
         })
     }
 
-    fn wall_contacts(&self) -> impl Iterator<Item = Contact> + '_ {
-        let world = &self.world;
-        let groups = self.layout.tasks().flat_map(|(_, task)| {
-            let numbered = task.walls.iter().zip(&task.wall_sources).enumerate();
-            numbered.map(|(number, (group, sources))| (group, sources, task.wall_pulls.get(number)))
-        });
-        groups.flat_map(move |(group, sources, pulls)| {
-            sources.occupied().map(move |(lane, source)| {
-                let grain = group.body[lane] as usize;
-                let wall = world.walls.wall_of(self.candidates.walls[source].surface);
-                let sphere = &world.spheres[grain];
-                let point = sphere.centre + Vector3::from(group.contacts.normal(lane)) * sphere.radius;
-                self.contact(world.ids[grain], Partner::Wall(wall), point, (&group.contacts, pulls), lane)
-            })
-        })
+    fn wall_contact(&self, one: &WallContact<'_>) -> Contact {
+        let (world, WallCandidate { body, surface }) = (&self.world, one.candidate);
+        let (contacts, sphere) = (&one.group.contacts, &world.spheres[body as usize]);
+        let point = sphere.centre + Vector3::from(contacts.normal(one.lane)) * sphere.radius;
+        let wall = Partner::Wall(world.walls.wall_of(surface));
+        self.contact(world.ids[body as usize], wall, point, (contacts, one.pull), one.lane)
     }
 
     /// Impacts outside of the solve of the last step.
@@ -230,11 +231,10 @@ impl Simulation {
         first: u32,
         second: Partner,
         point: Vector3<f64>,
-        (lanes, pulls): (&ContactLanes<Eight, SpringLanes>, Option<&Eight>),
+        (lanes, pull): (&ContactLanes<Eight, SpringLanes>, f64),
         lane: usize,
     ) -> Contact {
         let h = self.settings.step;
-        let pull = pulls.map_or(0.0, |pulls| pulls.0[lane]);
         Contact {
             first,
             second,
