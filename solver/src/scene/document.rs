@@ -42,11 +42,12 @@ impl<'t> Document<'t> {
         Document { reader, ..self }
     }
 
-    /// Returns the path of a file that the text names, and its content.
-    pub(super) fn file(&self, name: &str) -> (PathBuf, std::io::Result<Vec<u8>>) {
+    /// Returns the path of a file of a kind that the text names at a path, and its content.
+    pub(super) fn file(&self, name: &str, kind: &str, at: &DocumentPath) -> Result<(String, Vec<u8>), Fault> {
         let path = self.folder.join(name);
-        let content = (self.reader)(&path);
-        (path, content)
+        let remedy = || format!("give the path of {kind} file, relative to the folder of the scene");
+        let refuse = |error| at.fault(format!("'{}' cannot be read: {error}", path.display()), &remedy());
+        Ok((path.display().to_string(), (self.reader)(&path).map_err(refuse)?))
     }
 
     /// Reads all tables into a type.
@@ -218,9 +219,14 @@ impl DocumentPath {
         Fault::new(self.clone(), format!("{self}: {problem}"), remedy)
     }
 
+    /// Rejects a value with a problem.
+    pub(super) fn refuse(&self, problem: Option<String>, remedy: &str) -> Checked {
+        problem.map_or(Ok(()), |problem| Err(self.fault(problem, remedy)))
+    }
+
     /// Rejects a value that breaks a rule.
     pub(super) fn require(&self, holds: bool, problem: impl FnOnce() -> String, remedy: &str) -> Checked {
-        if holds { Ok(()) } else { Err(self.fault(problem(), remedy)) }
+        self.refuse((!holds).then(problem), remedy)
     }
 
     /// Rejects a number outside a range. The remedy names `unit`.
@@ -228,14 +234,11 @@ impl DocumentPath {
     /// # Errors
     /// [`Fault`].
     pub fn range(&self, value: f64, low: f64, high: f64, unit: &str) -> Checked {
-        match value.is_finite() && value >= low && value <= high {
-            true => Ok(()),
-            false => {
-                let [value, low, high] = [value, low, high].map(short);
-                Err(self
-                    .fault(format!("{value} is out of range"), &format!("give a number from {low} to {high} {unit}")))
-            }
+        if value.is_finite() && value >= low && value <= high {
+            return Ok(());
         }
+        let [value, low, high] = [value, low, high].map(short);
+        Err(self.fault(format!("{value} is out of range"), &format!("give a number from {low} to {high} {unit}")))
     }
 
     /// Rejects a number outside the usual range or, if the scene accepts unusual values, outside the range of valid

@@ -185,12 +185,9 @@ pub(super) fn check(scene: &Scene) -> Checked {
         known_stage(scene, &at, source.stage.as_ref())?;
         check_source(scene, &at, source)?;
         count += scene.expected(source);
-        if count > MOST_GRAINS {
-            let problem = format!("{} grains by the end of the run, with those before them", short(count.round()));
-            return Err(
-                at.fault(problem, &format!("lower the rate, or give a total, for at most {MOST_GRAINS:e} grains"))
-            );
-        }
+        let problem = || format!("{} grains by the end of the run, with those before them", short(count.round()));
+        let remedy = format!("lower the rate, or give a total, for at most {MOST_GRAINS:e} grains");
+        at.require(count <= MOST_GRAINS, problem, &remedy)?;
     }
     for (index, Removal { region, stage, from, until }) in scene.remove.iter().enumerate() {
         let at = root.key("remove").index(index);
@@ -226,11 +223,9 @@ fn check_source(scene: &Scene, at: &DocumentPath, source: &Insertion) -> Checked
     in_domain(scene, &at.key("region"), source.region.bounds(), true)?;
     let (volume, width) = source.region.size();
     let largest = 2.0 * source.radius.bounds().1;
-    if width < largest {
-        let (width, largest) = (short(width), short(largest));
-        let problem = format!("{width} m wide, and the largest grains have a diameter of {largest} m");
-        return Err(at.key("region").fault(problem, "enlarge it, or lower the radius: grains lie entirely inside"));
-    }
+    let problem = || format!("{} m wide, and the largest grains have a diameter of {} m", short(width), short(largest));
+    let remedy = "enlarge it, or lower the radius: grains lie entirely inside";
+    at.key("region").require(width >= largest, problem, remedy)?;
     rate_can_be_met(scene, at, source, volume, width)
 }
 
@@ -251,18 +246,13 @@ fn rate_can_be_met(scene: &Scene, at: &DocumentPath, source: &Insertion, volume:
         .elapsed(scene.longest_of(source))
         .min(source.total.map_or(f64::INFINITY, |total| total as f64 * least / solid));
     let most = FULL * volume / stay.min(active);
-    if solid > most {
-        let problem = format!(
-            "{} cannot be met: new grains would fill more than {FULL} of the region before they leave it",
-            short(given)
-        );
-        let remedy = format!(
-            "lower it to at most {}, enlarge the region, or raise velocity",
-            short((given * most / solid * 1e3).floor() * 1e-3)
-        );
-        return Err(at.key(key).fault(problem, &remedy));
-    }
-    Ok(())
+    let problem = || {
+        let given = short(given);
+        format!("{given} cannot be met: new grains would fill more than {FULL} of the region before they leave it")
+    };
+    let possible = short((given * most / solid * 1e3).floor() * 1e-3);
+    let remedy = format!("lower it to at most {possible}, enlarge the region, or raise velocity");
+    at.key(key).require(solid <= most, problem, &remedy)
 }
 
 fn times(at: &DocumentPath, from: f64, until: Option<f64>) -> Checked {

@@ -42,19 +42,16 @@ pub(super) fn check(scene: &Scene) -> Checked {
     for (index, gauge) in scene.gauge.iter().enumerate() {
         let shape = &gauge.shape;
         let at = list.index(index).key("shape");
-        if gauge.place().is_none() {
-            let problem = format!("a {} that is no gauge", shape.kind());
-            return Err(at.fault(problem, "give a rectangle, or a disc without a hole"));
-        }
+        let problem = || format!("a {} that is no gauge", shape.kind());
+        at.require(gauge.place().is_some(), problem, "give a rectangle, or a disc without a hole")?;
         check::shape(&at, shape)?;
         let ((low, high), period) = (shape.bounds()[0], scene.domain.period());
         check::in_domain(scene, &at, (low, high), false)?;
         let width = |axis: usize| high[axis] - low[axis];
         let wide = |&axis: &usize| period.is_periodic(axis) && width(axis) > period.length(axis) * (1.0 + 1e-9);
-        if let Some(axis) = (0..3).find(wide) {
-            let problem = format!("{} m wide along a periodic axis of {} m", width(axis), period.length(axis));
-            return Err(at.fault(problem, "end it within one period, or a grain would pass it twice at once"));
-        }
+        let words = |axis| format!("{} m wide along a periodic axis of {} m", width(axis), period.length(axis));
+        let remedy = "end it within one period, or a grain would pass it twice at once";
+        at.refuse((0..3).find(wide).map(words), remedy)?;
     }
     Ok(())
 }

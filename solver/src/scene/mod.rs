@@ -250,15 +250,11 @@ impl Scene {
             wall.motion.read_tables(&DocumentPath::default().key("wall").index(index).key("motion"), document)?;
             let Shape::Mesh { file, content, .. } = &mut wall.shape else { continue };
             if content.is_empty() {
-                let at = || DocumentPath::default().key("wall").index(index).key("shape").key("file");
-                let (path, bytes) = document.file(file);
-                let bytes = bytes.map_err(|error| {
-                    let remedy = "give the path of an STL or OBJ file, relative to the folder of the scene";
-                    at().fault(format!("'{}' cannot be read: {error}", path.display()), remedy)
-                })?;
+                let at = DocumentPath::default().key("wall").index(index).key("shape").key("file");
+                let (path, bytes) = document.file(file, "an STL or OBJ", &at)?;
                 *content = TriangleMesh::read(&bytes).map_err(|problem| {
                     let (problem, remedy) = problem.split_once("; ").unwrap_or((&problem, "export it again"));
-                    at().fault(format!("'{}' {problem}", path.display()), remedy)
+                    at.fault(format!("'{path}' {problem}"), remedy)
                 })?;
             }
         }

@@ -20,21 +20,21 @@ pub(super) fn check(scene: &Scene) -> Checked {
     for axis in &domain.periodic {
         let (length, number) = (domain.max[axis.number()] - domain.min[axis.number()], axis.number());
         let least = REACHES * (largest * (2.0 + scene.solver.skin) + range_of_cohesion(scene, largest));
-        if length < least {
-            let (length, least) = (short(length), short(least));
-            let problem = format!("{length} m along {} are too short a period for grains of this size", axis.name());
-            return Err(at.key("max").fault(problem, &format!("make the domain at least {least} m long there")));
-        }
+        let problem = || {
+            let (length, axis) = (short(length), axis.name());
+            format!("{length} m along {axis} are too short a period for grains of this size")
+        };
+        at.key("max").require(
+            length >= least,
+            problem,
+            &format!("make the domain at least {} m long there", short(least)),
+        )?;
         for (index, wall) in scene.wall.iter().enumerate() {
-            if let Some(why) = breaks(wall, &scene.course(index), *axis, [domain.min[number], domain.max[number]]) {
-                let at = DocumentPath::default().key("wall").index(index);
-                let problem = format!(
-                    "wall '{}' does not repeat itself along the periodic axis {}: {why}",
-                    wall.name,
-                    axis.name()
-                );
-                return Err(at.fault(problem, "change the wall, or take the axis out of domain.periodic"));
-            }
+            let why = breaks(wall, &scene.course(index), *axis, [domain.min[number], domain.max[number]]);
+            let (name, axis) = (&wall.name, axis.name());
+            let words = |why| format!("wall '{name}' does not repeat itself along the periodic axis {axis}: {why}");
+            let at = DocumentPath::default().key("wall").index(index);
+            at.refuse(why.map(words), "change the wall, or take the axis out of domain.periodic")?;
         }
     }
     Ok(())

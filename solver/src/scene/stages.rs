@@ -232,11 +232,8 @@ fn end(scene: &Scene, at: &DocumentPath, stage: &Stage) -> Checked {
         return refuse("until", "given in addition to duration", "leave one out, and give at_most with until");
     }
     if stage.at_most.is_none() {
-        return refuse(
-            "at_most",
-            "missing where until is given",
-            "give the time (s) after which a run ends with an error",
-        );
+        let remedy = "give the time (s) after which a run ends with an error";
+        return refuse("at_most", "missing where until is given", remedy);
     }
     let (key, acts) = (at.key("until"), |of: &Option<String>| of.as_ref().is_none_or(|of| *of == stage.name));
     match until {
@@ -244,19 +241,14 @@ fn end(scene: &Scene, at: &DocumentPath, stage: &Stage) -> Checked {
             let at = key.key("kinetic_energy");
             at.range(*bound, 1e-30, 1e6, "J per grain")?;
             let endless = |source: &Insertion| acts(&source.stage) && source.total.is_none() && source.until.is_none();
-            if let Some(index) = scene.insert.iter().position(endless) {
-                let problem = format!("never ends the stage: insert[{index}] gives grains without an end");
-                return Err(at.fault(problem, "give the source a total or until"));
-            }
+            let words = |index| format!("never ends the stage: insert[{index}] gives grains without an end");
+            at.refuse(scene.insert.iter().position(endless).map(words), "give the source a total or until")?;
             let rests = scene.grain.iter().all(|grain: &GrainEntry| grain.velocity == [0.0; 3])
                 && scene.population.iter().all(|group| group.agitation == 0.0);
-            match rests && stage.at_least == 0.0 && scene.grain_count() > 0 && scene.stage.first() == Some(stage) {
-                true => Err(at.fault(
-                    "holds at the start, where all grains are at rest".into(),
-                    "give at_least, such as the time (s) in which the grains fall to their bed",
-                )),
-                false => Ok(()),
-            }
+            let is_first = scene.grain_count() > 0 && scene.stage.first() == Some(stage);
+            let problem = || "holds at the start, where all grains are at rest".into();
+            let remedy = "give at_least, such as the time (s) in which the grains fall to their bed";
+            at.require(!(rests && is_first && stage.at_least == 0.0), problem, remedy)
         }
         StageEnd::WallForce { wall, force } => {
             let at = key.key("wall_force");
@@ -272,10 +264,8 @@ fn end(scene: &Scene, at: &DocumentPath, stage: &Stage) -> Checked {
 
 fn known_wall(scene: &Scene, at: &DocumentPath, name: &str) -> Checked {
     let names: Vec<&str> = scene.wall.iter().map(|wall| wall.name.as_str()).collect();
-    match names.contains(&name) {
-        true => Ok(()),
-        false => Err(at.fault(format!("there is no wall '{name}'"), &format!("name one of: {}", names.join(", ")))),
-    }
+    let remedy = format!("name one of: {}", names.join(", "));
+    at.require(names.contains(&name), || format!("there is no wall '{name}'"), &remedy)
 }
 
 /// Checks the stage that a source or a sink names.
