@@ -44,7 +44,7 @@ pub static DRIVEN_WALLS: Effect = Effect {
 };
 
 /// Dynamic wall: its drive and its motion.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Drive {
     /// Index of the wall in the scene.
     pub wall: u32,
@@ -83,22 +83,8 @@ impl Drive {
         largest_speed: Option<f64>,
         start: f64,
     ) -> Drive {
-        let [displacement, rate, rate_before, unlimited, inverse_inertia] = [0.0; 5];
         let largest_speed = largest_speed.unwrap_or(f64::INFINITY);
-        Drive {
-            wall,
-            axis,
-            pivot,
-            effort,
-            inertia,
-            largest_speed,
-            start,
-            displacement,
-            rate,
-            rate_before,
-            unlimited,
-            inverse_inertia,
-        }
+        Drive { wall, axis, pivot, effort, inertia, largest_speed, start, ..Drive::default() }
     }
 
     /// Begins a step of length `h` (s) at `time` (s) under the force or torque and gravity (m/s2).

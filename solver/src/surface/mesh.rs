@@ -172,20 +172,13 @@ impl<'de> Deserialize<'de> for TriangleMesh {
 }
 
 fn decode(bytes: &[u8]) -> Option<TriangleMesh> {
+    let words = |bytes: &[u8]| bytes.as_chunks().0.iter().map(|four| u32::from_le_bytes(*four)).collect::<Vec<u32>>();
     let (head, rest) = bytes.split_at_checked(12)?;
-    let mut numbers = head.chunks_exact(4).map(|four| u32::from_le_bytes(four.try_into().expect("four bytes")));
-    let [flat, repeated, points] = [numbers.next()?, numbers.next()?, numbers.next()?];
+    let [flat, repeated, points] = words(head)[..] else { return None };
     let (coordinates, corners) = rest.split_at_checked((points as usize).checked_mul(24)?)?;
-    let coordinate = |eight: &[u8]| f64::from_le_bytes(eight.try_into().expect("eight bytes"));
-    let point = |bytes: &[u8]| [coordinate(&bytes[..8]), coordinate(&bytes[8..16]), coordinate(&bytes[16..24])];
-    let corner = |four: &[u8]| u32::from_le_bytes(four.try_into().expect("four bytes"));
-    let triangle = |bytes: &[u8]| [corner(&bytes[..4]), corner(&bytes[4..8]), corner(&bytes[8..12])];
-    let mesh = TriangleMesh {
-        points: coordinates.chunks_exact(24).map(point).collect(),
-        triangles: corners.chunks_exact(12).map(triangle).collect(),
-        flat,
-        repeated,
-    };
+    let coordinates: Vec<f64> = coordinates.as_chunks().0.iter().map(|eight| f64::from_le_bytes(*eight)).collect();
+    let (welded, triangles) = (coordinates.as_chunks().0.into(), words(corners).as_chunks().0.into());
+    let mesh = TriangleMesh { points: welded, triangles, flat, repeated };
     let valid = corners.len().is_multiple_of(12)
         && mesh.points.iter().flatten().all(|x| x.abs() < 1e30)
         && mesh.triangles.iter().flatten().all(|&corner| corner < points)

@@ -126,7 +126,7 @@ impl Displacement {
 
     pub(super) fn rigid(&self) -> Rigid {
         match self {
-            Displacement::Nowhere => Rigid::by(Vector::zeros()),
+            Displacement::Nowhere => Rigid::default(),
             Displacement::By(shift) => Rigid::by(*shift),
             Displacement::About(centre, rotation) => Rigid::about(*centre, rotation.vector()),
             Displacement::Rigid(rotation, shift) => {
