@@ -259,39 +259,21 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// Simulated time, s.
-    pub fn time(&self) -> f64 {
-        self.time
-    }
-
-    /// Number of grains.
-    pub fn grains(&self) -> usize {
-        self.radii.len()
-    }
-
-    /// Centres, m, wrapped along periodic axes.
-    pub fn positions(&self) -> &[[f64; 3]] {
-        &self.positions
-    }
-
-    /// Velocities, m/s.
-    pub fn velocities(&self) -> &[[f64; 3]] {
-        &self.velocities
-    }
-
-    /// Angular velocities, rad/s.
-    pub fn spins(&self) -> &[[f64; 3]] {
-        &self.spins
-    }
-
-    /// Radii, m.
-    pub fn radii(&self) -> &[f64] {
-        &self.radii
-    }
-
-    /// Contacts of the last step with a force, with grains and walls.
-    pub fn contacts(&self) -> &[Contact] {
-        &self.contacts
+    crate::getters! {
+        /// Simulated time, s.
+        pub time: f64 = |frame| frame.time;
+        /// Number of grains.
+        pub grains: usize = |frame| frame.radii.len();
+        /// Centres, m, wrapped along periodic axes.
+        pub positions: &[[f64; 3]] = |frame| &frame.positions;
+        /// Velocities, m/s.
+        pub velocities: &[[f64; 3]] = |frame| &frame.velocities;
+        /// Angular velocities, rad/s.
+        pub spins: &[[f64; 3]] = |frame| &frame.spins;
+        /// Radii, m.
+        pub radii: &[f64] = |frame| &frame.radii;
+        /// Contacts of the last step with a force, with grains and walls.
+        pub contacts: &[Contact] = |frame| &frame.contacts;
     }
 
     /// Mean number of contacts per grain: a contact of two grains counts for both, a contact with a wall for its grain; 0 without grains.

@@ -158,19 +158,13 @@ impl Swept {
 }
 
 impl Simulation {
-    /// Returns the number of impacts of the last step that were resolved on the paths of grains, after the solve.
-    pub fn impacts_on_paths(&self) -> usize {
-        self.swept.strikes.len()
-    }
-
-    /// Returns the first grain that crossed a wall, if any: later results are invalid.
-    pub fn crossing(&self) -> Option<Crossing> {
-        self.swept.crossing
-    }
-
-    /// Returns the first two grains that may have passed through each other, if any: later results are invalid.
-    pub fn passage(&self) -> Option<Passage> {
-        self.swept.passage
+    crate::getters! {
+        /// Returns the number of impacts of the last step that were resolved on the paths of grains, after the solve.
+        pub impacts_on_paths: usize = |simulation| simulation.swept.strikes.len();
+        /// Returns the first grain that crossed a wall, if any: later results are invalid.
+        pub crossing: Option<Crossing> = |simulation| simulation.swept.crossing;
+        /// Returns the first two grains that may have passed through each other, if any: later results are invalid.
+        pub passage: Option<Passage> = |simulation| simulation.swept.passage;
     }
 
     /// Returns true if some grain may be too fast for the next step, so that it may collide with a wall outside the list.
