@@ -383,11 +383,8 @@ fn run_avx2<K: Kernel>(kernel: K) -> K::Output {
     kernel.run::<avx2::Avx2>()
 }
 
-/// Truth value of a scalar.
-pub type Truth = bool;
-
 number!(
-    f64, Truth, |a, b, mask|
+    f64, bool, |a, b, mask|
     splat: a, sqrt: f64::sqrt(a), abs: f64::abs(a), larger: if a > b { a } else { b }, smaller: if a < b { a } else { b },
     below: a < b, at_most: a <= b, select: if mask { a } else { b }, all: mask
 );

@@ -336,9 +336,6 @@ impl Coefficient {
     }
 
     /// Checks the value of a table against its range; `ceiling` returns the additional upper bound.
-    ///
-    /// # Errors
-    /// [`Fault`](super::Fault).
     pub(crate) fn check(&self, table: &DocumentPath, value: Option<f64>, ceiling: impl Fn(&Ceiling) -> f64) -> Checked {
         let ([least, most], Some(value)) = (self.range, value) else { return Ok(()) };
         let place = self.place(table);

@@ -139,7 +139,7 @@ fn too_long(path: &DocumentPath, listed: usize, read: usize) -> Fault {
     Fault::new(path.index(read), problem, format!("give {read} values"))
 }
 
-/// Result of a check.
+/// Result of a check: the fault of a value that breaks a rule.
 pub type Checked = Result<(), Fault>;
 
 /// Path in the document, extended at each level of a check.
@@ -230,9 +230,6 @@ impl DocumentPath {
     }
 
     /// Rejects a number outside a range. The remedy names `unit`.
-    ///
-    /// # Errors
-    /// [`Fault`].
     pub fn range(&self, value: f64, low: f64, high: f64, unit: &str) -> Checked {
         if value.is_finite() && value >= low && value <= high {
             return Ok(());
@@ -243,9 +240,6 @@ impl DocumentPath {
 
     /// Rejects a number outside the usual range or, if the scene accepts unusual values, outside the range of valid
     /// computations. The remedy names `unit`.
-    ///
-    /// # Errors
-    /// [`Fault`].
     pub fn usual(&self, value: f64, usual: [f64; 2], possible: [f64; 2], unusual_values: bool, unit: &str) -> Checked {
         let [low, high] = if unusual_values { possible } else { usual };
         let [least, most] = possible.map(short);
@@ -256,18 +250,12 @@ impl DocumentPath {
     }
 
     /// Rejects a vector unless it has three components with magnitudes below 1e6, SI units.
-    ///
-    /// # Errors
-    /// [`Fault`].
     pub fn finite(&self, vector: &[f64; 3]) -> Checked {
         let usable = vector.iter().all(|x| x.is_finite() && x.abs() < 1e6);
         self.require(usable, || format!("{vector:?} is not usable"), "give three finite SI numbers below 1e6")
     }
 
     /// Rejects a zero vector.
-    ///
-    /// # Errors
-    /// [`Fault`].
     pub fn direction(&self, vector: &[f64; 3]) -> Checked {
         self.finite(vector)?;
         let square: f64 = vector.iter().map(|x| x * x).sum();

@@ -80,10 +80,8 @@ pub(crate) struct Counts {
 impl Counts {
     /// Returns true if the counts are possible.
     pub fn are_sound(&self) -> bool {
-        self.inserted
-            .iter()
-            .chain(&self.removed)
-            .all(|passed| (0.0..1e30).contains(&passed.mass) && passed.grains < 1 << 53)
+        let mut passed = self.inserted.iter().chain(&self.removed);
+        passed.all(|passed| (0.0..1e30).contains(&passed.mass) && passed.grains < 1 << 53)
             && self.tries.iter().all(|&tries| tries < 1 << 53)
     }
 }
@@ -197,12 +195,8 @@ impl Flow {
     /// Returns the sinks that act at a time (s), with their numbers.
     fn sinks(&self, time: f64) -> impl Iterator<Item = (usize, &Region)> {
         let acts = move |sink: &Removal| time >= sink.from && sink.until.is_none_or(|until| time <= until);
-        self.scene
-            .remove
-            .iter()
-            .enumerate()
-            .filter(move |(_, sink)| acts(sink))
-            .map(|(index, sink)| (index, &sink.region))
+        let sinks = self.scene.remove.iter().enumerate().filter(move |(_, sink)| acts(sink));
+        sinks.map(|(index, sink)| (index, &sink.region))
     }
 }
 

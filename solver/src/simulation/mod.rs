@@ -3,12 +3,11 @@
 //! ```text
 //! step.rs         the time step: detect, constrain, solve, move
 //! swept/          contacts of grains that would cross a wall or another grain within a step
-//! interrupted.rs  abandoned steps
 //! intervention/   actions of the caller between steps: forces, written states, inserted and removed grains, kinematic walls
 //! flow.rs         grains that come and go by the scene
 //! stages.rs       stages of a process
 //! gauge.rs        grains that pass surfaces in space
-//! settings.rs     threads, instruction set, precision, method, stop
+//! settings.rs     threads, instruction set, precision, method, stop; interrupts
 //! energy.rs       mechanical energy of a state
 //! ledger/         sources and sinks of energy and momentum
 //! wall_record.rs  loads and wear of walls

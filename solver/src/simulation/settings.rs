@@ -89,9 +89,7 @@ impl Simulation {
         self.team = Team::new(scheduler, threads).map_err(refused)?;
         Ok(())
     }
-}
 
-impl Simulation {
     /// Returns a handle that stops a step of this simulation, and of its clones, from another thread: see
     /// [`interrupt`](crate::interrupt). Solves of at most 64 sweeps do not poll.
     pub fn interrupt_handle(&self) -> Interrupt {

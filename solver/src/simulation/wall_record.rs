@@ -161,7 +161,6 @@ impl Simulation {
                 wall_velocity,
                 centre: sphere.centre.into(),
                 arm: times(normal, sphere.radius),
-                shift: [0.0; 3],
             };
             let along = group.contacts.normal_impulse(lane);
             let begins = along > 0.0 && !memory.is_known(one.source);

@@ -3,10 +3,8 @@
 //!
 //! ```text
 //! forces.rs   forces and torques on grains, for one step
-//! states.rs   positions, velocities and spins as arrays in memory, to be read and written
+//! states.rs   positions, velocities and spins as arrays in memory, to be read and written; candidate pairs and their impulses
 //! grains.rs   insertion and removal
-//! walls.rs    kinematic walls
-//! contacts.rs candidate pairs and their impulses, returned without copying
 //! ```
 //!
 //! Interventions cost nothing in simulations without them. Their effect depends only on the state and the arguments, so that bits
@@ -21,7 +19,6 @@ mod states;
 use crate::Simulation;
 use crate::lanes::{minus, plus};
 use crate::wall::WallMotion;
-#[doc(hidden)]
 use forces::{LOADS, Loads};
 use serde::{Deserialize, Serialize};
 pub use states::{PairsInList, States};
@@ -207,10 +204,7 @@ impl Simulation {
     /// # Errors
     /// [`InterventionError::NoWall`], [`InterventionError::Wall`].
     pub fn move_wall(&mut self, wall: u32, motion: WallMotion) -> Result<(), InterventionError> {
-        let walls = self.world.walls.count();
-        if wall as usize >= walls {
-            return Err(InterventionError::NoWall { wall, walls });
-        }
+        self.check_wall(wall)?;
         let now = self.world.time;
         let listed = self.candidates.built_from().map_or(now, |(_, built_at)| built_at);
         let moved = self.world.walls.steer(wall, &motion, [now, listed]);
@@ -222,11 +216,13 @@ impl Simulation {
     /// # Errors
     /// [`InterventionError::NoWall`].
     pub fn wall_displacement(&self, wall: u32) -> Result<([f64; 3], f64), InterventionError> {
+        self.check_wall(wall)?;
+        Ok(self.world.walls.displacement(wall, self.world.time))
+    }
+
+    fn check_wall(&self, wall: u32) -> Result<(), InterventionError> {
         let walls = self.world.walls.count();
-        match (wall as usize) < walls {
-            true => Ok(self.world.walls.displacement(wall, self.world.time)),
-            false => Err(InterventionError::NoWall { wall, walls }),
-        }
+        if (wall as usize) < walls { Ok(()) } else { Err(InterventionError::NoWall { wall, walls }) }
     }
 
     /// Returns the displacement (m) and angle (rad) of a kinematic wall from its pose in the scene; `None` for other walls.

@@ -100,12 +100,6 @@ fn add(sum: &mut [f64; 3], vector: [f64; 3]) {
     *sum = plus(*sum, vector);
 }
 
-/// Velocities at a contact before and after the solve, by side: grain, or wall.
-struct Passage {
-    before: [f64; 3],
-    after: [f64; 3],
-}
-
 impl Ledger {
     /// Opens a ledger at the present state.
     pub fn open(simulation: &Simulation) -> Ledger {
@@ -193,8 +187,7 @@ impl Ledger {
                     let (i, j) = (group.first[lane] as usize, group.second[lane] as usize);
                     let normal = group.contacts.normal(lane);
                     let (first, second) = (self.passage(world, i, normal, 1.0), self.passage(world, j, normal, -1.0));
-                    let before = minus(second.before, first.before);
-                    let after = minus(second.after, first.after);
+                    let [before, after] = [0, 1].map(|end| minus(second[end], first[end]));
                     let (contact, pull) = world.pair_contact(&candidates.pairs[source]);
                     let contact = NormalContact { velocity: dot(normal, before), ..contact };
                     let mut borne = Borne::of(&group.contacts, lane, task.pair_pulls.get(number));
@@ -210,14 +203,14 @@ impl Ledger {
             let grain = self.passage(world, place, normal, 1.0);
             let [before, after] = one.velocities;
             let face = world.walls.placed(&self.expectations.poses).face(candidate.surface);
-            let approach = minus(minus(before, face.gain_at(&world.spheres[place].centre).into()), grain.before);
+            let approach = minus(minus(before, face.gain_at(&world.spheres[place].centre).into()), grain[0]);
             let (contact, pull) = world.wall_contact(candidate, face.distance(&world.spheres[place].centre));
             let contact = NormalContact { velocity: dot(normal, approach), ..contact };
             let contacts = &one.group.contacts;
             let tangential = contacts.tangential_impulse(one.lane);
             let springs = contacts.tangential.spring.taken_up(one.lane, tangential);
             let borne = Borne { normal, along: one.along(), tangential, springs, in_impact: one.in_impact };
-            let passages = [minus(before, grain.before), minus(after, grain.after)];
+            let passages = [minus(before, grain[0]), minus(after, grain[1])];
             let expected = self.contact(&borne, contact, pull, passages, scheme);
             self.expectations.walls[one.source] = expected;
             self.expectations.advances[one.source] = times(normal, scheme.step * dot(normal, after));
@@ -280,15 +273,13 @@ impl Ledger {
         }
     }
 
-    /// Velocity of a grain at its contact; the surface moves with `s x n` on the first side and opposite to it on the second.
-    fn passage(&self, world: &World, place: usize, normal: [f64; 3], side: f64) -> Passage {
+    /// Velocities of a grain at its contact before and after the solve; the surface moves with `s x n` on the first side and opposite to it on the second.
+    fn passage(&self, world: &World, place: usize, normal: [f64; 3], side: f64) -> [[f64; 3]; 2] {
         let body = &world.bodies[place];
         let [x, y, z, _] = world.before[place].0;
         let surface = |speed: [f64; 3]| times(cross(speed, normal), side);
-        Passage {
-            before: plus([x, y, z], surface(self.scaled_spins[place])),
-            after: plus(body.velocity, surface(body.scaled_spin)),
-        }
+        let before = plus([x, y, z], surface(self.scaled_spins[place]));
+        [before, plus(body.velocity, surface(body.scaled_spin))]
     }
 
     /// Books one contact in its state at the start of the step, given its relative velocities before and after; returns its

@@ -245,29 +245,19 @@ fn friction(slip: Vector, sticking: f64, most: f64) -> Vector {
     }
 }
 
-/// Impulse between two grains outside of the solve, as input of the ledger.
-struct PairImpulse {
-    /// Body indices of the two.
-    places: [usize; 2],
-    /// Unit normal from the first to the second.
-    normal: Vector,
-    /// Velocity of the second surface minus that of the first, before and after, m/s.
-    relative: [Vector; 2],
-    /// Impulse on the first grain, N s.
-    impulse: Vector,
-}
-
 impl Simulation {
-    /// Books an impulse between two grains after the ledger has booked the solve and before they move.
-    fn book_pair_impulse(&mut self, one: &PairImpulse) {
-        let (normal, impulse) = (one.normal.into(), <[f64; 3]>::from(one.impulse));
-        let mean = times(plus(one.relative[0].into(), one.relative[1].into()), 0.5);
+    /// Books an impulse between two grains after the ledger has booked the solve and before they move: their body indices, the unit normal
+    /// from the first to the second, the velocity of the second surface minus that of the first before and after (m/s), and the impulse on
+    /// the first (N s).
+    fn book_pair_impulse(&mut self, [i, j]: [usize; 2], normal: Vector, relative: [Vector; 2], impulse: Vector) {
+        let (normal, impulse) = (normal.into(), <[f64; 3]>::from(impulse));
+        let mean = times(plus(relative[0].into(), relative[1].into()), 0.5);
         let along = dot(normal, impulse);
         let Simulation { world, ledger, .. } = self;
         let Some(ledger) = ledger else { return };
         let lost = [along * dot(normal, mean), dot(minus(impulse, times(normal, along)), mean)];
         // The impulse acts at the point of impact, but is booked at the positions at the start of the step.
-        let ([i, j], on_second) = (one.places, times(impulse, -1.0));
+        let on_second = times(impulse, -1.0);
         let arm: [f64; 3] = world.arm(i, j).into();
         let spun = times(cross(normal, impulse), world.spheres[i].radius + world.spheres[j].radius);
         let apart = (world.spheres[j].centre - world.spheres[i].centre - world.arm(i, j)).into();

@@ -276,7 +276,6 @@ impl Simulation {
             wall_velocity: wall_velocity.into(),
             centre: self.world.spheres[place].centre.into(),
             arm: arm.into(),
-            shift: [0.0; 3],
         });
         self.swept.strikes.push(Strike {
             place: place as u32,
