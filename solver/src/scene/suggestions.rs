@@ -50,13 +50,8 @@ fn is_part(part: &str, name: &str) -> bool {
 
 /// Returns the number of letters to add, drop, change or swap with a neighbour (optimal string alignment).
 fn edits(word: &[char], name: &[char]) -> usize {
-    let mut table = vec![vec![0; name.len() + 1]; word.len() + 1];
-    for (row, line) in table.iter_mut().enumerate() {
-        line[0] = row;
-    }
-    for (column, cell) in table[0].iter_mut().enumerate() {
-        *cell = column;
-    }
+    // Without one of the two, all letters of the other are added or dropped.
+    let mut table: Vec<Vec<usize>> = (0..=word.len()).map(|row| (row..=row + name.len()).collect()).collect();
     for row in 1..=word.len() {
         for column in 1..=name.len() {
             let changed = table[row - 1][column - 1] + usize::from(word[row - 1] != name[column - 1]);

@@ -124,9 +124,17 @@ impl Simulation {
             body.scaled_spin = [x, y, z];
         }
         drives.iter_mut().for_each(|drive| drive.rate = drive.rate_before);
-        self.abandon_torques();
-        self.layout.contacts = 0;
+        // The step is repeated with the same torques.
+        for (body, spin) in bodies.iter_mut().zip(&self.interventions.spins_before) {
+            body.scaled_spin = *spin;
+        }
         self.layout.driven.clear();
+        self.empty_layout();
+    }
+
+    /// Discards the contacts of the layout.
+    pub(crate) fn empty_layout(&mut self) {
+        self.layout.contacts = 0;
         for groups in &mut self.layout.groups {
             groups.empty(self.relaxation.effects);
         }

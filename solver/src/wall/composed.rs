@@ -96,7 +96,9 @@ impl Movement {
         let slack = 1e-9 * step;
         let [from, to] = [time - step + slack, time + step - slack].map(|time| time - self.origin);
         if !self.parts.iter().any(|part| part.motion.breaks_between(from, to)) {
-            pose.gain_since(&self.composed_through(time - step, step).along_chord(step));
+            let before = self.composed_through(time - step, step).along_chord(step);
+            pose.gain = pose.velocity - before.velocity;
+            pose.gain_of_spin = pose.spin(false) - before.spin(false);
         }
         pose
     }

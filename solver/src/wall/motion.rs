@@ -465,12 +465,6 @@ impl Pose {
         Pose { turning: self.turning.over(step), in_place: self.in_place.over(step), ..self }
     }
 
-    /// Sets the change of velocity since the pose of the last step.
-    pub(super) fn gain_since(&mut self, before: &Pose) {
-        self.gain = self.velocity - before.velocity;
-        self.gain_of_spin = self.spin(false) - before.spin(false);
-    }
-
     /// Returns a face at its present position, if that differs from its position in the scene; `in_place` if the motion maps the face onto itself.
     #[inline]
     pub(super) fn moved(&self, face: &Face, in_place: bool) -> Option<Face> {

@@ -100,13 +100,6 @@ impl Simulation {
         }
     }
 
-    /// Reverts the torques of an abandoned step; the step is repeated with the same torques.
-    pub(crate) fn abandon_torques(&mut self) {
-        for (body, spin) in self.world.bodies.iter_mut().zip(&self.interventions.spins_before) {
-            body.scaled_spin = *spin;
-        }
-    }
-
     /// Books the work and impulses of the forces and torques of a step, once its velocities are known and before bodies move;
     /// then clears the loads.
     pub(crate) fn account_for_forces(&mut self) {

@@ -17,7 +17,7 @@ mod grains;
 mod states;
 
 use crate::Simulation;
-use crate::lanes::{minus, plus};
+use crate::lanes::plus;
 use crate::wall::WallMotion;
 use forces::{LOADS, Loads};
 use serde::{Deserialize, Serialize};
@@ -99,7 +99,7 @@ pub(crate) struct Interventions {
     /// Forces and torques of the next step: applied loads, and added loads.
     loads: [Loads; LOADS],
     /// Scaled spins at the start of the step with loads, m/s, by body index.
-    spins_before: Vec<[f64; 3]>,
+    pub spins_before: Vec<[f64; 3]>,
     /// Work of forces and torques in the last step, J.
     pub work: f64,
     /// Number of interventions that a watchdog cannot account for.
@@ -171,13 +171,6 @@ impl Booked {
             impulse: plus(self.impulse, other.impulse),
             angular_impulse: plus(self.angular_impulse, other.angular_impulse),
         }
-    }
-
-    /// Adds the difference between two states.
-    fn add_change(&mut self, before: &Booked, after: &Booked) {
-        self.energy += after.energy - before.energy;
-        self.impulse = plus(self.impulse, minus(after.impulse, before.impulse));
-        self.angular_impulse = plus(self.angular_impulse, minus(after.angular_impulse, before.angular_impulse));
     }
 }
 

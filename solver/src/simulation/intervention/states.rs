@@ -3,6 +3,7 @@
 use super::{Booked, Interventions};
 use crate::Simulation;
 use crate::detect::{Impulse, PairCandidate, WallCandidate};
+use crate::lanes::{minus, plus};
 use crate::world::{Body, Sphere};
 use std::collections::TryReserveError;
 
@@ -138,7 +139,9 @@ impl Simulation {
             return;
         }
         let Interventions { booked, disturbed, .. } = &mut self.interventions;
-        booked.add_change(before, &after);
+        booked.energy += after.energy - before.energy;
+        booked.impulse = plus(booked.impulse, minus(after.impulse, before.impulse));
+        booked.angular_impulse = plus(booked.angular_impulse, minus(after.angular_impulse, before.angular_impulse));
         *disturbed = true;
         if let Some(ledger) = &mut self.ledger {
             ledger.restart_stored(&self.world, &self.candidates, self.constrainer.scheme());
