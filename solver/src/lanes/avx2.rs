@@ -240,25 +240,10 @@ impl Lanes for Avx2 {
     }
 }
 
-/// Transposes two matrices of four rows of four, one in each half.
-///
-/// # Safety
-/// AVX2.
-#[inline(always)]
-unsafe fn transposed_halves(rows: [__m256; 4]) -> [__m256; 4] {
-    // SAFETY: guaranteed by the caller.
-    unsafe {
-        let [a, b, c, d] = rows;
-        let (low_a, low_c) = (_mm256_castps_pd(_mm256_unpacklo_ps(a, b)), _mm256_castps_pd(_mm256_unpacklo_ps(c, d)));
-        let (high_a, high_c) = (_mm256_castps_pd(_mm256_unpackhi_ps(a, b)), _mm256_castps_pd(_mm256_unpackhi_ps(c, d)));
-        [
-            _mm256_castpd_ps(_mm256_unpacklo_pd(low_a, low_c)),
-            _mm256_castpd_ps(_mm256_unpackhi_pd(low_a, low_c)),
-            _mm256_castpd_ps(_mm256_unpacklo_pd(high_a, high_c)),
-            _mm256_castpd_ps(_mm256_unpackhi_pd(high_a, high_c)),
-        ]
-    }
-}
+transposition!(
+    transposed_halves, __m256,
+    _mm256_unpacklo_ps _mm256_unpackhi_ps _mm256_unpacklo_pd _mm256_unpackhi_pd _mm256_castps_pd _mm256_castpd_ps
+);
 
 /// Loads and transposes the octets of four bodies: first numbers of the four in the lower halves, fifth numbers in the upper.
 ///

@@ -55,6 +55,30 @@ macro_rules! number {
     };
 }
 
+/// Defines the transposition of matrices of four rows of four single-precision numbers, one in each 128 bits.
+macro_rules! transposition {
+    ($name:ident, $register:ty, $low:ident $high:ident $low_pairs:ident $high_pairs:ident $to_pairs:ident $from_pairs:ident) => {
+        /// Transposes matrices of four rows of four, one in each 128 bits.
+        ///
+        /// # Safety
+        /// The instruction set of the registers.
+        #[inline(always)]
+        unsafe fn $name([a, b, c, d]: [$register; 4]) -> [$register; 4] {
+            // SAFETY: guaranteed by the caller.
+            unsafe {
+                let (low_a, low_c) = ($to_pairs($low(a, b)), $to_pairs($low(c, d)));
+                let (high_a, high_c) = ($to_pairs($high(a, b)), $to_pairs($high(c, d)));
+                [
+                    $from_pairs($low_pairs(low_a, low_c)),
+                    $from_pairs($high_pairs(low_a, low_c)),
+                    $from_pairs($low_pairs(high_a, high_c)),
+                    $from_pairs($high_pairs(high_a, high_c)),
+                ]
+            }
+        }
+    };
+}
+
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 #[cfg(target_arch = "x86_64")]

@@ -4,25 +4,10 @@ use super::super::{Octet, SINGLE_LANES, SingleLanes, Sixteen};
 use super::{Avx512Single, join};
 use std::arch::x86_64::*;
 
-/// Transposes matrices of four rows of four, one in each 128 bits.
-///
-/// # Safety
-/// AVX-512F.
-#[inline(always)]
-unsafe fn transposed(rows: [__m512; 4]) -> [__m512; 4] {
-    // SAFETY: guaranteed by the caller.
-    unsafe {
-        let [a, b, c, d] = rows;
-        let (low_a, low_c) = (_mm512_castps_pd(_mm512_unpacklo_ps(a, b)), _mm512_castps_pd(_mm512_unpacklo_ps(c, d)));
-        let (high_a, high_c) = (_mm512_castps_pd(_mm512_unpackhi_ps(a, b)), _mm512_castps_pd(_mm512_unpackhi_ps(c, d)));
-        [
-            _mm512_castpd_ps(_mm512_unpacklo_pd(low_a, low_c)),
-            _mm512_castpd_ps(_mm512_unpackhi_pd(low_a, low_c)),
-            _mm512_castpd_ps(_mm512_unpacklo_pd(high_a, high_c)),
-            _mm512_castpd_ps(_mm512_unpackhi_pd(high_a, high_c)),
-        ]
-    }
-}
+transposition!(
+    transposed, __m512,
+    _mm512_unpacklo_ps _mm512_unpackhi_ps _mm512_unpacklo_pd _mm512_unpackhi_pd _mm512_castps_pd _mm512_castpd_ps
+);
 
 /// Returns the lanes of four bodies from the lower halves of two octets' lanes (`UPPER` 0), or from the upper halves:
 /// those of the first, then those of the second, alternating by 128 bits.
