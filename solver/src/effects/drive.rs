@@ -107,19 +107,16 @@ impl Drive {
         self.pivot.map_or(self.axis, |pivot| self.axis.cross(&(point - pivot)))
     }
 
-    /// Returns the axis of the translation or rotation.
-    pub(crate) fn axis(&self) -> Vector3<f64> {
-        self.axis
+    crate::getters! {
+        /// Returns the axis of the translation or rotation.
+        pub(crate) axis: Vector3<f64> = |drive| drive.axis;
+        /// Returns the axis of the rotation; zero for a translation.
+        pub(crate) turning: Vector3<f64> = |drive| drive.pivot.map_or_else(Vector3::zeros, |_| drive.axis);
     }
 
     /// Returns true if another drive has the same axis.
     pub(crate) fn has_axis_of(&self, other: &Drive) -> bool {
         (self.axis, self.pivot) == (other.axis, other.pivot)
-    }
-
-    /// Returns the axis of the rotation; zero for a translation.
-    pub(crate) fn turning(&self) -> Vector3<f64> {
-        self.pivot.map_or_else(Vector3::zeros, |_| self.axis)
     }
 
     /// Adds an impulse times the Jacobian (N s), or an angular impulse about the axis (N m s).

@@ -99,15 +99,6 @@ pub(crate) struct Flow {
     pub supplied: f64,
 }
 
-/// Grains due at the start of a step.
-#[derive(Clone, Copy, PartialEq, PartialOrd)]
-enum Due {
-    None,
-    Later,
-    /// A grain may leave a sink within the step.
-    AtOnce,
-}
-
 impl Flow {
     /// Returns the sources and sinks of a scene; `None` without any.
     pub fn of(scene: &Scene, seed: u64, world: &World) -> Option<Flow> {
@@ -231,10 +222,10 @@ impl Simulation {
     /// Returns true if the list has to be rebuilt.
     pub(super) fn let_flow(&mut self, stale: bool, team: &Team) -> bool {
         let Some(flow) = self.flow.take() else { return stale };
-        let (time, due) = (self.world.time, self.most_urgent(&flow, team));
+        let (time, [due, at_once]) = (self.world.time, self.are_due(&flow, team));
         let age =
             self.candidates.built_from().map_or(f64::INFINITY, |(_, built_at)| (time - built_at) / self.settings.step);
-        let now = due != Due::None && (stale || due == Due::AtOnce || age.round() >= flow.every);
+        let now = due && (stale || at_once || age.round() >= flow.every);
         let flow = if now { self.exchange(flow) } else { flow };
         self.flow = Some(flow);
         stale || now
@@ -252,8 +243,8 @@ impl Simulation {
             .find_map(|(index, region)| (region.holds(&centre) || met(region)).then(|| (index, region.holds(&centre))))
     }
 
-    /// Finds the most urgent grain that is due. Allocates nothing.
-    fn most_urgent(&self, flow: &Flow, team: &Team) -> Due {
+    /// Returns true if a grain is due, and true if one may leave a sink within the step. Allocates nothing.
+    fn are_due(&self, flow: &Flow, team: &Team) -> [bool; 2] {
         let (world, h) = (&self.world, self.settings.step);
         let (leaves, at_once) = (AtomicBool::new(false), AtomicBool::new(false));
         if flow.sinks(world.time).next().is_some() {
@@ -271,13 +262,9 @@ impl Simulation {
                 }
             });
         }
-        let sources = 0..flow.counts.inserted.len();
-        let comes = || sources.clone().any(|source| flow.due_at(source) <= world.time * (1.0 + 1e-12));
-        match (at_once.into_inner(), leaves.into_inner() || comes()) {
-            (true, _) => Due::AtOnce,
-            (false, true) => Due::Later,
-            (false, false) => Due::None,
-        }
+        let mut sources = 0..flow.counts.inserted.len();
+        let mut comes = || sources.any(|source| flow.due_at(source) <= world.time * (1.0 + 1e-12));
+        [leaves.into_inner() || comes(), at_once.into_inner()]
     }
 
     /// Removes and inserts the grains that are due, and prepares the candidate list for its rebuild.

@@ -98,19 +98,13 @@ impl TriangleMesh {
         self.triangles.iter().map(|numbers| numbers.map(|number| self.points[number as usize]))
     }
 
-    /// Returns the number of triangles.
-    pub fn len(&self) -> usize {
-        self.triangles.len()
-    }
-
-    /// Returns true if the file has not been read.
-    pub fn is_empty(&self) -> bool {
-        self.triangles.is_empty()
-    }
-
-    /// Returns the numbers of triangles that were dropped: without an area, and repeated.
-    pub fn dropped(&self) -> [usize; 2] {
-        [self.flat as usize, self.repeated as usize]
+    crate::getters! {
+        /// Returns the number of triangles.
+        pub len: usize = |mesh| mesh.triangles.len();
+        /// Returns true if the file has not been read.
+        pub is_empty: bool = |mesh| mesh.triangles.is_empty();
+        /// Returns the numbers of triangles that were dropped: without an area, and repeated.
+        pub dropped: [usize; 2] = |mesh| [mesh.flat as usize, mesh.repeated as usize];
     }
 
     /// Returns the distance below which corners are one corner, in units of the file.

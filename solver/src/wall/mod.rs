@@ -115,9 +115,11 @@ impl Walls {
         all
     }
 
-    /// Returns the number of faces.
-    pub fn faces(&self) -> usize {
-        self.faces.len()
+    crate::getters! {
+        /// Returns the number of faces.
+        pub faces: usize = |walls| walls.faces.len();
+        /// Returns true if at least one wall does work at any time.
+        pub any_works: bool = |walls| walls.walls.iter().any(|wall| wall.movement.works());
     }
 
     /// Returns the index in the scene of the wall of a face.
@@ -130,11 +132,6 @@ impl Walls {
     #[inline]
     pub fn material_of(&self, face: u32) -> u8 {
         self.faces[face as usize].material
-    }
-
-    /// Returns true if at least one wall does work at any time.
-    pub fn any_works(&self) -> bool {
-        self.walls.iter().any(|wall| wall.movement.works())
     }
 
     /// Returns the index in the scene of the wall of a face, and the index of the face in the wall.

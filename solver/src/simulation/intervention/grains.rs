@@ -67,11 +67,8 @@ impl Simulation {
         let poses: Vec<_> = self.world.walls.poses(self.world.time).collect();
         let walls = self.world.walls.placed(&poses);
         for (index, grain) in grains.iter().enumerate() {
-            self.check_grain(scene, &walls, grain).map_err(|(problem, remedy)| InterventionError::Insertion {
-                index,
-                problem,
-                remedy,
-            })?;
+            let refuse = |(problem, remedy)| InterventionError::Insertion { index, problem, remedy };
+            self.check_grain(scene, &walls, grain).map_err(refuse)?;
         }
         self.check_rules(scene, grains)?;
         self.check_overlaps(scene, grains)?;

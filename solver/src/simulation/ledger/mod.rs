@@ -190,8 +190,9 @@ impl Ledger {
                     let [before, after] = [0, 1].map(|end| minus(second[end], first[end]));
                     let (contact, pull) = world.pair_contact(&candidates.pairs[source]);
                     let contact = NormalContact { velocity: dot(normal, before), ..contact };
-                    let mut borne = Borne::of(&group.contacts, lane, task.pair_pulls.get(number));
-                    borne.in_impact = task.pair_impacts[number].speed[lane] > 0.0;
+                    let pull_impulse = task.pair_pulls.get(number).map_or(0.0, |pulls| pulls.0[lane]);
+                    let in_impact = task.pair_impacts[number].speed[lane] > 0.0;
+                    let borne = Borne { in_impact, ..Borne::of(&group.contacts, lane, pull_impulse) };
                     self.turn_pair(world, [i, j], &borne);
                     self.expectations.pairs[source] = self.contact(&borne, contact, pull, [before, after], scheme);
                 }
@@ -206,10 +207,7 @@ impl Ledger {
             let approach = minus(minus(before, face.gain_at(&world.spheres[place].centre).into()), grain[0]);
             let (contact, pull) = world.wall_contact(candidate, face.distance(&world.spheres[place].centre));
             let contact = NormalContact { velocity: dot(normal, approach), ..contact };
-            let contacts = &one.group.contacts;
-            let tangential = contacts.tangential_impulse(one.lane);
-            let springs = contacts.tangential.spring.taken_up(one.lane, tangential);
-            let borne = Borne { normal, along: one.along(), tangential, springs, in_impact: one.in_impact };
+            let borne = Borne { in_impact: one.in_impact, ..Borne::of(&one.group.contacts, one.lane, one.pull) };
             let passages = [minus(before, grain[0]), minus(after, grain[1])];
             let expected = self.contact(&borne, contact, pull, passages, scheme);
             self.expectations.walls[one.source] = expected;
@@ -328,11 +326,11 @@ struct Borne {
 }
 
 impl Borne {
-    fn of(lanes: &ContactLanes<Eight, SpringLanes>, lane: usize, pulls: Option<&Eight>) -> Borne {
+    fn of(lanes: &ContactLanes<Eight, SpringLanes>, lane: usize, pull: f64) -> Borne {
         let tangential = lanes.tangential_impulse(lane);
         Borne {
             normal: lanes.normal(lane),
-            along: lanes.normal_impulse(lane) - pulls.map_or(0.0, |pulls| pulls.0[lane]),
+            along: lanes.normal_impulse(lane) - pull,
             tangential,
             springs: lanes.tangential.spring.taken_up(lane, tangential),
             in_impact: false,
