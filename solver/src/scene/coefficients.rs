@@ -106,13 +106,6 @@ pub struct ContactCoefficients {
     pub cohesion: Option<Cohesion>,
 }
 
-impl ContactCoefficients {
-    /// Returns true if the contact resists rolling or twisting.
-    pub(crate) fn transmits_torque(&self) -> bool {
-        self.rolling_friction > 0.0 || self.twisting_friction > 0.0
-    }
-}
-
 /// Numerical coefficient of a material or a pair rule.
 #[derive(Debug)]
 pub struct Coefficient {

@@ -109,13 +109,6 @@ impl Insertion {
     pub(crate) fn elapsed(&self, time: f64) -> f64 {
         (self.until.map_or(time, |until| time.min(until)) - self.from).max(0.0)
     }
-
-    /// Returns the number of grains due by a time (s), before the limit of `total`; infinite without a rate.
-    fn grains_by(&self, time: f64, density: f64) -> f64 {
-        let mean = sphere_volume(self.radius.mean()) * density;
-        let rate = self.rate.or(self.mass_rate.map(|rate| rate / mean));
-        rate.map_or(f64::INFINITY, |rate| rate * self.elapsed(time))
-    }
 }
 
 impl Scene {
@@ -171,7 +164,9 @@ impl Scene {
 
     /// Returns an estimate of the grains of a source by the end of the run.
     pub(crate) fn expected(&self, source: &Insertion) -> f64 {
-        let due = source.grains_by(self.longest_of(source), self.material[&source.material].density);
+        let mean = sphere_volume(source.radius.mean()) * self.material[&source.material].density;
+        let rate = source.rate.or(source.mass_rate.map(|rate| rate / mean));
+        let due = rate.map_or(f64::INFINITY, |rate| rate * source.elapsed(self.longest_of(source)));
         due.min(source.total.map_or(f64::INFINITY, |total| total as f64))
     }
 }

@@ -47,11 +47,6 @@ impl Passed {
         self.grains += 1;
         self.mass += mass;
     }
-
-    /// Returns the sum over sources or sinks.
-    fn sum<'a>(all: impl Iterator<Item = &'a Passed>) -> Passed {
-        all.fold(Passed::default(), |sum, one| Passed { grains: sum.grains + one.grains, mass: sum.mass + one.mass })
-    }
 }
 
 /// State of the sources and sinks of a scene: [`Simulation::flow`].
@@ -207,9 +202,9 @@ impl Simulation {
     /// Returns the grains that have come from all sources and gone into all sinks.
     pub fn passed(&self) -> [Passed; 2] {
         let counts = self.flow.as_ref().map(|flow| &flow.counts);
-        counts.map_or_else(Default::default, |counts| {
-            [&counts.inserted, &counts.removed].map(|all| Passed::sum(all.iter()))
-        })
+        let sum = |sum: Passed, one: &Passed| Passed { grains: sum.grains + one.grains, mass: sum.mass + one.mass };
+        let lists = counts.map_or([&[][..]; 2], |counts| [&counts.inserted, &counts.removed]);
+        lists.map(|all| all.iter().fold(Passed::default(), sum))
     }
 
     /// Returns the energy that came minus the energy that went with grains, without elastic energy, since the simulation was

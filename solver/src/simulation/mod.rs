@@ -160,7 +160,7 @@ impl Simulation {
         self.ledger = other.ledger.clone();
         (self.flow, self.stages) = (other.flow.clone(), other.stages.clone());
         (self.gauges, self.wall_record) = (other.gauges.clone(), other.wall_record.clone());
-        self.swept.remember_failures(&other.swept);
+        (self.swept.crossing, self.swept.passage) = (other.swept.crossing, other.swept.passage);
         self.interrupt = other.interrupt.clone();
         self.phases = other.phases;
     }

@@ -24,11 +24,8 @@ impl Simulation {
 
     /// Returns the property of the scene that only Gauss-Seidel in double precision supports.
     fn obstacle(&self) -> Option<Obstacle> {
-        Obstacle::of_scene(
-            self.relaxation.effects.torques(),
-            !self.world.drives.is_empty(),
-            self.relaxation.effects.spring(),
-        )
+        let effects = &self.relaxation.effects;
+        Obstacle::of_scene(effects.torques(), !self.world.drives.is_empty(), effects.spring())
     }
 
     /// Sets the precision of sweeps from the next step on; this changes the result.

@@ -46,7 +46,7 @@ use crate::laws::cohesion::Pull;
 use crate::laws::compliance::{NormalContact, NormalScheme};
 use crate::partition::TaskGroups;
 use crate::simulation::intervention::Booked;
-use crate::world::World;
+use crate::world::{Body, Sphere, World};
 use balance::{Expectations, Expected};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -345,13 +345,11 @@ pub(crate) fn work_of_changing_gravity(world: &World, before: Vector3<f64>, h: f
     if change == Vector3::zeros() {
         return 0.0;
     }
-    let grains = world.spheres[..world.grains()].iter().zip(&world.bodies);
-    grains
-        .map(|(sphere, body)| {
-            let place = sphere.centre - Vector3::from(body.velocity) * (0.5 * h);
-            -change.dot(&place) / body.inverse_mass
-        })
-        .sum()
+    let gained = |(sphere, body): (&Sphere, &Body)| {
+        let place = sphere.centre - Vector3::from(body.velocity) * (0.5 * h);
+        -change.dot(&place) / body.inverse_mass
+    };
+    world.spheres[..world.grains()].iter().zip(&world.bodies).map(gained).sum()
 }
 
 impl Simulation {

@@ -74,9 +74,9 @@ pub(crate) struct Swept {
     /// Speed of faces at which all grains of the last step were slow, m/s; `None` if some were fast, or if unknown.
     slow_at: Option<f64>,
     /// First grain that crossed a wall.
-    crossing: Option<Crossing>,
+    pub crossing: Option<Crossing>,
     /// First two grains that may have passed through each other.
-    passage: Option<Passage>,
+    pub passage: Option<Passage>,
     /// Radius of the smallest grain, m.
     least_radius: f64,
     poses: Vec<Pose>,
@@ -149,11 +149,6 @@ impl Swept {
     /// Clears the assumption that grains are slow.
     pub fn forget_pace(&mut self) {
         self.slow_at = None;
-    }
-
-    /// Copies the failures of another record.
-    pub fn remember_failures(&mut self, other: &Swept) {
-        (self.crossing, self.passage) = (other.crossing, other.passage);
     }
 }
 
