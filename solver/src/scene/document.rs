@@ -144,11 +144,11 @@ pub type Checked = Result<(), Fault>;
 
 /// Path in the document, extended at each level of a check.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct DocumentPath(Vec<Step>);
+pub struct DocumentPath(pub(super) Vec<Step>);
 
 /// Step of the path to a value in a TOML document.
 #[derive(Clone, Debug, PartialEq)]
-enum Step {
+pub(super) enum Step {
     Key(Cow<'static, str>),
     Index(usize),
 }
@@ -192,11 +192,6 @@ impl DocumentPath {
     /// Returns the line (from 1) of the value at this path in the text of a scene; `None` if the text does not have the value.
     pub fn line(&self, text: &str) -> Option<usize> {
         whole_span(text, self).map(|at| line_at(text, at))
-    }
-
-    /// Returns the number of steps.
-    pub(super) fn depth(&self) -> usize {
-        self.0.len()
     }
 
     /// Returns the path with `to` in place of `from`, if it begins so.

@@ -221,7 +221,7 @@ fn span_start(text: &str, path: &DocumentPath) -> Option<usize> {
 /// Offset of a value, if the text has it.
 pub(super) fn whole_span(text: &str, path: &DocumentPath) -> Option<usize> {
     let offsets = Document::parse(text).ok()?.offsets(path);
-    offsets.last().copied().filter(|_| offsets.len() == path.depth())
+    offsets.last().copied().filter(|_| offsets.len() == path.0.len())
 }
 
 pub(super) fn line_at(text: &str, at: usize) -> usize {

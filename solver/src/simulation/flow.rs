@@ -12,7 +12,6 @@ use crate::scene::{Insertion, Neighbours, Region, Removal, Scene, sphere_volume}
 use crate::schedule::{Phase, Team};
 use crate::simulation::energy::{ContactEnergy, Stored};
 use crate::simulation::intervention::Booked;
-use crate::wall::WallsAt;
 use crate::world::{Body, INERTIA, NewGrain, Sphere, World, chunk, chunks};
 use nalgebra::Vector3;
 use rand_chacha::ChaCha8Rng;
@@ -314,6 +313,11 @@ impl Simulation {
         }
         let poses: Vec<_> = world.walls.poses(world.time).collect();
         let walls = world.walls.placed(&poses);
+        let is_clear_of_walls = |centre: &Vector3<f64>, radius: f64| {
+            let mut is_clear = true;
+            walls.for_each_near(centre, |_| radius, |_, face| is_clear &= face.distance(centre) >= radius);
+            is_clear
+        };
         for source in sources {
             while flow.due_at(source) <= time {
                 let (radius, mass) = flow.next(source);
@@ -321,7 +325,7 @@ impl Simulation {
                     flow.counts.tries[source] += 1;
                     let mut random = flow.random(source, true, flow.counts.tries[source]);
                     let centre = scene.insert[source].region.draw(radius, &mut random);
-                    let is_free = is_clear_of_walls(&walls, &centre, radius)
+                    let is_free = is_clear_of_walls(&centre, radius)
                         && neighbours.find(&centre.into(), radius, |overlap, _| overlap > 0.0).is_none();
                     is_free.then_some(centre)
                 });
@@ -385,12 +389,4 @@ impl Simulation {
         let counts = |places: [u32; 2]| places.iter().any(|&place| is_listed[place as usize]);
         (sum, ContactEnergy::of_some(&self.world, &self.candidates, self.settings.normal_law, counts).stored)
     }
-}
-
-fn is_clear_of_walls(walls: &WallsAt<'_>, centre: &Vector3<f64>, radius: f64) -> bool {
-    let mut is_clear = true;
-    for (wall, ..) in walls.each_wall() {
-        walls.for_each_near_of(wall, centre, radius, |_, face| is_clear &= face.distance(centre) >= radius);
-    }
-    is_clear
 }

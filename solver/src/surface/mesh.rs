@@ -4,7 +4,6 @@
 //! precision, in which STL stores them. A triangle without an area, or with the corners of an earlier triangle in any order, is dropped
 //! and counted. Open, non-manifold and self-touching meshes are valid.
 
-use super::face::Rotation;
 use super::triangle::Triangle;
 use base64::prelude::{BASE64_STANDARD, Engine};
 use nalgebra::Vector3;
@@ -38,12 +37,6 @@ pub struct MeshRotation {
     pub axis: [f64; 3],
     /// Angle, degrees.
     pub angle: f64,
-}
-
-impl MeshRotation {
-    pub(super) fn rotation(&self) -> Rotation {
-        Rotation::new(Vector3::from(self.axis).normalize(), self.angle.to_radians())
-    }
 }
 
 impl TriangleMesh {

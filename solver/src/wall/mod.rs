@@ -118,8 +118,8 @@ impl Walls {
     crate::getters! {
         /// Returns the number of faces.
         pub faces: usize = |walls| walls.faces.len();
-        /// Returns true if at least one wall does work at any time.
-        pub any_works: bool = |walls| walls.walls.iter().any(|wall| wall.movement.works());
+        /// Returns true if at least one wall does work at any time: it moves, or its surface does.
+        pub any_works: bool = |walls| walls.walls.iter().any(|Wall { movement, .. }| movement.moves() || movement.surface_velocity != Vector::zeros());
     }
 
     /// Returns the index in the scene of the wall of a face.

@@ -50,7 +50,7 @@ pub(super) struct Movement {
     /// Time from which the times of the motion count, s.
     pub(super) origin: f64,
     /// Velocity of the surface along itself, m/s.
-    surface_velocity: Vector,
+    pub(super) surface_velocity: Vector,
     /// True if a rotation moves at least one face, instead of mapping all faces onto themselves.
     pub(super) turns: bool,
     /// Motion by the caller instead of the scene.
@@ -394,11 +394,6 @@ impl Movement {
     /// Returns true if the wall moves at any time.
     pub fn moves(&self) -> bool {
         self.steered.is_some() || !matches!(self.motion, Motion::Fixed)
-    }
-
-    /// Returns true if the wall does work at any time: it moves, or its surface does.
-    pub fn works(&self) -> bool {
-        self.moves() || self.surface_velocity != Vector::zeros()
     }
 
     /// Returns an upper bound of the displacement (m) between two times (s) of a point within `radius` (m) of the centre of the motion,

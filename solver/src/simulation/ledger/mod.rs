@@ -57,7 +57,7 @@ pub(crate) struct Ledger {
     start: Energy,
     momentum_start: [f64; 3],
     angular_momentum_start: [f64; 3],
-    entries: Entries,
+    pub entries: Entries,
     /// Stored energy of contacts at the end of the last step.
     stored: Stored,
     /// True if no candidate list existed when the ledger was opened, so that the stored energy was unknown.
@@ -71,11 +71,11 @@ pub(crate) struct Ledger {
 }
 
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-struct Entries {
+pub(crate) struct Entries {
     friction: f64,
-    /// Stored separately in checkpoints, since few scenes have springs.
+    /// Net energy taken up by tangential springs, J; stored separately in checkpoints, since few scenes have springs.
     #[serde(skip)]
-    springs: f64,
+    pub springs: f64,
     resistance: f64,
     restitution: f64,
     stabilisation: f64,
@@ -108,17 +108,6 @@ impl Ledger {
         let stored = Stored { elastic: start.elastic, cohesive: start.cohesive };
         let unlisted = simulation.candidates.built_from().is_none();
         Ledger { start, momentum_start, angular_momentum_start, stored, unlisted, ..Ledger::default() }
-    }
-
-    /// Net energy taken up by tangential springs since the ledger was opened, J.
-    pub fn springs(&self) -> f64 {
-        self.entries.springs
-    }
-
-    /// Sets the energy of tangential springs.
-    pub fn with_springs(mut self, springs: f64) -> Ledger {
-        self.entries.springs = springs;
-        self
     }
 
     /// Notes the state at the start of a step, after grains were sorted and before any force acts. A `rebuilt` list may add
