@@ -56,6 +56,7 @@ macro_rules! number {
 }
 
 /// Defines the transposition of matrices of four rows of four single-precision numbers, one in each 128 bits.
+#[cfg(target_arch = "x86_64")]
 macro_rules! transposition {
     ($name:ident, $register:ty, $low:ident $high:ident $low_pairs:ident $high_pairs:ident $to_pairs:ident $from_pairs:ident) => {
         /// Transposes matrices of four rows of four, one in each 128 bits.
