@@ -256,15 +256,15 @@ impl Motion {
     }
 }
 
-/// Rows of a table of poses: time (s), displacement (m), rotation vector (rad). Copies share them.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+/// Rows of a table of poses: time (s), displacement (m), rotation vector (rad).
+// Copies of a motion share the rows.
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(from = "Vec<[f64; 7]>")]
-pub struct PoseTable(Arc<[[f64; 7]]>);
+pub struct PoseTable(#[cfg_attr(feature = "schema", schemars(with = "Vec<[f64; 7]>"))] Arc<[[f64; 7]]>);
 
-impl From<Vec<[f64; 7]>> for PoseTable {
-    fn from(rows: Vec<[f64; 7]>) -> PoseTable {
-        PoseTable(rows.into())
+impl<'de> Deserialize<'de> for PoseTable {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<PoseTable, D::Error> {
+        Vec::deserialize(deserializer).map(|rows| PoseTable(rows.into()))
     }
 }
 
@@ -311,7 +311,7 @@ impl PoseTable {
                 return Err((line, problem, remedy));
             }
         }
-        Ok(rows.into())
+        Ok(PoseTable(rows.into()))
     }
 
     /// Returns the rows.
