@@ -371,12 +371,12 @@ fn names(scene: &Scene) -> Checked {
     for name in scene.material.keys() {
         fit(&root.key("material"), "a material's name", name)?;
     }
-    own_names(&root.key("wall"), "wall", scene.wall.iter().map(|wall| &*wall.name))?;
     for (index, wall) in scene.wall.iter().enumerate() {
         let problem = || format!("the columns of a driven wall '{TAKEN}' would be those of the observable driven-wall");
         let free = wall.name != TAKEN || !wall.motion.is_driven();
         root.key("wall").index(index).key("name").require(free, problem, "give the wall another name")?;
     }
+    own_names(&root.key("wall"), "wall", scene.wall.iter().map(|wall| &*wall.name))?;
     let mut pairs = HashMap::new();
     for (index, rule) in scene.pair.iter().enumerate() {
         let [a, b] = &rule.between;
