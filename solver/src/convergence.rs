@@ -81,15 +81,12 @@ pub struct SolutionError {
 }
 
 impl SolutionError {
-    /// Returns the complementarity `|min(lambda_n D_n, w_n)|`, m/s, with the gap velocity `w_n = u_n + Sigma' lambda_n - q`. It
-    /// is the normal part of the natural map: `lambda_n - max(0, lambda_n - w_n / D_n) = min(lambda_n, w_n / D_n)`.
-    pub fn complementarity(&self) -> Residual {
-        self.residuals.normal
-    }
-
-    /// Returns the root mean square residual over the three directions, in units of g h.
-    pub fn relative(&self) -> f64 {
-        self.residuals.rms() / self.unit
+    crate::getters! {
+        /// Returns the complementarity `|min(lambda_n D_n, w_n)|`, m/s, with the gap velocity `w_n = u_n + Sigma' lambda_n - q`. It
+        /// is the normal part of the natural map: `lambda_n - max(0, lambda_n - w_n / D_n) = min(lambda_n, w_n / D_n)`.
+        pub complementarity: Residual = |error| error.residuals.normal;
+        /// Returns the root mean square residual over the three directions, in units of g h.
+        pub relative: f64 = |error| error.residuals.rms() / error.unit;
     }
 }
 

@@ -59,6 +59,18 @@ macro_rules! setters {
 }
 pub(crate) use setters;
 
+/// Getters: visibility, name, type and value of each.
+macro_rules! getters {
+    ($($(#[$about:meta])* $visibility:vis $name:ident: $kind:ty = |$own:ident| $value:expr;)*) => {
+        $($(#[$about])*
+        $visibility fn $name(&self) -> $kind {
+            let $own = self;
+            $value
+        })*
+    };
+}
+pub(crate) use getters;
+
 /// Returns true for a default. Written scenes and results omit defaults, so that the hash of a scene agrees with the hash of stored results.
 pub(crate) fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()

@@ -27,10 +27,7 @@ impl Simulation {
     pub fn detect_once(&mut self) {
         let (set, team) = (self.relaxation.instruction_set, self.team.here());
         // The groups refer to body indices that are about to change.
-        self.layout.contacts = 0;
-        for groups in &mut self.layout.groups {
-            groups.empty(self.relaxation.effects);
-        }
+        self.empty_layout();
         team.enter(|| self.candidates.rebuild(&mut self.world, &mut self.layout, set, &team));
     }
 
@@ -62,10 +59,7 @@ impl Simulation {
         self.relaxation.effects = effects;
         self.constrainer.compile_effects(effects);
         self.candidates.bear_torques(effects.torques());
-        self.layout.contacts = 0;
-        for groups in &mut self.layout.groups {
-            groups.empty(effects);
-        }
+        self.empty_layout();
     }
 
     /// Relaxes the laid out contacts the given number of times, without over-relaxation and residuals. Returns the number of

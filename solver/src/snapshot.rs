@@ -16,14 +16,13 @@
 //! ```
 
 use crate::Simulation;
+use crate::detect::WallCandidate;
 use crate::effects::drive::Drive;
-use crate::effects::spring::SpringLanes;
-use crate::groups::ContactLanes;
-use crate::lanes::Eight;
 use crate::partition::TaskGroups;
 use crate::simulation::Request;
 pub use crate::simulation::flow::Passed;
 pub use crate::simulation::gauge::Passages;
+use crate::simulation::ledger::WallContact;
 pub use crate::simulation::stages::PresentStage;
 use crate::simulation::swept::Struck;
 pub use crate::simulation::wall_record::{FaceWear, WallLoad};
@@ -173,25 +172,28 @@ impl Simulation {
         places.zip(numbers).zip(sources).map(origin).collect()
     }
 
-    /// Contacts of the last step on all ranks: pairs of grains, contacts with walls, impacts outside of the solve.
-    pub(crate) fn contacts(&self) -> Vec<Contact> {
-        let pairs = self.layout.tasks().map(|(_, task)| self.pair_contacts(task));
-        let walls = self.layout.tasks().map(|(_, task)| self.wall_contacts(task));
-        let mut contacts = Vec::new();
-        let add = |contact: Contact| contacts.extend((contact.normal_force != 0.0).then_some(contact));
-        // A loop over each part is faster than the collection of a chain.
-        match self.together(Request::Contacts) {
-            None => pairs.flatten().chain(walls.flatten()).for_each(add),
-            Some(ranks) => {
-                let [pairs, walls] = [pairs.map(Iterator::collect).collect(), walls.map(Iterator::collect).collect()];
-                ranks.merge(pairs).into_iter().chain(ranks.merge(walls)).flatten().for_each(add);
-            }
-        }
+    /// Contacts of the last step: pairs of grains, contacts with walls, impacts outside of the solve.
+    fn contacts(&self) -> Vec<Contact> {
+        let mut contacts = self.pair_contacts();
+        self.for_each_wall_contact(|one| contacts.push(self.wall_contact(one)));
+        contacts.retain(|contact| contact.normal_force != 0.0);
         contacts.extend(self.strikes());
         contacts
     }
 
-    fn pair_contacts<'a>(&'a self, task: &'a TaskGroups) -> impl Iterator<Item = Contact> + 'a {
+    /// Pairs of grains in contact, of all ranks.
+    pub(crate) fn pair_contacts(&self) -> Vec<Contact> {
+        let own = self.layout.tasks().map(|(_, task)| self.pair_contacts_of(task));
+        let mut contacts = Vec::new();
+        match self.together(Request::PairContacts) {
+            // A loop is faster than the collection of a chain.
+            None => own.flatten().for_each(|contact| contacts.push(contact)),
+            Some(ranks) => contacts = ranks.merge(own.map(Iterator::collect).collect()).concat(),
+        }
+        contacts
+    }
+
+    fn pair_contacts_of<'a>(&'a self, task: &'a TaskGroups) -> impl Iterator<Item = Contact> + 'a {
         let world = &self.world;
         let numbered = task.pairs.iter().zip(&task.pair_sources).enumerate();
         let groups = numbered.map(|(number, (group, sources))| (group, sources, task.pair_pulls.get(number)));
@@ -200,24 +202,20 @@ impl Simulation {
                 let (i, j) = (group.first[lane] as usize, group.second[lane] as usize);
                 let along = world.pair_geometry(i, j).point;
                 let point = world.spheres[i].centre + Vector3::from(group.contacts.normal(lane)) * along;
-                self.contact(world.ids[i], Partner::Grain(world.ids[j]), point, (&group.contacts, pulls), lane)
+                let (contacts, pull) = (&group.contacts, pulls.map_or(0.0, |pulls| pulls.0[lane]));
+                let (normal, along) = (contacts.normal(lane), contacts.normal_impulse(lane) - pull);
+                let impulse = (normal, along, contacts.tangential_impulse(lane));
+                self.contact(world.ids[i], Partner::Grain(world.ids[j]), point, impulse)
             })
         })
     }
 
-    fn wall_contacts<'a>(&'a self, task: &'a TaskGroups) -> impl Iterator<Item = Contact> + 'a {
-        let world = &self.world;
-        let numbered = task.walls.iter().zip(&task.wall_sources).enumerate();
-        let groups = numbered.map(|(number, (group, sources))| (group, sources, task.wall_pulls.get(number)));
-        groups.flat_map(move |(group, sources, pulls)| {
-            sources.occupied().map(move |(lane, source)| {
-                let grain = group.body[lane] as usize;
-                let wall = world.walls.wall_of(self.candidates.walls[source].surface);
-                let sphere = &world.spheres[grain];
-                let point = sphere.centre + Vector3::from(group.contacts.normal(lane)) * sphere.radius;
-                self.contact(world.ids[grain], Partner::Wall(wall), point, (&group.contacts, pulls), lane)
-            })
-        })
+    fn wall_contact(&self, one: &WallContact) -> Contact {
+        let (world, WallCandidate { body, surface }) = (&self.world, one.candidate);
+        let sphere = &world.spheres[body as usize];
+        let point = sphere.centre + Vector3::from(one.normal) * sphere.radius;
+        let wall = Partner::Wall(world.walls.wall_of(surface));
+        self.contact(world.ids[body as usize], wall, point, (one.normal, one.along(), one.tangential))
     }
 
     /// Impacts outside of the solve of the last step.
@@ -244,18 +242,16 @@ impl Simulation {
         first: u32,
         second: Partner,
         point: Vector3<f64>,
-        (lanes, pulls): (&ContactLanes<Eight, SpringLanes>, Option<&Eight>),
-        lane: usize,
+        (normal, along, tangential): ([f64; 3], f64, [f64; 3]),
     ) -> Contact {
         let h = self.settings.step;
-        let pull = pulls.map_or(0.0, |pulls| pulls.0[lane]);
         Contact {
             first,
             second,
             point: self.world.wrapped(&point).into(),
-            normal: lanes.normal(lane),
-            normal_force: (lanes.normal_impulse(lane) - pull) / h,
-            tangential_force: lanes.tangential_impulse(lane).map(|component| component / h),
+            normal,
+            normal_force: along / h,
+            tangential_force: tangential.map(|component| component / h),
         }
     }
 }
@@ -273,39 +269,21 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// Simulated time, s.
-    pub fn time(&self) -> f64 {
-        self.time
-    }
-
-    /// Number of grains.
-    pub fn grains(&self) -> usize {
-        self.radii.len()
-    }
-
-    /// Centres, m, wrapped along periodic axes.
-    pub fn positions(&self) -> &[[f64; 3]] {
-        &self.positions
-    }
-
-    /// Velocities, m/s.
-    pub fn velocities(&self) -> &[[f64; 3]] {
-        &self.velocities
-    }
-
-    /// Angular velocities, rad/s.
-    pub fn spins(&self) -> &[[f64; 3]] {
-        &self.spins
-    }
-
-    /// Radii, m.
-    pub fn radii(&self) -> &[f64] {
-        &self.radii
-    }
-
-    /// Contacts of the last step with a force, with grains and walls.
-    pub fn contacts(&self) -> &[Contact] {
-        &self.contacts
+    crate::getters! {
+        /// Simulated time, s.
+        pub time: f64 = |frame| frame.time;
+        /// Number of grains.
+        pub grains: usize = |frame| frame.radii.len();
+        /// Centres, m, wrapped along periodic axes.
+        pub positions: &[[f64; 3]] = |frame| &frame.positions;
+        /// Velocities, m/s.
+        pub velocities: &[[f64; 3]] = |frame| &frame.velocities;
+        /// Angular velocities, rad/s.
+        pub spins: &[[f64; 3]] = |frame| &frame.spins;
+        /// Radii, m.
+        pub radii: &[f64] = |frame| &frame.radii;
+        /// Contacts of the last step with a force, with grains and walls.
+        pub contacts: &[Contact] = |frame| &frame.contacts;
     }
 
     /// Mean number of contacts per grain: a contact of two grains counts for both, a contact with a wall for its grain; 0 without grains.

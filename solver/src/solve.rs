@@ -93,7 +93,10 @@ pub(crate) fn solve(
     let start = Instant::now();
     let limit = settings.stop.max_sweeps();
     let mut forecast = match settings.stop {
-        Stop::Residual { tolerance, .. } => Some(Forecast::new(tolerance * residual_unit(world, settings.step))),
+        Stop::Residual { tolerance, .. } => {
+            let tolerance = tolerance * residual_unit(world, settings.step);
+            Some(Forecast { tolerance, last: f64::INFINITY, next: f64::INFINITY })
+        }
         _ => None,
     };
     // The time is checked after each sweep: any sweep may be the last.
@@ -154,10 +157,6 @@ struct Forecast {
 const SECOND_OVER_FIRST: f64 = 0.5;
 
 impl Forecast {
-    fn new(tolerance: f64) -> Forecast {
-        Forecast { tolerance, last: f64::INFINITY, next: f64::INFINITY }
-    }
-
     /// Returns the residual level of the next sweep, which is the last if `last` is set.
     fn level(&self, last: bool) -> ResidualLevel {
         if last || self.next <= self.tolerance { ResidualLevel::Directions } else { ResidualLevel::Total }

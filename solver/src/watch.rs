@@ -22,17 +22,21 @@ use crate::simulation::ledger::work_of_changing_gravity;
 use crate::solve::{StopReason, residual_text, residual_unit, residual_unit_name};
 use crate::{Crossing, Passage, Simulation};
 use nalgebra::Vector3;
-use std::fmt;
 
 /// Violation.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum Trouble {
     /// A grain's position, velocity or spin is not finite.
+    #[error("grain {grain} has no finite position or velocity: the scene diverged; lower solver.step")]
     NotFinite {
         /// Permanent number of the grain.
         grain: u64,
     },
     /// A grain overlaps its partner beyond the tolerance.
+    #[error(
+        "grain {grain} overlaps its partner by {share:.3} of the smaller radius, more than {bound}; lower solver.step, \
+         raise youngs_modulus or the sweeps of solver.stop"
+    )]
     Overlap {
         /// Permanent number of the grain.
         grain: u64,
@@ -42,6 +46,10 @@ pub enum Trouble {
         bound: f64,
     },
     /// A grain overlaps its partner so far that its centre is inside: the direction of the contact force is no longer meaningful.
+    #[error(
+        "grain {grain} overlaps its partner by {share:.3} of the smaller radius, more than {bound}: its centre lies inside; \
+         lower solver.step, raise youngs_modulus or the sweeps of solver.stop"
+    )]
     DeepOverlap {
         /// Permanent number of the grain.
         grain: u64,
@@ -51,6 +59,11 @@ pub enum Trouble {
         bound: f64,
     },
     /// Mechanical energy has grown without a source.
+    #[error(
+        "mechanical energy grew by {share:.3} of its scale, more than {bound}, with grain {grain} the fastest; lower \
+         solver.step, look for grains that start inside each other, or, if contacts are rigid, lower \
+         solver.restitution_threshold: overlaps are pushed apart at up to that speed"
+    )]
     Energy {
         /// Permanent number of the fastest grain.
         grain: u64,
@@ -60,6 +73,11 @@ pub enum Trouble {
         bound: f64,
     },
     /// A grain has left the domain.
+    #[error(
+        "grain {grain} left the domain at ({:.4}, {:.4}, {:.4}) m; enlarge the domain, close the walls or lower \
+         solver.step; where grains are meant to leave, and nothing depends on them, set watch.on_escape = \"ignore\"",
+        position[0], position[1], position[2]
+    )]
     Escape {
         /// Permanent number of the grain.
         grain: u64,
@@ -67,6 +85,7 @@ pub enum Trouble {
         position: [f64; 3],
     },
     /// A grain has crossed a wall.
+    #[error("grain {grain} has crossed wall {wall}; lower solver.step, or close the walls")]
     Crossing {
         /// Permanent number of the grain.
         grain: u64,
@@ -74,11 +93,21 @@ pub enum Trouble {
         wall: u32,
     },
     /// Two grains may have passed through each other.
+    #[error(
+        "grains {} and {} may have passed through each other: too many grains met within one step; lower solver.step, \
+         so that no grain moves by more than a diameter in it",
+        grains[0], grains[1]
+    )]
     Passage {
         /// Permanent numbers of the two grains.
         grains: [u64; 2],
     },
     /// No solve since the last check has come close to a solution.
+    #[error(
+        "no solve since the last look came below a residual of {}, more than {}; raise the sweeps of solver.stop or lower \
+         solver.step",
+        residual_text(*residual, unit), residual_text(*bound, unit)
+    )]
     Stagnation {
         /// Smallest residual since the last check, in the unit of residuals.
         residual: f64,
@@ -88,6 +117,11 @@ pub enum Trouble {
         unit: &'static str,
     },
     /// A stage has not ended within its longest time.
+    #[error(
+        "stage[{stage}] has not ended within at_most: its until is at {:.3e}, and ends it at {:e}; raise \
+         stage[{stage}].at_most, or change stage[{stage}].until",
+        condition[0], condition[1]
+    )]
     Overdue {
         /// Number of the stage in the scene, from 0.
         stage: u32,
@@ -97,6 +131,11 @@ pub enum Trouble {
 }
 
 impl Trouble {
+    /// Returns the alarm of a violation at the present step.
+    fn alarm(self, simulation: &Simulation, reaction: Reaction) -> Alarm {
+        Alarm { trouble: self, reaction, step: simulation.steps, time: simulation.world.time }
+    }
+
     /// Returns the kind in one word.
     pub fn kind(&self) -> &'static str {
         match self {
@@ -119,7 +158,8 @@ impl Trouble {
 }
 
 /// Violation with its step, time and reaction.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("{trouble} (step {step}, {time:.6} s)")]
 pub struct Alarm {
     /// Violation.
     pub trouble: Trouble,
@@ -129,58 +169,6 @@ pub struct Alarm {
     pub step: u64,
     /// Simulated time, s.
     pub time: f64,
-}
-
-impl fmt::Display for Alarm {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.trouble {
-            Trouble::NotFinite { grain } => {
-                write!(out, "grain {grain} has no finite position or velocity: the scene diverged; lower solver.step")
-            }
-            Trouble::Overlap { grain, share, bound } => write!(
-                out,
-                "grain {grain} overlaps its partner by {share:.3} of the smaller radius, more than {bound}; lower solver.step, \
-                 raise youngs_modulus or the sweeps of solver.stop"
-            ),
-            Trouble::DeepOverlap { grain, share, bound } => write!(
-                out,
-                "grain {grain} overlaps its partner by {share:.3} of the smaller radius, more than {bound}: its centre lies inside; \
-                 lower solver.step, raise youngs_modulus or the sweeps of solver.stop"
-            ),
-            Trouble::Energy { grain, share, bound } => write!(
-                out,
-                "mechanical energy grew by {share:.3} of its scale, more than {bound}, with grain {grain} the fastest; lower \
-                 solver.step, look for grains that start inside each other, or, if contacts are rigid, lower \
-                 solver.restitution_threshold: overlaps are pushed apart at up to that speed"
-            ),
-            Trouble::Escape { grain, position: [x, y, z] } => write!(
-                out,
-                "grain {grain} left the domain at ({x:.4}, {y:.4}, {z:.4}) m; enlarge the domain, close the walls or lower \
-                 solver.step; where grains are meant to leave, and nothing depends on them, set watch.on_escape = \"ignore\""
-            ),
-            Trouble::Crossing { grain, wall } => {
-                write!(out, "grain {grain} has crossed wall {wall}; lower solver.step, or close the walls")
-            }
-            Trouble::Passage { grains: [first, second] } => write!(
-                out,
-                "grains {first} and {second} may have passed through each other: too many grains met within one step; lower solver.step, \
-                 so that no grain moves by more than a diameter in it"
-            ),
-            Trouble::Stagnation { residual, bound, unit } => write!(
-                out,
-                "no solve since the last look came below a residual of {}, more than {}; raise the sweeps of solver.stop or lower \
-                 solver.step",
-                residual_text(residual, unit),
-                residual_text(bound, unit)
-            ),
-            Trouble::Overdue { stage, condition: [value, bound] } => write!(
-                out,
-                "stage[{stage}] has not ended within at_most: its until is at {value:.3e}, and ends it at {bound:e}; raise \
-                 stage[{stage}].at_most, or change stage[{stage}].until"
-            ),
-        }?;
-        write!(out, " (step {}, {:.6} s)", self.step, self.time)
-    }
 }
 
 /// Overlap over the smaller radius above which a centre lies inside its partner.
@@ -245,8 +233,7 @@ impl Watchdog {
         let stage = || simulation.stage().map_or(0, |stage| stage.number);
         let overdue = || simulation.overdue().map(|condition| Trouble::Overdue { stage: stage(), condition });
         if let Some(trouble) = crossing.or_else(passage).or_else(overdue) {
-            let (step, time) = (simulation.steps, simulation.world.time);
-            return vec![Alarm { trouble, reaction: Reaction::Stop, step, time }];
+            return vec![trouble.alarm(simulation, Reaction::Stop)];
         }
         if self.settings.every == 0 {
             return Vec::new();
@@ -269,8 +256,8 @@ impl Watchdog {
     pub fn last(&mut self, simulation: &Simulation) -> Vec<Alarm> {
         let mut troubles = self.look(simulation);
         if self.settings.every > 0 && self.settings.on_stagnation != Reaction::Ignore {
-            let (reaction, step, time) = (self.settings.on_stagnation, simulation.steps, simulation.world.time);
-            troubles.extend(self.stagnation(simulation).map(|trouble| Alarm { trouble, reaction, step, time }));
+            let alarm = |trouble: Trouble| trouble.alarm(simulation, self.settings.on_stagnation);
+            troubles.extend(self.stagnation(simulation).map(alarm));
         }
         (self.residual, self.is_partial) = (None, false);
         troubles
@@ -285,9 +272,8 @@ impl Watchdog {
         }
         self.looked = Some(simulation.steps);
         let mut note = |trouble: Option<Trouble>, reaction: Reaction| {
-            if let Some(trouble) = trouble.filter(|_| reaction != Reaction::Ignore) {
-                troubles.push(Alarm { trouble, reaction, step: simulation.steps, time: simulation.world.time });
-            }
+            let noted = trouble.filter(|_| reaction != Reaction::Ignore);
+            troubles.extend(noted.map(|trouble| trouble.alarm(simulation, reaction)));
         };
         let lost = simulation.not_finite();
         note(lost.map(|grain| Trouble::NotFinite { grain }), Reaction::Stop);
@@ -376,9 +362,11 @@ impl Watchdog {
         let energy = simulation.energy_of_grains();
         // Potential energy half a step earlier: a step without contacts does not change it.
         let (half, momentum) = (0.5 * simulation.settings.step, simulation.momentum());
-        let mechanical =
-            energy.kinetic + energy.potential + contacts.cohesive + half * world.gravity.dot(&Vector3::from(momentum))
-                - self.supplied;
+        let mechanical = energy.kinetic
+            + energy.potential
+            + contacts.stored.cohesive
+            + half * world.gravity.dot(&Vector3::from(momentum))
+            - self.supplied;
         let mass: f64 = world.bodies[..world.grains()].iter().map(|body| 1.0 / body.inverse_mass).sum();
         let weight = world.field.largest() * mass;
         self.kinetic = self.kinetic.max(energy.kinetic);
@@ -391,7 +379,7 @@ impl Watchdog {
         let bound = self.settings.energy;
         let gained = share > bound;
         // Each gain is reported once.
-        let present = mechanical + contacts.elastic;
+        let present = mechanical + contacts.stored.elastic;
         self.available = if gained { present } else { self.available.min(present) };
         let fastest = || {
             let squares =

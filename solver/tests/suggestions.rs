@@ -27,8 +27,8 @@ fn unknown_keys_get_a_remedy() {
 fn no_wish_is_listed_twice() {
     let source = include_str!("../src/scene/suggestions.rs");
     let table = source.split("const WISHES").nth(1).and_then(|rest| rest.split("\n];").next()).unwrap();
-    let lists = table.split("&[").skip(2).map(|row| row.split(']').next().unwrap());
-    let mut words: Vec<&str> = lists.flat_map(|list| list.split('"').skip(1).step_by(2)).collect();
+    let rows = table.lines().filter_map(|line| line.trim().strip_prefix('"')?.split_once(": "));
+    let mut words: Vec<&str> = rows.flat_map(|(words, _)| words.split(' ')).collect();
     let number = words.len();
     assert!(number > 80 && words.iter().all(|word| wish(word).is_some()), "{words:?}");
     words.sort_unstable();

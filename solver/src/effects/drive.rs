@@ -44,7 +44,7 @@ pub static DRIVEN_WALLS: Effect = Effect {
 };
 
 /// Dynamic wall: its drive and its motion.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Drive {
     /// Index of the wall in the scene.
     pub wall: u32,
@@ -83,22 +83,8 @@ impl Drive {
         largest_speed: Option<f64>,
         start: f64,
     ) -> Drive {
-        let [displacement, rate, rate_before, unlimited, inverse_inertia] = [0.0; 5];
         let largest_speed = largest_speed.unwrap_or(f64::INFINITY);
-        Drive {
-            wall,
-            axis,
-            pivot,
-            effort,
-            inertia,
-            largest_speed,
-            start,
-            displacement,
-            rate,
-            rate_before,
-            unlimited,
-            inverse_inertia,
-        }
+        Drive { wall, axis, pivot, effort, inertia, largest_speed, start, ..Drive::default() }
     }
 
     /// Begins a step of length `h` (s) at `time` (s) under the force or torque and gravity (m/s2).
@@ -121,19 +107,16 @@ impl Drive {
         self.pivot.map_or(self.axis, |pivot| self.axis.cross(&(point - pivot)))
     }
 
-    /// Returns the axis of the translation or rotation.
-    pub(crate) fn axis(&self) -> Vector3<f64> {
-        self.axis
+    crate::getters! {
+        /// Returns the axis of the translation or rotation.
+        pub(crate) axis: Vector3<f64> = |drive| drive.axis;
+        /// Returns the axis of the rotation; zero for a translation.
+        pub(crate) turning: Vector3<f64> = |drive| drive.pivot.map_or_else(Vector3::zeros, |_| drive.axis);
     }
 
     /// Returns true if another drive has the same axis.
     pub(crate) fn has_axis_of(&self, other: &Drive) -> bool {
         (self.axis, self.pivot) == (other.axis, other.pivot)
-    }
-
-    /// Returns the axis of the rotation; zero for a translation.
-    pub(crate) fn turning(&self) -> Vector3<f64> {
-        self.pivot.map_or_else(Vector3::zeros, |_| self.axis)
     }
 
     /// Returns the rate and the rate without its limit, which impulses change.

@@ -71,14 +71,6 @@ impl Field {
     pub fn changes(&self) -> bool {
         !self.changes.is_empty()
     }
-
-    /// Returns true if the field is constant between two times (s).
-    pub fn is_constant(&self, from: f64, to: f64) -> bool {
-        let between = self.changes.iter().filter(|change| change.time > from && change.time < to);
-        let mut values = between.map(|change| change.gravity.into()).chain([self.at(to)]);
-        let first = self.at(from);
-        values.all(|value| value == first)
-    }
 }
 
 impl Scene {

@@ -240,25 +240,10 @@ impl Lanes for Avx2 {
     }
 }
 
-/// Transposes two matrices of four rows of four, one in each half.
-///
-/// # Safety
-/// AVX2.
-#[inline(always)]
-unsafe fn transposed_halves(rows: [__m256; 4]) -> [__m256; 4] {
-    // SAFETY: guaranteed by the caller.
-    unsafe {
-        let [a, b, c, d] = rows;
-        let (low_a, low_c) = (_mm256_castps_pd(_mm256_unpacklo_ps(a, b)), _mm256_castps_pd(_mm256_unpacklo_ps(c, d)));
-        let (high_a, high_c) = (_mm256_castps_pd(_mm256_unpackhi_ps(a, b)), _mm256_castps_pd(_mm256_unpackhi_ps(c, d)));
-        [
-            _mm256_castpd_ps(_mm256_unpacklo_pd(low_a, low_c)),
-            _mm256_castpd_ps(_mm256_unpackhi_pd(low_a, low_c)),
-            _mm256_castpd_ps(_mm256_unpacklo_pd(high_a, high_c)),
-            _mm256_castpd_ps(_mm256_unpackhi_pd(high_a, high_c)),
-        ]
-    }
-}
+transposition!(
+    transposed_halves, __m256,
+    _mm256_unpacklo_ps _mm256_unpackhi_ps _mm256_unpacklo_pd _mm256_unpackhi_pd _mm256_castps_pd _mm256_castpd_ps
+);
 
 /// Loads and transposes the octets of four bodies: first numbers of the four in the lower halves, fifth numbers in the upper.
 ///
@@ -268,12 +253,11 @@ unsafe fn transposed_halves(rows: [__m256; 4]) -> [__m256; 4] {
 unsafe fn four_octets(base: *const Octet, indices: &[u32; SINGLE_LANES], lane: usize) -> [__m256; 4] {
     // SAFETY: guaranteed by the caller; octets are aligned to 32 bytes.
     unsafe {
-        transposed_halves([
-            _mm256_load_ps(base.add(indices[lane] as usize).cast()),
-            _mm256_load_ps(base.add(indices[lane + 1] as usize).cast()),
-            _mm256_load_ps(base.add(indices[lane + 2] as usize).cast()),
-            _mm256_load_ps(base.add(indices[lane + 3] as usize).cast()),
-        ])
+        let mut rows = [_mm256_setzero_ps(); 4];
+        for row in 0..4 {
+            rows[row] = _mm256_load_ps(base.add(indices[lane + row] as usize).cast());
+        }
+        transposed_halves(rows)
     }
 }
 
@@ -285,11 +269,10 @@ unsafe fn four_octets(base: *const Octet, indices: &[u32; SINGLE_LANES], lane: u
 unsafe fn put_four_octets(base: *mut Octet, indices: &[u32; SINGLE_LANES], lane: usize, four: [__m256; 4]) {
     // SAFETY: guaranteed by the caller; octets are aligned to 32 bytes.
     unsafe {
-        let [a, b, c, d] = transposed_halves(four);
-        _mm256_store_ps(base.add(indices[lane] as usize).cast(), a);
-        _mm256_store_ps(base.add(indices[lane + 1] as usize).cast(), b);
-        _mm256_store_ps(base.add(indices[lane + 2] as usize).cast(), c);
-        _mm256_store_ps(base.add(indices[lane + 3] as usize).cast(), d);
+        let rows = transposed_halves(four);
+        for row in 0..4 {
+            _mm256_store_ps(base.add(indices[lane + row] as usize).cast(), rows[row]);
+        }
     }
 }
 

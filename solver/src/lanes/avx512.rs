@@ -155,18 +155,14 @@ impl Lanes for Avx512 {
     unsafe fn store_quads<const STRIDE: usize>(base: *mut Quad, indices: &[u32; LANES], quads: [Avx512; 4]) {
         // SAFETY: guaranteed by the caller.
         unsafe {
-            let put = |lane: usize, rows: __m512d| {
+            let [x, y, z, w] = quads;
+            let rows = transposed_halves([x.0, y.0, z.0, w.0]);
+            for lane in 0..4 {
                 let low = base.add(STRIDE * indices[lane] as usize);
                 let high = base.add(STRIDE * indices[lane + 4] as usize);
-                _mm256_store_pd(low.cast(), _mm512_castpd512_pd256(rows));
-                _mm256_store_pd(high.cast(), _mm512_extractf64x4_pd::<1>(rows));
-            };
-            let [x, y, z, w] = quads;
-            let [a, b, c, d] = transposed_halves([x.0, y.0, z.0, w.0]);
-            put(0, a);
-            put(1, b);
-            put(2, c);
-            put(3, d);
+                _mm256_store_pd(low.cast(), _mm512_castpd512_pd256(rows[lane]));
+                _mm256_store_pd(high.cast(), _mm512_extractf64x4_pd::<1>(rows[lane]));
+            }
         }
     }
 

@@ -55,6 +55,31 @@ macro_rules! number {
     };
 }
 
+/// Defines the transposition of matrices of four rows of four single-precision numbers, one in each 128 bits.
+#[cfg(target_arch = "x86_64")]
+macro_rules! transposition {
+    ($name:ident, $register:ty, $low:ident $high:ident $low_pairs:ident $high_pairs:ident $to_pairs:ident $from_pairs:ident) => {
+        /// Transposes matrices of four rows of four, one in each 128 bits.
+        ///
+        /// # Safety
+        /// The instruction set of the registers.
+        #[inline(always)]
+        unsafe fn $name([a, b, c, d]: [$register; 4]) -> [$register; 4] {
+            // SAFETY: guaranteed by the caller.
+            unsafe {
+                let (low_a, low_c) = ($to_pairs($low(a, b)), $to_pairs($low(c, d)));
+                let (high_a, high_c) = ($to_pairs($high(a, b)), $to_pairs($high(c, d)));
+                [
+                    $from_pairs($low_pairs(low_a, low_c)),
+                    $from_pairs($high_pairs(low_a, low_c)),
+                    $from_pairs($low_pairs(high_a, high_c)),
+                    $from_pairs($high_pairs(high_a, high_c)),
+                ]
+            }
+        }
+    };
+}
+
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 #[cfg(target_arch = "x86_64")]
@@ -383,11 +408,8 @@ fn run_avx2<K: Kernel>(kernel: K) -> K::Output {
     kernel.run::<avx2::Avx2>()
 }
 
-/// Truth value of a scalar.
-pub type Truth = bool;
-
 number!(
-    f64, Truth, |a, b, mask|
+    f64, bool, |a, b, mask|
     splat: a, sqrt: f64::sqrt(a), abs: f64::abs(a), larger: if a > b { a } else { b }, smaller: if a < b { a } else { b },
     below: a < b, at_most: a <= b, select: if mask { a } else { b }, all: mask
 );

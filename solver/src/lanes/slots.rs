@@ -9,7 +9,7 @@ use bytemuck::Pod;
 use std::marker::PhantomData;
 
 /// Array without concurrent writes, except to slots of other tasks.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Slots<'a, T> {
     base: *const T,
     count: usize,
@@ -17,30 +17,12 @@ pub(crate) struct Slots<'a, T> {
 }
 
 /// Slots of one task in an array, for reading and writing: those in its lane groups and candidates.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct TaskSlots<'a, T> {
     base: *mut T,
     count: usize,
     array: PhantomData<&'a mut [T]>,
 }
-
-impl<T> Clone for Slots<'_, T> {
-    #[inline(always)]
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-
-impl<T> Copy for Slots<'_, T> {}
-
-impl<T> Clone for TaskSlots<'_, T> {
-    #[inline(always)]
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-
-impl<T> Copy for TaskSlots<'_, T> {}
 
 // SAFETY: the array is only read, as a shared slice is.
 unsafe impl<T: Sync> Sync for Slots<'_, T> {}

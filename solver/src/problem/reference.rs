@@ -148,14 +148,11 @@ pub struct ProblemResiduals {
 }
 
 impl ProblemResiduals {
-    /// Root mean square over all directions, m/s.
-    pub fn rms(&self) -> f64 {
-        self.normal.rms.hypot(self.tangential.rms).hypot(self.turning.rms)
-    }
-
-    /// Largest residual of any direction, m/s.
-    pub fn max(&self) -> f64 {
-        self.normal.max.max(self.tangential.max).max(self.turning.max)
+    crate::getters! {
+        /// Root mean square over all directions, m/s.
+        pub rms: f64 = |residuals| residuals.normal.rms.hypot(residuals.tangential.rms).hypot(residuals.turning.rms);
+        /// Largest residual of any direction, m/s.
+        pub max: f64 = |residuals| residuals.normal.max.max(residuals.tangential.max).max(residuals.turning.max);
     }
 }
 

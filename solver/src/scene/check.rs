@@ -6,8 +6,8 @@ use super::error::{Fault, is_printable, short};
 use super::settings::{Obstacle, SettingError};
 use super::types::usual_spacing;
 use super::{
-    ContactCoefficients, GrainEntry, MOST_MEMORY, NormalLaw, Placement, Scene, Shape, SolverMethod, SolverSettings,
-    Stop, TangentialLaw, flow, gauge, motion, periodic, stages,
+    ContactCoefficients, Domain, GrainEntry, MOST_MEMORY, NormalLaw, Placement, Scene, Shape, SolverMethod,
+    SolverSettings, Stop, TangentialLaw, flow, gauge, motion, periodic, stages,
 };
 use crate::surface::FACES;
 use nalgebra::Vector3;
@@ -181,13 +181,6 @@ pub(super) fn tube(
     at.key("length").range(length, 1e-9, 1e4, "m")
 }
 
-/// Refuses a place, by its corners (m), that no grain can reach.
-pub(super) fn near_domain(scene: &Scene, at: &DocumentPath, (low, high): ([f64; 3], [f64; 3])) -> Checked {
-    let is_apart = |axis: usize| low[axis] > scene.domain.max[axis] || high[axis] < scene.domain.min[axis];
-    let problem = || format!("from {low:?} to {high:?} m, outside the domain: no grain can reach it");
-    at.require(!(0..3).any(is_apart), problem, "move it into [domain], or enlarge [domain]")
-}
-
 fn grains(scene: &Scene) -> Checked {
     let mut count = scene.listed().count() as f64;
     for (index, population) in scene.population.iter().enumerate() {
@@ -228,13 +221,12 @@ fn listed(scene: &Scene, at: &DocumentPath, grain: &GrainEntry) -> Checked {
 
 /// Refuses a step or a stop in addition to an accuracy, which chooses both.
 pub(super) fn chosen_twice(document: &Document<'_>) -> Checked {
-    match ["step", "stop"].into_iter().find(|key| document.has("solver", key)) {
-        Some(key) => Err(DocumentPath::default()
-            .key("solver")
-            .key(key)
-            .fault("given beside accuracy, which chooses it".into(), "leave this key or accuracy out")),
-        None => Ok(()),
+    for key in ["step", "stop"] {
+        let at = DocumentPath::default().key("solver").key(key);
+        let problem = || "given beside accuracy, which chooses it".into();
+        at.require(!document.has("solver", key), problem, "leave this key or accuracy out")?;
     }
+    Ok(())
 }
 
 fn accuracy(scene: &Scene) -> Checked {
@@ -374,64 +366,67 @@ fn names(scene: &Scene) -> Checked {
     let root = DocumentPath::default();
     let at = root.key("name");
     fit(&at, "the scene's name", &scene.name)?;
-    if scene.name.contains(['/', '\\']) || scene.name == "." || scene.name == ".." {
-        let problem = format!("'{}' does not name a folder of results", scene.name);
-        return Err(at.fault(problem, "give a name without '/' and '\\', other than '.' and '..'"));
-    }
-    if let Some(odd) = scene.description.chars().find(|&c| !is_printable(c) && !matches!(c, '\n' | '\r' | '\t')) {
-        let problem = format!("has the character {}, which does not show", odd.escape_unicode());
-        return Err(root.key("description").fault(problem, "leave it out"));
-    }
+    let is_path = scene.name.contains(['/', '\\']) || scene.name == "." || scene.name == "..";
+    let problem = is_path.then(|| format!("'{}' does not name a folder of results", scene.name));
+    at.refuse(problem, "give a name without '/' and '\\', other than '.' and '..'")?;
+    let odd = scene.description.chars().find(|&c| !is_printable(c) && !matches!(c, '\n' | '\r' | '\t'));
+    let problem = odd.map(|odd| format!("has the character {}, which does not show", odd.escape_unicode()));
+    root.key("description").refuse(problem, "leave it out")?;
     for name in scene.material.keys() {
         fit(&root.key("material"), "a material's name", name)?;
     }
-    let mut walls = HashMap::new();
     for (index, wall) in scene.wall.iter().enumerate() {
-        let at = root.key("wall").index(index).key("name");
-        fit(&at, "a wall's name", &wall.name)?;
-        if let Some(before) = walls.insert(&wall.name, index) {
-            let problem = format!("'{}' is the name of wall[{before}] too", wall.name);
-            return Err(at.fault(problem, "give each wall a name of its own: tables tell them apart by it"));
-        }
-        if wall.name == TAKEN && wall.motion.is_driven() {
-            let problem =
-                format!("the columns of a driven wall '{TAKEN}' would be those of the observable driven-wall");
-            return Err(at.fault(problem, "give the wall another name"));
-        }
+        let problem = || format!("the columns of a driven wall '{TAKEN}' would be those of the observable driven-wall");
+        let free = wall.name != TAKEN || !wall.motion.is_driven();
+        root.key("wall").index(index).key("name").require(free, problem, "give the wall another name")?;
     }
+    own_names(&root.key("wall"), "wall", scene.wall.iter().map(|wall| &*wall.name))?;
     let mut pairs = HashMap::new();
     for (index, rule) in scene.pair.iter().enumerate() {
         let [a, b] = &rule.between;
-        if let Some(before) = pairs.insert((a.min(b), a.max(b)), index) {
-            let at = root.key("pair").index(index).key("between");
-            let problem = format!("pair[{before}] is a rule of '{a}' and '{b}' already");
-            return Err(at.fault(problem, "say in one rule all that holds for the two, in any order"));
-        }
+        let before = pairs.insert((a.min(b), a.max(b)), index);
+        let problem = before.map(|before| format!("pair[{before}] is a rule of '{a}' and '{b}' already"));
+        let at = root.key("pair").index(index).key("between");
+        at.refuse(problem, "say in one rule all that holds for the two, in any order")?;
     }
     Ok(())
 }
 
-/// Checks that a name is printable and valid in a table and as a file name.
-pub(super) fn fit(at: &DocumentPath, whose: &str, name: &str) -> Checked {
-    let refuse = |what: String, remedy: &str| Err(at.fault(format!("{whose} {what}"), remedy));
-    if name.trim().is_empty() {
-        return refuse("is empty".into(), "give a name");
-    }
-    if name.len() > LONGEST {
-        let start: String = name.chars().take(20).collect();
-        return refuse(
-            format!("'{start}...' is {} bytes long", name.len()),
-            &format!("give a name of at most {LONGEST} bytes"),
-        );
-    }
-    if let Some(odd) = name.chars().find(|&c| !is_printable(c)) {
-        return refuse(format!("has the character {}, which does not show", odd.escape_unicode()), "leave it out");
-    }
-    if name.starts_with(['=', '+', '-', '@']) {
-        return refuse(
-            format!("'{name}' begins as a formula does"),
-            "begin with another character: programs for tables would compute it",
-        );
+/// Checks the names of the entries of a list, each valid and unlike those before it; `what` is such an entry.
+pub(super) fn own_names<'n>(list: &DocumentPath, what: &str, names: impl Iterator<Item = &'n str>) -> Checked {
+    let mut known = HashMap::new();
+    for (index, name) in names.enumerate() {
+        let at = list.index(index).key("name");
+        fit(&at, &format!("a {what}'s name"), name)?;
+        let problem = known.insert(name, index).map(|before| format!("'{name}' is the name of {what}[{before}] too"));
+        at.refuse(problem, &format!("give each {what} a name of its own: tables tell them apart by it"))?;
     }
     Ok(())
+}
+
+/// Checks that a box between two corners (m) meets the domain, or lies `entirely` inside it.
+pub(super) fn in_domain(
+    scene: &Scene,
+    at: &DocumentPath,
+    (low, high): ([f64; 3], [f64; 3]),
+    entirely: bool,
+) -> Checked {
+    let Domain { min, max, .. } = scene.domain;
+    let [below, above] = if entirely { [low, high] } else { [high, low] };
+    let fits = (0..3).all(|axis| below[axis] >= min[axis] && above[axis] <= max[axis]);
+    let place = if entirely { "not inside the domain" } else { "outside the domain" };
+    at.require(fits, || format!("from {low:?} to {high:?} m, {place}"), "move it into [domain], or enlarge [domain]")
+}
+
+/// Checks that a name is printable and valid in a table and as a file name.
+pub(super) fn fit(at: &DocumentPath, whose: &str, name: &str) -> Checked {
+    at.require(!name.trim().is_empty(), || format!("{whose} is empty"), "give a name")?;
+    let start: String = name.chars().take(20).collect();
+    let problem = || format!("{whose} '{start}...' is {} bytes long", name.len());
+    at.require(name.len() <= LONGEST, problem, &format!("give a name of at most {LONGEST} bytes"))?;
+    let odd = name.chars().find(|&c| !is_printable(c)).map(char::escape_unicode);
+    at.refuse(odd.map(|odd| format!("{whose} has the character {odd}, which does not show")), "leave it out")?;
+    let problem = || format!("{whose} '{name}' begins as a formula does");
+    let remedy = "begin with another character: programs for tables would compute it";
+    at.require(!name.starts_with(['=', '+', '-', '@']), problem, remedy)
 }

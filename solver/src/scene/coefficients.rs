@@ -106,13 +106,6 @@ pub struct ContactCoefficients {
     pub cohesion: Option<Cohesion>,
 }
 
-impl ContactCoefficients {
-    /// Returns true if the contact resists rolling or twisting.
-    pub(crate) fn transmits_torque(&self) -> bool {
-        self.rolling_friction > 0.0 || self.twisting_friction > 0.0
-    }
-}
-
 /// Numerical coefficient of a material or a pair rule.
 #[derive(Debug)]
 pub struct Coefficient {
@@ -336,9 +329,6 @@ impl Coefficient {
     }
 
     /// Checks the value of a table against its range; `ceiling` returns the additional upper bound.
-    ///
-    /// # Errors
-    /// [`Fault`](super::Fault).
     pub(crate) fn check(&self, table: &DocumentPath, value: Option<f64>, ceiling: impl Fn(&Ceiling) -> f64) -> Checked {
         let ([least, most], Some(value)) = (self.range, value) else { return Ok(()) };
         let place = self.place(table);

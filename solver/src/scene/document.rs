@@ -42,11 +42,12 @@ impl<'t> Document<'t> {
         Document { reader, ..self }
     }
 
-    /// Returns the path of a file that the text names, and its content.
-    pub(super) fn file(&self, name: &str) -> (PathBuf, std::io::Result<Vec<u8>>) {
+    /// Returns the path of a file of a kind that the text names at a path, and its content.
+    pub(super) fn file(&self, name: &str, kind: &str, at: &DocumentPath) -> Result<(String, Vec<u8>), Fault> {
         let path = self.folder.join(name);
-        let content = (self.reader)(&path);
-        (path, content)
+        let remedy = || format!("give the path of {kind} file, relative to the folder of the scene");
+        let refuse = |error| at.fault(format!("'{}' cannot be read: {error}", path.display()), &remedy());
+        Ok((path.display().to_string(), (self.reader)(&path).map_err(refuse)?))
     }
 
     /// Reads all tables into a type.
@@ -138,16 +139,16 @@ fn too_long(path: &DocumentPath, listed: usize, read: usize) -> Fault {
     Fault::new(path.index(read), problem, format!("give {read} values"))
 }
 
-/// Result of a check.
+/// Result of a check: the fault of a value that breaks a rule.
 pub type Checked = Result<(), Fault>;
 
 /// Path in the document, extended at each level of a check.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct DocumentPath(Vec<Step>);
+pub struct DocumentPath(pub(super) Vec<Step>);
 
 /// Step of the path to a value in a TOML document.
 #[derive(Clone, Debug, PartialEq)]
-enum Step {
+pub(super) enum Step {
     Key(Cow<'static, str>),
     Index(usize),
 }
@@ -193,11 +194,6 @@ impl DocumentPath {
         whole_span(text, self).map(|at| line_at(text, at))
     }
 
-    /// Returns the number of steps.
-    pub(super) fn depth(&self) -> usize {
-        self.0.len()
-    }
-
     /// Returns the path with `to` in place of `from`, if it begins so.
     pub(super) fn moved(&self, from: &DocumentPath, to: &DocumentPath) -> Option<DocumentPath> {
         let rest = self.0.strip_prefix(&from.0[..])?;
@@ -218,60 +214,43 @@ impl DocumentPath {
         Fault::new(self.clone(), format!("{self}: {problem}"), remedy)
     }
 
+    /// Rejects a value with a problem.
+    pub(super) fn refuse(&self, problem: Option<String>, remedy: &str) -> Checked {
+        problem.map_or(Ok(()), |problem| Err(self.fault(problem, remedy)))
+    }
+
     /// Rejects a value that breaks a rule.
     pub(super) fn require(&self, holds: bool, problem: impl FnOnce() -> String, remedy: &str) -> Checked {
-        if holds { Ok(()) } else { Err(self.fault(problem(), remedy)) }
+        self.refuse((!holds).then(problem), remedy)
     }
 
     /// Rejects a number outside a range. The remedy names `unit`.
-    ///
-    /// # Errors
-    /// [`Fault`].
     pub fn range(&self, value: f64, low: f64, high: f64, unit: &str) -> Checked {
-        match value.is_finite() && value >= low && value <= high {
-            true => Ok(()),
-            false => {
-                let [value, low, high] = [value, low, high].map(short);
-                Err(self
-                    .fault(format!("{value} is out of range"), &format!("give a number from {low} to {high} {unit}")))
-            }
+        if value.is_finite() && value >= low && value <= high {
+            return Ok(());
         }
+        let [value, low, high] = [value, low, high].map(short);
+        Err(self.fault(format!("{value} is out of range"), &format!("give a number from {low} to {high} {unit}")))
     }
 
     /// Rejects a number outside the usual range or, if the scene accepts unusual values, outside the range of valid
     /// computations. The remedy names `unit`.
-    ///
-    /// # Errors
-    /// [`Fault`].
     pub fn usual(&self, value: f64, usual: [f64; 2], possible: [f64; 2], unusual_values: bool, unit: &str) -> Checked {
         let [low, high] = if unusual_values { possible } else { usual };
-        if value.is_finite() && value >= low && value <= high {
-            return Ok(());
-        }
-        let [value, low, high, least, most] = [value, low, high, possible[0], possible[1]].map(short);
-        let remedy = match unusual_values {
-            true => format!("give a number from {low} to {high} {unit}"),
-            false => format!(
-                "give a number from {low} to {high} {unit}; if it is meant, unusual_values = true at the top of the scene accepts \
-                 {least} to {most} {unit}"
-            ),
-        };
-        Err(self.fault(format!("{value} is out of range"), &remedy))
+        let [least, most] = possible.map(short);
+        let accepted = format!(
+            "{unit}; if it is meant, unusual_values = true at the top of the scene accepts {least} to {most} {unit}"
+        );
+        self.range(value, low, high, if unusual_values { unit } else { &accepted })
     }
 
     /// Rejects a vector unless it has three components with magnitudes below 1e6, SI units.
-    ///
-    /// # Errors
-    /// [`Fault`].
     pub fn finite(&self, vector: &[f64; 3]) -> Checked {
         let usable = vector.iter().all(|x| x.is_finite() && x.abs() < 1e6);
         self.require(usable, || format!("{vector:?} is not usable"), "give three finite SI numbers below 1e6")
     }
 
     /// Rejects a zero vector.
-    ///
-    /// # Errors
-    /// [`Fault`].
     pub fn direction(&self, vector: &[f64; 3]) -> Checked {
         self.finite(vector)?;
         let square: f64 = vector.iter().map(|x| x * x).sum();

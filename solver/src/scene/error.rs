@@ -224,7 +224,7 @@ fn span_start(text: &str, path: &DocumentPath) -> Option<usize> {
 /// Offset of a value, if the text has it.
 pub(super) fn whole_span(text: &str, path: &DocumentPath) -> Option<usize> {
     let offsets = Document::parse(text).ok()?.offsets(path);
-    offsets.last().copied().filter(|_| offsets.len() == path.depth())
+    offsets.last().copied().filter(|_| offsets.len() == path.0.len())
 }
 
 pub(super) fn line_at(text: &str, at: usize) -> usize {
@@ -243,11 +243,7 @@ pub enum SceneFileError {
         source: std::io::Error,
     },
     /// The memory for the grains cannot be allocated.
-    #[error(
-        "{}: the memory for its grains is not there: {:.1} GB more were asked for; lower the count, or use a machine with more",
-        file.display(),
-        *bytes as f64 * 1e-9
-    )]
+    #[error("{}: {}", file.display(), SceneError::Memory { bytes: *bytes })]
     Memory {
         /// File name, or a substitute for a scene without a file.
         file: PathBuf,

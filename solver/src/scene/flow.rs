@@ -1,6 +1,6 @@
 //! Grains that come and go during a run: sources, sinks, their regions and their checks.
 
-use super::check::{MOST_GRAINS, extent, known_material, tube};
+use super::check::{MOST_GRAINS, extent, in_domain, known_material, tube};
 use super::document::{Checked, DocumentPath};
 use super::error::short;
 use super::populate::{symmetric, uniform};
@@ -109,13 +109,6 @@ impl Insertion {
     pub(crate) fn elapsed(&self, time: f64) -> f64 {
         (self.until.map_or(time, |until| time.min(until)) - self.from).max(0.0)
     }
-
-    /// Returns the number of grains due by a time (s), before the limit of `total`; infinite without a rate.
-    fn grains_by(&self, time: f64, density: f64) -> f64 {
-        let mean = sphere_volume(self.radius.mean()) * density;
-        let rate = self.rate.or(self.mass_rate.map(|rate| rate / mean));
-        rate.map_or(f64::INFINITY, |rate| rate * self.elapsed(time))
-    }
 }
 
 impl Scene {
@@ -170,7 +163,9 @@ impl Scene {
 
     /// Returns an estimate of the grains of a source by the end of the run.
     pub(crate) fn expected(&self, source: &Insertion) -> f64 {
-        let due = source.grains_by(self.longest_of(source.stage.as_ref()), self.material[&source.material].density);
+        let mean = sphere_volume(source.radius.mean()) * self.material[&source.material].density;
+        let rate = source.rate.or(source.mass_rate.map(|rate| rate / mean));
+        let due = rate.map_or(f64::INFINITY, |rate| rate * source.elapsed(self.longest_of(source.stage.as_ref())));
         due.min(source.total.map_or(f64::INFINITY, |total| total as f64))
     }
 }
@@ -184,19 +179,16 @@ pub(super) fn check(scene: &Scene) -> Checked {
         known_stage(scene, &at, source.stage.as_ref())?;
         check_source(scene, &at, source)?;
         count += scene.expected(source);
-        if count > MOST_GRAINS {
-            let problem = format!("{} grains by the end of the run, with those before them", short(count.round()));
-            return Err(
-                at.fault(problem, &format!("lower the rate, or give a total, for at most {MOST_GRAINS:e} grains"))
-            );
-        }
+        let problem = || format!("{} grains by the end of the run, with those before them", short(count.round()));
+        let remedy = format!("lower the rate, or give a total, for at most {MOST_GRAINS:e} grains");
+        at.require(count <= MOST_GRAINS, problem, &remedy)?;
     }
     for (index, Removal { region, stage, from, until }) in scene.remove.iter().enumerate() {
         let at = root.key("remove").index(index);
         known_stage(scene, &at, stage.as_ref())?;
         region.check(&at.key("region"))?;
         times(&at, *from, *until)?;
-        super::check::near_domain(scene, &at.key("region"), region.bounds())?;
+        in_domain(scene, &at.key("region"), region.bounds(), false)?;
     }
     Ok(())
 }
@@ -222,18 +214,12 @@ fn check_source(scene: &Scene, at: &DocumentPath, source: &Insertion) -> Checked
             at.key("total").range(total.unwrap_or(1) as f64, 1.0, MOST_GRAINS, "grains")?;
         }
     }
-    let ((low, high), (volume, width)) = (source.region.bounds(), source.region.size());
-    let is_outside = |axis: usize| low[axis] < scene.domain.min[axis] || high[axis] > scene.domain.max[axis];
-    if (0..3).any(is_outside) {
-        let problem = format!("from {low:?} to {high:?} m, not inside the domain");
-        return Err(at.key("region").fault(problem, "move it into [domain], or enlarge [domain]"));
-    }
+    in_domain(scene, &at.key("region"), source.region.bounds(), true)?;
+    let (volume, width) = source.region.size();
     let largest = 2.0 * source.radius.bounds().1;
-    if width < largest {
-        let (width, largest) = (short(width), short(largest));
-        let problem = format!("{width} m wide, and the largest grains have a diameter of {largest} m");
-        return Err(at.key("region").fault(problem, "enlarge it, or lower the radius: grains lie entirely inside"));
-    }
+    let problem = || format!("{} m wide, and the largest grains have a diameter of {} m", short(width), short(largest));
+    let remedy = "enlarge it, or lower the radius: grains lie entirely inside";
+    at.key("region").require(width >= largest, problem, remedy)?;
     rate_can_be_met(scene, at, source, volume, width)
 }
 
@@ -254,18 +240,13 @@ fn rate_can_be_met(scene: &Scene, at: &DocumentPath, source: &Insertion, volume:
         .elapsed(scene.longest_of(source.stage.as_ref()))
         .min(source.total.map_or(f64::INFINITY, |total| total as f64 * least / solid));
     let most = FULL * volume / stay.min(active);
-    if solid > most {
-        let problem = format!(
-            "{} cannot be met: new grains would fill more than {FULL} of the region before they leave it",
-            short(given)
-        );
-        let remedy = format!(
-            "lower it to at most {}, enlarge the region, or raise velocity",
-            short((given * most / solid * 1e3).floor() * 1e-3)
-        );
-        return Err(at.key(key).fault(problem, &remedy));
-    }
-    Ok(())
+    let problem = || {
+        let given = short(given);
+        format!("{given} cannot be met: new grains would fill more than {FULL} of the region before they leave it")
+    };
+    let possible = short((given * most / solid * 1e3).floor() * 1e-3);
+    let remedy = format!("lower it to at most {possible}, enlarge the region, or raise velocity");
+    at.key(key).require(solid <= most, problem, &remedy)
 }
 
 fn times(at: &DocumentPath, from: f64, until: Option<f64>) -> Checked {

@@ -1,7 +1,7 @@
 //! Gauges: surfaces in space that count the grains that pass.
 
 use super::document::{Checked, DocumentPath};
-use super::{Scene, Shape};
+use super::{Scene, Shape, check};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -38,28 +38,21 @@ impl Gauge {
 
 /// Checks the gauges.
 pub(super) fn check(scene: &Scene) -> Checked {
+    let list = DocumentPath::default().key("gauge");
+    check::own_names(&list, "gauge", scene.gauge.iter().map(|gauge| &*gauge.name))?;
     for (index, gauge) in scene.gauge.iter().enumerate() {
-        let Gauge { name, shape } = gauge;
-        let root = DocumentPath::default().key("gauge").index(index);
-        super::check::fit(&root.key("name"), "a gauge's name", name)?;
-        if let Some(before) = scene.gauge[..index].iter().position(|gauge| gauge.name == *name) {
-            let problem = format!("'{name}' is the name of gauge[{before}] too");
-            return Err(root.key("name").fault(problem, "give each gauge a name of its own"));
-        }
-        let at = root.key("shape");
-        if gauge.place().is_none() {
-            let problem = format!("a {} that is no gauge", shape.kind());
-            return Err(at.fault(problem, "give a rectangle, or a disc without a hole"));
-        }
-        super::check::shape(&at, shape)?;
+        let shape = &gauge.shape;
+        let at = list.index(index).key("shape");
+        let problem = || format!("a {} that is no gauge", shape.kind());
+        at.require(gauge.place().is_some(), problem, "give a rectangle, or a disc without a hole")?;
+        check::shape(&at, shape)?;
         let ((low, high), period) = (shape.bounds()[0], scene.domain.period());
-        super::check::near_domain(scene, &at, (low, high))?;
+        check::in_domain(scene, &at, (low, high), false)?;
         let width = |axis: usize| high[axis] - low[axis];
         let wide = |&axis: &usize| period.is_periodic(axis) && width(axis) > period.length(axis) * (1.0 + 1e-9);
-        if let Some(axis) = (0..3).find(wide) {
-            let problem = format!("{} m wide along a periodic axis of {} m", width(axis), period.length(axis));
-            return Err(at.fault(problem, "end it within one period, or a grain would pass it twice at once"));
-        }
+        let words = |axis| format!("{} m wide along a periodic axis of {} m", width(axis), period.length(axis));
+        let remedy = "end it within one period, or a grain would pass it twice at once";
+        at.refuse((0..3).find(wide).map(words), remedy)?;
     }
     Ok(())
 }

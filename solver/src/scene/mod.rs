@@ -250,15 +250,11 @@ impl Scene {
             wall.motion.read_tables(&DocumentPath::default().key("wall").index(index).key("motion"), document)?;
             let Shape::Mesh { file, content, .. } = &mut wall.shape else { continue };
             if content.is_empty() {
-                let at = || DocumentPath::default().key("wall").index(index).key("shape").key("file");
-                let (path, bytes) = document.file(file);
-                let bytes = bytes.map_err(|error| {
-                    let remedy = "give the path of an STL or OBJ file, relative to the folder of the scene";
-                    at().fault(format!("'{}' cannot be read: {error}", path.display()), remedy)
-                })?;
+                let at = DocumentPath::default().key("wall").index(index).key("shape").key("file");
+                let (path, bytes) = document.file(file, "an STL or OBJ", &at)?;
                 *content = TriangleMesh::read(&bytes).map_err(|problem| {
                     let (problem, remedy) = problem.split_once("; ").unwrap_or((&problem, "export it again"));
-                    at().fault(format!("'{}' {problem}", path.display()), remedy)
+                    at.fault(format!("'{path}' {problem}"), remedy)
                 })?;
             }
         }
@@ -285,7 +281,8 @@ impl Scene {
 
     /// Returns the setting or effect that requires Gauss-Seidel in double precision, if the scene has one.
     fn obstacle(&self) -> Option<Obstacle> {
-        let torques = self.possible_contacts().any(|contact| contact.transmits_torque());
+        let mut contacts = self.possible_contacts();
+        let torques = contacts.any(|contact| contact.rolling_friction > 0.0 || contact.twisting_friction > 0.0);
         let driven = self.wall.iter().any(|wall| wall.motion.is_driven());
         let spring = self.solver.tangential_law != TangentialLaw::Rigid;
         Obstacle::of_scene(torques, driven, spring)
@@ -346,15 +343,12 @@ impl Scene {
     /// # Panics
     /// Panics if the material of a grain is not in the scene.
     pub fn rayleigh_step(&self, grains: &[Grain]) -> f64 {
-        grains
-            .iter()
-            .map(|grain| {
-                let material = &self.material[&grain.material];
-                let shear = material.youngs_modulus / (2.0 * (1.0 + material.poisson_ratio));
-                std::f64::consts::PI * grain.radius * (material.density / shear).sqrt()
-                    / (0.1631 * material.poisson_ratio + 0.8766)
-            })
-            .fold(f64::INFINITY, f64::min)
+        let step = |grain: &Grain| {
+            let Material { youngs_modulus, poisson_ratio, density, .. } = self.material[&grain.material];
+            let shear = youngs_modulus / (2.0 * (1.0 + poisson_ratio));
+            std::f64::consts::PI * grain.radius * (density / shear).sqrt() / (0.1631 * poisson_ratio + 0.8766)
+        };
+        grains.iter().map(step).fold(f64::INFINITY, f64::min)
     }
 }
 

@@ -9,6 +9,7 @@ use serde::de::{MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::collections::BTreeMap;
 use std::fmt;
+use std::sync::Arc;
 
 /// Motion of a wall: prescribed, or driven by a force or a torque. A list of prescribed motions is composed in
 /// its order: the first acts on the wall first, and each later one carries it along. Points and axes are those of the scene.
@@ -244,16 +245,10 @@ impl Motion {
                 (0..).zip(parts).try_for_each(|(index, part)| part.read_tables(&at.index(index), document))
             }
             Motion::Table { file, content, .. } if content.0.is_empty() => {
-                let (path, bytes) = document.file(file);
-                let fault = |problem: String, remedy: &str| {
-                    at.key("file").fault(format!("'{}'{problem}", path.display()), remedy)
-                };
-                let bytes = bytes.map_err(|error| {
-                    let remedy = "give the path of a CSV file, relative to the folder of the scene";
-                    fault(format!(" cannot be read: {error}"), remedy)
-                })?;
+                let at = at.key("file");
+                let (path, bytes) = document.file(file, "a CSV", &at)?;
                 *content = PoseTable::read(&String::from_utf8_lossy(&bytes))
-                    .map_err(|(line, problem, remedy)| fault(format!(", line {line}: {problem}"), remedy))?;
+                    .map_err(|(line, problem, remedy)| at.fault(format!("'{path}', line {line}: {problem}"), remedy))?;
                 Ok(())
             }
             _ => Ok(()),
@@ -262,9 +257,22 @@ impl Motion {
 }
 
 /// Rows of a table of poses: time (s), displacement (m), rotation vector (rad).
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+// Copies of a motion share the rows.
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct PoseTable(Vec<[f64; 7]>);
+pub struct PoseTable(#[cfg_attr(feature = "schema", schemars(with = "Vec<[f64; 7]>"))] Arc<[[f64; 7]]>);
+
+impl<'de> Deserialize<'de> for PoseTable {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<PoseTable, D::Error> {
+        Vec::deserialize(deserializer).map(|rows| PoseTable(rows.into()))
+    }
+}
+
+impl Serialize for PoseTable {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.0.serialize(serializer)
+    }
+}
 
 /// Columns of a table of poses.
 const COLUMNS: [&str; 7] = ["time", "x", "y", "z", "rx", "ry", "rz"];
@@ -303,7 +311,7 @@ impl PoseTable {
                 return Err((line, problem, remedy));
             }
         }
-        Ok(PoseTable(rows))
+        Ok(PoseTable(rows.into()))
     }
 
     /// Returns the rows.
@@ -410,12 +418,10 @@ pub(super) fn check_parents_in_stage(scene: &Scene, at: &DocumentPath, given: &B
     let is_given = |wall: &&Wall| given.contains_key(&wall.name);
     for index in 0..scene.wall.len() {
         let chain: Vec<&Wall> = carriers(&scene.wall, index).collect();
-        if let (Some(one), Some(other)) =
-            (chain.iter().find(|wall| is_given(wall)), chain.iter().find(|wall| !is_given(wall)))
-        {
-            let problem = format!("wall '{}' moves together with '{}', which has no motion here", one.name, other.name);
-            return Err(at.name(&one.name).fault(problem, "give each of them its motion in this stage"));
-        }
+        let (given, other) = (chain.iter().find(|wall| is_given(wall)), chain.iter().find(|wall| !is_given(wall)));
+        let Some((one, other)) = given.zip(other) else { continue };
+        let problem = format!("wall '{}' moves together with '{}', which has no motion here", one.name, other.name);
+        return Err(at.name(&one.name).fault(problem, "give each of them its motion in this stage"));
     }
     Ok(())
 }

@@ -20,21 +20,21 @@ pub(super) fn check(scene: &Scene) -> Checked {
     for axis in &domain.periodic {
         let (length, number) = (domain.max[axis.number()] - domain.min[axis.number()], axis.number());
         let least = REACHES * (largest * (2.0 + scene.solver.skin) + range_of_cohesion(scene, largest));
-        if length < least {
-            let (length, least) = (short(length), short(least));
-            let problem = format!("{length} m along {} are too short a period for grains of this size", axis.name());
-            return Err(at.key("max").fault(problem, &format!("make the domain at least {least} m long there")));
-        }
+        let problem = || {
+            let (length, axis) = (short(length), axis.name());
+            format!("{length} m along {axis} are too short a period for grains of this size")
+        };
+        at.key("max").require(
+            length >= least,
+            problem,
+            &format!("make the domain at least {} m long there", short(least)),
+        )?;
         for (index, wall) in scene.wall.iter().enumerate() {
-            if let Some(why) = breaks(wall, &scene.course(index), *axis, [domain.min[number], domain.max[number]]) {
-                let at = DocumentPath::default().key("wall").index(index);
-                let problem = format!(
-                    "wall '{}' does not repeat itself along the periodic axis {}: {why}",
-                    wall.name,
-                    axis.name()
-                );
-                return Err(at.fault(problem, "change the wall, or take the axis out of domain.periodic"));
-            }
+            let why = breaks(wall, &scene.course(index), *axis, [domain.min[number], domain.max[number]]);
+            let (name, axis) = (&wall.name, axis.name());
+            let words = |why| format!("wall '{name}' does not repeat itself along the periodic axis {axis}: {why}");
+            let at = DocumentPath::default().key("wall").index(index);
+            at.refuse(why.map(words), "change the wall, or take the axis out of domain.periodic")?;
         }
     }
     Ok(())
@@ -81,21 +81,14 @@ fn breaks(wall: &Wall, course: &Motion, axis: Axis, ends: [f64; 2]) -> Option<&'
 
 /// Returns the reason why a motion ends the periodicity of a shape along an axis, to which `parallel` compares directions.
 fn turns_wrongly(motion: &Motion, shape: &Shape, parallel: &impl Fn(&[f64; 3]) -> bool) -> Option<&'static str> {
-    match (motion, shape) {
-        (Motion::Table { content, .. }, _) => content.turns().then_some("a table turns it"),
-        (
-            Motion::Rotating { axis: turning, .. } | Motion::TorqueDriven { axis: turning, .. },
-            Shape::Plane { normal, .. },
-        ) => {
-            let own = Vector3::from(*normal).cross(&Vector3::from(*turning)).norm() < PARALLEL;
-            (!own && !parallel(turning)).then_some("it turns about another axis")
-        }
-        (Motion::Rotating { .. } | Motion::TorqueDriven { .. }, Shape::Spheres { .. }) => {
-            Some("spheres that turn about an axis")
-        }
-        (Motion::Rotating { axis: turning, .. } | Motion::TorqueDriven { axis: turning, .. }, _) => {
-            (!parallel(turning)).then_some("it turns about another axis")
-        }
-        _ => None,
+    if let Motion::Table { content, .. } = motion {
+        return content.turns().then_some("a table turns it");
     }
+    let (_, turning) = motion.axis()?;
+    let is_own = match shape {
+        Shape::Spheres { .. } => return Some("spheres that turn about an axis"),
+        Shape::Plane { normal, .. } => Vector3::from(*normal).cross(&Vector3::from(turning)).norm() < PARALLEL,
+        _ => false,
+    };
+    (!is_own && !parallel(&turning)).then_some("it turns about another axis")
 }

@@ -5,11 +5,9 @@
 
 use super::document::{Checked, DocumentPath};
 use super::error::Fault;
-use super::{
-    Cohesion, GrainEntry, Insertion, Motion, Precision, Scene, SolverMethod, SolverSettings, Stop, Wall, check, motion,
-};
+use super::{Cohesion, GrainEntry, Insertion, Motion, Precision, Scene, SolverMethod, Stop, Wall, check, motion};
 use serde::{Deserialize, Serialize};
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 use toml::Value;
 
 /// Stage of a process: its end, and the settings that it changes.
@@ -110,15 +108,6 @@ impl Stage {
     }
 }
 
-impl StageSolver {
-    fn apply(&self, settings: &mut SolverSettings) {
-        settings.step = self.step.unwrap_or(settings.step);
-        settings.stop = self.stop.unwrap_or(settings.stop);
-        settings.method = self.method.unwrap_or(settings.method);
-        settings.precision = self.precision.unwrap_or(settings.precision);
-    }
-}
-
 impl Scene {
     /// Returns the scene of one stage, without stages: its gravity, materials, solver settings, and the last motion of each wall.
     /// `starts` are the times (s) at which this stage and those before it have begun; a source or sink of a stage acts in it alone.
@@ -145,7 +134,11 @@ impl Scene {
             let given = self.stage[..=number].iter().rev().find_map(|stage| stage.motion.get(&wall.name));
             wall.motion = given.unwrap_or(&wall.motion).clone();
         }
-        stage.solver.apply(&mut scene.solver);
+        let (own, solver) = (&stage.solver, &mut scene.solver);
+        solver.step = own.step.unwrap_or(solver.step);
+        solver.stop = own.stop.unwrap_or(solver.stop);
+        solver.method = own.method.unwrap_or(solver.method);
+        solver.precision = own.precision.unwrap_or(solver.precision);
         let start = starts.get(number).copied().unwrap_or_default();
         let sources = scene.insert.iter_mut().map(|source| (&mut source.stage, &mut source.from, &mut source.until));
         let sinks = scene.remove.iter_mut().map(|sink| (&mut sink.stage, &mut sink.from, &mut sink.until));
@@ -202,14 +195,9 @@ impl Scene {
 /// Checks the stages.
 pub(super) fn check(scene: &Scene) -> Checked {
     let root = DocumentPath::default();
-    let mut names = HashMap::new();
+    check::own_names(&root.key("stage"), "stage", scene.stage.iter().map(|stage| &*stage.name))?;
     for (number, (stage, own)) in scene.stage.iter().zip(scene.stage_scenes()).enumerate() {
         let at = root.key("stage").index(number);
-        check::fit(&at.key("name"), "a stage's name", &stage.name)?;
-        if let Some(before) = names.insert(&stage.name, number) {
-            let problem = format!("'{}' is the name of stage[{before}] too", stage.name);
-            return Err(at.key("name").fault(problem, "give each stage a name of its own"));
-        }
         end(scene, &at, stage)?;
         stage
             .material
@@ -244,11 +232,8 @@ fn end(scene: &Scene, at: &DocumentPath, stage: &Stage) -> Checked {
         return refuse("until", "given in addition to duration", "leave one out, and give at_most with until");
     }
     if stage.at_most.is_none() {
-        return refuse(
-            "at_most",
-            "missing where until is given",
-            "give the time (s) after which a run ends with an error",
-        );
+        let remedy = "give the time (s) after which a run ends with an error";
+        return refuse("at_most", "missing where until is given", remedy);
     }
     let (key, acts) = (at.key("until"), |of: &Option<String>| of.as_ref().is_none_or(|of| *of == stage.name));
     match until {
@@ -256,19 +241,14 @@ fn end(scene: &Scene, at: &DocumentPath, stage: &Stage) -> Checked {
             let at = key.key("kinetic_energy");
             at.range(*bound, 1e-30, 1e6, "J per grain")?;
             let endless = |source: &Insertion| acts(&source.stage) && source.total.is_none() && source.until.is_none();
-            if let Some(index) = scene.insert.iter().position(endless) {
-                let problem = format!("never ends the stage: insert[{index}] gives grains without an end");
-                return Err(at.fault(problem, "give the source a total or until"));
-            }
+            let words = |index| format!("never ends the stage: insert[{index}] gives grains without an end");
+            at.refuse(scene.insert.iter().position(endless).map(words), "give the source a total or until")?;
             let rests = scene.grain.iter().all(|grain: &GrainEntry| grain.velocity == [0.0; 3])
                 && scene.population.iter().all(|group| group.agitation == 0.0);
-            match rests && stage.at_least == 0.0 && scene.grain_count() > 0 && scene.stage.first() == Some(stage) {
-                true => Err(at.fault(
-                    "holds at the start, where all grains are at rest".into(),
-                    "give at_least, such as the time (s) in which the grains fall to their bed",
-                )),
-                false => Ok(()),
-            }
+            let is_first = scene.grain_count() > 0 && scene.stage.first() == Some(stage);
+            let problem = || "holds at the start, where all grains are at rest".into();
+            let remedy = "give at_least, such as the time (s) in which the grains fall to their bed";
+            at.require(!(rests && is_first && stage.at_least == 0.0), problem, remedy)
         }
         StageEnd::WallForce { wall, force } => {
             let at = key.key("wall_force");
@@ -284,10 +264,8 @@ fn end(scene: &Scene, at: &DocumentPath, stage: &Stage) -> Checked {
 
 fn known_wall(scene: &Scene, at: &DocumentPath, name: &str) -> Checked {
     let names: Vec<&str> = scene.wall.iter().map(|wall| wall.name.as_str()).collect();
-    match names.contains(&name) {
-        true => Ok(()),
-        false => Err(at.fault(format!("there is no wall '{name}'"), &format!("name one of: {}", names.join(", ")))),
-    }
+    let remedy = format!("name one of: {}", names.join(", "));
+    at.require(names.contains(&name), || format!("there is no wall '{name}'"), &remedy)
 }
 
 /// Checks the stage that a source or a sink names.

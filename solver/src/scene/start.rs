@@ -109,13 +109,10 @@ impl Scene {
     pub(super) fn read_start(&mut self, document: &Document<'_>) -> Checked {
         let Some(start) = &mut self.start else { return Ok(()) };
         if start.content.is_empty() {
-            let (path, bytes) = document.file(&start.file);
-            let text = bytes.and_then(|bytes| String::from_utf8(bytes).map_err(std::io::Error::other));
-            start.content = text.map_err(|error| {
-                let at = DocumentPath::default().key("start").key("file");
-                let remedy = "give the path of a CSV file, relative to the folder of the scene";
-                at.fault(format!("'{}' cannot be read: {error}", path.display()), remedy)
-            })?;
+            let at = DocumentPath::default().key("start").key("file");
+            let (path, bytes) = document.file(&start.file, "a CSV", &at)?;
+            let no_text = |error| at.fault(format!("'{path}' cannot be read: {error}"), "save it as text in UTF-8");
+            start.content = String::from_utf8(bytes).map_err(no_text)?;
         }
         start.grains = Parsed(OnceLock::from(start.parse()?));
         Ok(())

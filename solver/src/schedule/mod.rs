@@ -104,14 +104,11 @@ impl Team {
         self.pool.as_ref()?.threads.as_ref()
     }
 
-    /// Returns the number of threads.
-    pub fn threads(&self) -> usize {
-        self.pool().map_or(1, ThreadPool::current_num_threads)
-    }
-
-    /// Returns the scheduler.
-    pub fn scheduler(&self) -> Scheduler {
-        self.scheduler
+    crate::getters! {
+        /// Returns the number of threads.
+        pub threads: usize = |team| team.pool().map_or(1, ThreadPool::current_num_threads);
+        /// Returns the scheduler.
+        pub scheduler: Scheduler = |team| team.scheduler;
     }
 
     /// Runs `work` on a thread of the team, so that its regions start without waking a pool.

@@ -31,13 +31,35 @@ impl Energy {
     }
 }
 
+/// Stored energy of contacts, J.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Stored {
+    pub elastic: f64,
+    pub cohesive: f64,
+}
+
+impl Stored {
+    /// Energy of one contact.
+    pub fn of(contact: &NormalContact<f64>, pull: &Pull, law: NormalLaw) -> Stored {
+        Stored { elastic: contact.elastic_energy(law), cohesive: pull.energy(-contact.overlap) }
+    }
+
+    pub fn total(&self) -> f64 {
+        self.elastic + self.cohesive
+    }
+
+    /// Adds the energy of other contacts.
+    pub fn add(&mut self, other: Stored) {
+        self.elastic += other.elastic;
+        self.cohesive += other.cohesive;
+    }
+}
+
 /// Energy of contacts, and the deepest overlap.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct ContactEnergy {
-    /// Elastic, J.
-    pub elastic: f64,
-    /// Cohesive, J.
-    pub cohesive: f64,
+    /// Stored energy.
+    pub stored: Stored,
     /// Largest overlap over the smaller radius, and the id of a grain with this overlap.
     pub deepest: Option<(f64, u32)>,
 }
@@ -45,7 +67,7 @@ pub(crate) struct ContactEnergy {
 impl Simulation {
     /// Mechanical energy of the present state, J.
     pub fn energy(&self) -> Energy {
-        let ContactEnergy { elastic, cohesive, .. } = self.contact_energy();
+        let Stored { elastic, cohesive } = self.contact_energy().stored;
         Energy { elastic, cohesive, ..self.energy_of_grains() }
     }
 
@@ -113,9 +135,8 @@ impl ContactEnergy {
         sum
     }
 
-    fn add(&mut self, Term { elastic, cohesive, share, grain }: Term) {
-        self.elastic += elastic;
-        self.cohesive += cohesive;
+    fn add(&mut self, Term { stored, share, grain }: Term) {
+        self.stored.add(stored);
         if share > 0.0 && self.deepest.is_none_or(|(most, _)| share > most) {
             self.deepest = Some((share, grain));
         }
@@ -125,8 +146,7 @@ impl ContactEnergy {
 /// Energy of one contact, its overlap over the radius, and the id of its first grain.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Term {
-    elastic: f64,
-    cohesive: f64,
+    stored: Stored,
     share: f64,
     grain: u32,
 }
@@ -142,8 +162,8 @@ fn for_each_term(
 ) {
     let mut take = |(contact, pull): (NormalContact<f64>, Pull), radius: f64, grain: usize| {
         if contact.overlap > -pull.range {
-            let (elastic, cohesive) = (contact.elastic_energy(law), pull.energy(-contact.overlap));
-            add(Term { elastic, cohesive, share: contact.overlap / radius, grain: world.ids[grain] });
+            let stored = Stored::of(&contact, &pull, law);
+            add(Term { stored, share: contact.overlap / radius, grain: world.ids[grain] });
         }
     };
     // Most candidates are apart: this test needs neither a square root nor their materials.

@@ -10,9 +10,8 @@ use crate::Simulation;
 use crate::lanes::{cross, plus, times};
 use crate::scene::{Insertion, Neighbours, Region, Removal, Scene, sphere_volume};
 use crate::schedule::{Phase, Team};
-use crate::simulation::energy::ContactEnergy;
+use crate::simulation::energy::Stored;
 use crate::simulation::intervention::Booked;
-use crate::wall::WallsAt;
 use crate::world::{Body, INERTIA, NewGrain, Sphere, World, chunk, chunks};
 use nalgebra::Vector3;
 use rand_chacha::ChaCha8Rng;
@@ -47,11 +46,6 @@ impl Passed {
         self.grains += 1;
         self.mass += mass;
     }
-
-    /// Returns the sum over sources or sinks.
-    fn sum<'a>(all: impl Iterator<Item = &'a Passed>) -> Passed {
-        all.fold(Passed::default(), |sum, one| Passed { grains: sum.grains + one.grains, mass: sum.mass + one.mass })
-    }
 }
 
 /// State of the sources and sinks of a scene: [`Simulation::flow`].
@@ -80,10 +74,8 @@ pub(crate) struct Counts {
 impl Counts {
     /// Returns true if the counts are possible.
     pub fn are_sound(&self) -> bool {
-        self.inserted
-            .iter()
-            .chain(&self.removed)
-            .all(|passed| (0.0..1e30).contains(&passed.mass) && passed.grains < 1 << 53)
+        let mut passed = self.inserted.iter().chain(&self.removed);
+        passed.all(|passed| (0.0..1e30).contains(&passed.mass) && passed.grains < 1 << 53)
             && self.tries.iter().all(|&tries| tries < 1 << 53)
     }
 }
@@ -99,15 +91,6 @@ pub(crate) struct Flow {
     pub counts: Counts,
     /// Energy that came minus energy that went since the simulation was built, without elastic energy, J.
     pub supplied: f64,
-}
-
-/// Grains due at the start of a step.
-#[derive(Clone, Copy, PartialEq, PartialOrd)]
-enum Due {
-    None,
-    Later,
-    /// A grain may leave a sink within the step.
-    AtOnce,
 }
 
 impl Flow {
@@ -197,12 +180,8 @@ impl Flow {
     /// Returns the sinks that act at a time (s), with their numbers.
     fn sinks(&self, time: f64) -> impl Iterator<Item = (usize, &Region)> {
         let acts = move |sink: &Removal| time >= sink.from && sink.until.is_none_or(|until| time <= until);
-        self.scene
-            .remove
-            .iter()
-            .enumerate()
-            .filter(move |(_, sink)| acts(sink))
-            .map(|(index, sink)| (index, &sink.region))
+        let sinks = self.scene.remove.iter().enumerate().filter(move |(_, sink)| acts(sink));
+        sinks.map(|(index, sink)| (index, &sink.region))
     }
 }
 
@@ -222,9 +201,9 @@ impl Simulation {
     /// Returns the grains that have come from all sources and gone into all sinks.
     pub fn passed(&self) -> [Passed; 2] {
         let counts = self.flow.as_ref().map(|flow| &flow.counts);
-        counts.map_or_else(Default::default, |counts| {
-            [&counts.inserted, &counts.removed].map(|all| Passed::sum(all.iter()))
-        })
+        let sum = |sum: Passed, one: &Passed| Passed { grains: sum.grains + one.grains, mass: sum.mass + one.mass };
+        let lists = counts.map_or([&[][..]; 2], |counts| [&counts.inserted, &counts.removed]);
+        lists.map(|all| all.iter().fold(Passed::default(), sum))
     }
 
     /// Returns the energy that came minus the energy that went with grains, without elastic energy, since the simulation was
@@ -237,10 +216,10 @@ impl Simulation {
     /// Returns true if the list has to be rebuilt.
     pub(super) fn let_flow(&mut self, stale: bool, team: &Team) -> bool {
         let Some(flow) = self.flow.take() else { return stale };
-        let (time, due) = (self.world.time, self.most_urgent(&flow, team));
+        let (time, [due, at_once]) = (self.world.time, self.are_due(&flow, team));
         let age =
             self.candidates.built_from().map_or(f64::INFINITY, |(_, built_at)| (time - built_at) / self.settings.step);
-        let now = due != Due::None && (stale || due == Due::AtOnce || age.round() >= flow.every);
+        let now = due && (stale || at_once || age.round() >= flow.every);
         let flow = if now { self.exchange(flow) } else { flow };
         self.flow = Some(flow);
         stale || now
@@ -258,8 +237,8 @@ impl Simulation {
             .find_map(|(index, region)| (region.holds(&centre) || met(region)).then(|| (index, region.holds(&centre))))
     }
 
-    /// Finds the most urgent grain that is due. Allocates nothing.
-    fn most_urgent(&self, flow: &Flow, team: &Team) -> Due {
+    /// Returns true if a grain is due, and true if one may leave a sink within the step. Allocates nothing.
+    fn are_due(&self, flow: &Flow, team: &Team) -> [bool; 2] {
         let (world, h) = (&self.world, self.settings.step);
         let (leaves, at_once) = (AtomicBool::new(false), AtomicBool::new(false));
         if flow.sinks(world.time).next().is_some() {
@@ -277,13 +256,9 @@ impl Simulation {
                 }
             });
         }
-        let sources = 0..flow.counts.inserted.len();
-        let comes = || sources.clone().any(|source| flow.due_at(source) <= world.time * (1.0 + 1e-12));
-        match (at_once.into_inner(), leaves.into_inner() || comes()) {
-            (true, _) => Due::AtOnce,
-            (false, true) => Due::Later,
-            (false, false) => Due::None,
-        }
+        let mut sources = 0..flow.counts.inserted.len();
+        let mut comes = || sources.any(|source| flow.due_at(source) <= world.time * (1.0 + 1e-12));
+        [leaves.into_inner() || comes(), at_once.into_inner()]
     }
 
     /// Removes and inserts the grains that are due, and prepares the candidate list for its rebuild.
@@ -298,7 +273,7 @@ impl Simulation {
             come.iter().fold(Booked::default(), |sum, grain| sum.with(&self.booked_of(&grain.sphere, &grain.body)));
         flow.supplied += came.energy - (went.0.energy + went.1.cohesive);
         if let Some(ledger) = &mut self.ledger {
-            ledger.exchange([&came, &went.0], [went.1.elastic, went.1.cohesive]);
+            ledger.exchange([&came, &went.0], went.1);
         }
         let moves = self.world.change(&gone, &come);
         self.candidates.change(&moves, &self.world);
@@ -338,6 +313,11 @@ impl Simulation {
         }
         let poses: Vec<_> = world.walls.poses(world.time).collect();
         let walls = world.walls.placed(&poses);
+        let is_clear_of_walls = |centre: &Vector3<f64>, radius: f64| {
+            let mut is_clear = true;
+            walls.for_each_near(centre, |_| radius, |_, face| is_clear &= face.distance(centre) >= radius);
+            is_clear
+        };
         for source in sources {
             while flow.due_at(source) <= time {
                 let (radius, mass) = flow.next(source);
@@ -345,7 +325,7 @@ impl Simulation {
                     flow.counts.tries[source] += 1;
                     let mut random = flow.random(source, true, flow.counts.tries[source]);
                     let centre = scene.insert[source].region.draw(radius, &mut random);
-                    let is_free = is_clear_of_walls(&walls, &centre, radius)
+                    let is_free = is_clear_of_walls(&centre, radius)
                         && neighbours.find(&centre.into(), radius, |overlap, _| overlap > 0.0).is_none();
                     is_free.then_some(centre)
                 });
@@ -396,10 +376,10 @@ impl Simulation {
     }
 
     /// Sums energy, momentum and angular momentum of grains, and the energy stored in their contacts.
-    fn booked_with(&self, places: &[u32]) -> (Booked, ContactEnergy) {
+    fn booked_with(&self, places: &[u32]) -> (Booked, Stored) {
         let mut sum = Booked::default();
         if places.is_empty() {
-            return (sum, ContactEnergy::default());
+            return (sum, Stored::default());
         }
         let mut is_listed = vec![false; self.world.bodies.len()];
         for &place in places {
@@ -407,14 +387,6 @@ impl Simulation {
             sum = sum.with(&self.booked_of(&self.world.spheres[place as usize], &self.world.bodies[place as usize]));
         }
         let counts = |places: [u32; 2]| places.iter().any(|&place| is_listed[place as usize]);
-        (sum, self.contact_energy_of(counts))
+        (sum, self.contact_energy_of(counts).stored)
     }
-}
-
-fn is_clear_of_walls(walls: &WallsAt<'_>, centre: &Vector3<f64>, radius: f64) -> bool {
-    let mut is_clear = true;
-    for (wall, ..) in walls.each_wall() {
-        walls.for_each_near_of(wall, centre, radius, |_, face| is_clear &= face.distance(centre) >= radius);
-    }
-    is_clear
 }

@@ -3,12 +3,11 @@
 //! ```text
 //! step.rs         the time step: detect, constrain, solve, move
 //! swept/          contacts of grains that would cross a wall or another grain within a step
-//! interrupted.rs  abandoned steps
 //! intervention/   actions of the caller between steps: forces, written states, inserted and removed grains, kinematic walls
 //! flow.rs         grains that come and go by the scene
 //! stages.rs       stages of a process
 //! gauge.rs        grains that pass surfaces in space
-//! settings.rs     threads, instruction set, precision, method, stop
+//! settings.rs     threads, instruction set, precision, method, stop; interrupts
 //! energy.rs       mechanical energy of a state
 //! ledger/         sources and sinks of energy and momentum
 //! wall_record.rs  loads and wear of walls
@@ -109,7 +108,7 @@ pub(crate) enum Request {
     /// Division of a simulation.
     Divide,
     Step,
-    Contacts,
+    PairContacts,
     WallContacts,
     Energy,
     Checkpoint,
@@ -178,54 +177,32 @@ impl Simulation {
         self.ledger = other.ledger.clone();
         (self.flow, self.stages) = (other.flow.clone(), other.stages.clone());
         (self.gauges, self.wall_record) = (other.gauges.clone(), other.wall_record.clone());
-        self.swept.remember_failures(&other.swept);
+        (self.swept.crossing, self.swept.passage) = (other.swept.crossing, other.swept.passage);
         self.interrupt = other.interrupt.clone();
         self.phases = other.phases;
     }
 
-    /// Simulated time, s.
-    pub fn time(&self) -> f64 {
-        self.world.time
-    }
-
-    /// Steps taken.
-    pub fn steps_taken(&self) -> u64 {
-        self.steps
-    }
-
-    /// Time step, s.
-    pub fn time_step(&self) -> f64 {
-        self.settings.step
-    }
-
-    /// Returns the active effects of the scene that concern the sweep kernel.
-    pub fn effects(&self) -> EffectSet {
-        self.relaxation.effects
-    }
-
-    /// Instruction set of the sweep kernel.
-    pub fn instruction_set(&self) -> InstructionSet {
-        self.relaxation.instruction_set.name()
-    }
-
-    /// Returns the number of contacts times sweeps, summed over the steps taken.
-    pub fn contact_sweeps(&self) -> u64 {
-        self.contact_sweeps
-    }
-
-    /// Wall time of the phases, summed over the steps taken.
-    pub fn phase_seconds(&self) -> PhaseSeconds {
-        self.phases
-    }
-
-    /// Returns the layout of the contacts of the last step.
-    pub fn layout(&self) -> &Layout {
-        &self.layout
-    }
-
-    /// Number of times that the candidate list was built.
-    pub fn rebuilds(&self) -> u64 {
-        self.candidates.rebuilds
+    crate::getters! {
+        /// Simulated time, s.
+        pub time: f64 = |simulation| simulation.world.time;
+        /// Steps taken.
+        pub steps_taken: u64 = |simulation| simulation.steps;
+        /// Time step, s.
+        pub time_step: f64 = |simulation| simulation.settings.step;
+        /// Returns the active effects of the scene that concern the sweep kernel.
+        pub effects: EffectSet = |simulation| simulation.relaxation.effects;
+        /// Instruction set of the sweep kernel.
+        pub instruction_set: InstructionSet = |simulation| simulation.relaxation.instruction_set.name();
+        /// Returns the number of contacts times sweeps, summed over the steps taken.
+        pub contact_sweeps: u64 = |simulation| simulation.contact_sweeps;
+        /// Wall time of the phases, summed over the steps taken.
+        pub phase_seconds: PhaseSeconds = |simulation| simulation.phases;
+        /// Returns the layout of the contacts of the last step.
+        pub layout: &Layout = |simulation| &simulation.layout;
+        /// Number of times that the candidate list was built.
+        pub rebuilds: u64 = |simulation| simulation.candidates.rebuilds;
+        /// Threads and their scheduler.
+        pub team: &Team = |simulation| &simulation.team;
     }
 
     /// Hash of the state (time, positions, velocities and spins per grain, then dynamic walls): FNV-1a, 64 bits, over their bits.
@@ -273,10 +250,5 @@ impl Simulation {
             + self.layout.memory_bytes()
             + self.constrainer.memory_bytes()
             + self.solver.memory_bytes()
-    }
-
-    /// Threads and their scheduler.
-    pub fn team(&self) -> &Team {
-        &self.team
     }
 }

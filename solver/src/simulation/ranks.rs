@@ -53,8 +53,14 @@ impl Request {
     fn take(messages: &dyn Messages) -> Request {
         let mut bytes = Vec::new();
         messages.broadcast(&mut bytes, 0);
-        let all =
-            [Request::End, Request::Divide, Request::Step, Request::Contacts, Request::WallContacts, Request::Energy];
+        let all = [
+            Request::End,
+            Request::Divide,
+            Request::Step,
+            Request::PairContacts,
+            Request::WallContacts,
+            Request::Energy,
+        ];
         all.into_iter().find(|request| bytes == [*request as u8]).unwrap_or(Request::Checkpoint)
     }
 }
@@ -98,7 +104,7 @@ impl Simulation {
     fn answer(&mut self, request: Request) {
         match request {
             Request::Step => drop(self.step()),
-            Request::Contacts => drop(self.contacts()),
+            Request::PairContacts => drop(self.pair_contacts()),
             Request::WallContacts => self.for_each_wall_contact(|_| ()),
             Request::Energy => drop(self.contact_energy()),
             Request::Checkpoint => drop(State::of(self)),

@@ -24,11 +24,8 @@ impl Simulation {
 
     /// Returns the property of the scene that only Gauss-Seidel in double precision supports.
     fn obstacle(&self) -> Option<Obstacle> {
-        Obstacle::of_scene(
-            self.relaxation.effects.torques(),
-            !self.world.drives.is_empty(),
-            self.relaxation.effects.spring(),
-        )
+        let effects = &self.relaxation.effects;
+        Obstacle::of_scene(effects.torques(), !self.world.drives.is_empty(), effects.spring())
     }
 
     /// Sets the precision of sweeps from the next step on; this changes the result.
@@ -89,9 +86,7 @@ impl Simulation {
         self.team = Team::new(scheduler, threads).map_err(refused)?;
         Ok(())
     }
-}
 
-impl Simulation {
     /// Returns a handle that stops a step of this simulation, and of its clones, from another thread: see
     /// [`interrupt`](crate::interrupt). Solves of at most 64 sweeps do not poll.
     pub fn interrupt_handle(&self) -> Interrupt {
@@ -126,9 +121,17 @@ impl Simulation {
             body.scaled_spin = [x, y, z];
         }
         drives.iter_mut().for_each(|drive| drive.rate = drive.rate_before);
-        self.abandon_torques();
-        self.layout.contacts = 0;
+        // The step is repeated with the same torques.
+        for (body, spin) in bodies.iter_mut().zip(&self.interventions.spins_before) {
+            body.scaled_spin = *spin;
+        }
         self.layout.driven.clear();
+        self.empty_layout();
+    }
+
+    /// Discards the contacts of the layout.
+    pub(crate) fn empty_layout(&mut self) {
+        self.layout.contacts = 0;
         for groups in &mut self.layout.groups {
             groups.empty(self.relaxation.effects);
         }

@@ -140,9 +140,8 @@ impl Simulation {
 
     /// Returns true once the last stage of the scene has reached its end; later steps belong to it too.
     pub fn has_ended(&self) -> bool {
-        self.stages
-            .as_ref()
-            .is_some_and(|stages| stages.state.ended && stages.state.number() + 1 == stages.scene.stage.len())
+        let is_last = |Stages { scene, state }: &Stages| state.number() + 1 == scene.stage.len();
+        self.stages.as_ref().is_some_and(|stages| stages.state.ended && is_last(stages))
     }
 
     /// Returns the value of the condition of the present stage and its bound (J per grain, N or kg), if it has not held within the longest

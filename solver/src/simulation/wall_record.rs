@@ -161,7 +161,6 @@ impl Simulation {
                 wall_velocity,
                 centre: sphere.centre.into(),
                 arm: times(normal, sphere.radius),
-                shift: [0.0; 3],
             };
             record.add(world, &impulse, one.pressing, one.angular_impulse, one.work(), one.begins);
         });

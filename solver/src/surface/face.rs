@@ -20,7 +20,7 @@
 //! ```
 
 use super::frustum::Frustum;
-use super::triangle::Triangle;
+use super::triangle::{Triangle, round};
 use crate::laws::period::Period;
 use nalgebra::Vector3;
 
@@ -362,15 +362,9 @@ impl Face {
             }
             Face::Ball { centre: middle, radius, period } => {
                 let (arm, touch) = (period.arm(&middle, centre), radius + level);
-                let (square, half, beyond) = (shift.norm_squared(), arm.dot(shift), arm.norm_squared() - touch * touch);
-                let root = half * half - square * beyond;
-                // The two are apart and approach, and reach this level before the path ends.
-                if root < 0.0 || beyond <= 0.0 || half >= 0.0 {
-                    return None;
-                }
-                let share = -(root.sqrt() + half) / square;
+                let share = round(&arm, shift, touch)?;
                 let normal = -(arm + shift * share) / touch;
-                (share <= 1.0).then(|| Impact { share, distance: -normal.dot(&arm) - radius, normal })
+                Some(Impact { share, distance: -normal.dot(&arm) - radius, normal })
             }
             Face::Triangle(triangle) => triangle.time_of_impact(centre, shift, level),
             Face::Frustum(frustum) => frustum.time_of_impact(centre, shift, level),

@@ -151,7 +151,10 @@ impl FaceIndex {
         let below = |place: usize| {
             let node = &self.nodes[place];
             let beside = (node.low - point).sup(&(point - node.high)).sup(&Vector::zeros()).norm();
-            self.layers.get(place).map_or(beside, |layer| beside.max(layer.height_of(point)))
+            self.layers.get(place).map_or(beside, |layer| {
+                let height = layer.normal.dot(point);
+                beside.max(height - layer.high).max(layer.low - height)
+            })
         };
         let (mut waiting, mut count, mut least) = ([(0, 0.0); DEEPEST], 1, limit);
         while count > 0 {
@@ -191,13 +194,6 @@ impl Layer {
     fn reaches(&self, point: &Vector, radius: f64) -> bool {
         let height = self.normal.dot(point);
         height - self.high <= radius && self.low - height <= radius
-    }
-
-    /// Returns the distance of a point from the layer, m; negative inside.
-    #[inline]
-    fn height_of(&self, point: &Vector) -> f64 {
-        let height = self.normal.dot(point);
-        (height - self.high).max(self.low - height)
     }
 }
 

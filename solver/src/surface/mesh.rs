@@ -4,7 +4,6 @@
 //! precision, in which STL stores them. A triangle without an area, or with the corners of an earlier triangle in any order, is dropped
 //! and counted. Open, non-manifold and self-touching meshes are valid.
 
-use super::face::Rotation;
 use super::triangle::Triangle;
 use base64::prelude::{BASE64_STANDARD, Engine};
 use nalgebra::Vector3;
@@ -38,12 +37,6 @@ pub struct MeshRotation {
     pub axis: [f64; 3],
     /// Angle, degrees.
     pub angle: f64,
-}
-
-impl MeshRotation {
-    pub(super) fn rotation(&self) -> Rotation {
-        Rotation::new(Vector3::from(self.axis).normalize(), self.angle.to_radians())
-    }
 }
 
 impl TriangleMesh {
@@ -98,19 +91,13 @@ impl TriangleMesh {
         self.triangles.iter().map(|numbers| numbers.map(|number| self.points[number as usize]))
     }
 
-    /// Returns the number of triangles.
-    pub fn len(&self) -> usize {
-        self.triangles.len()
-    }
-
-    /// Returns true if the file has not been read.
-    pub fn is_empty(&self) -> bool {
-        self.triangles.is_empty()
-    }
-
-    /// Returns the numbers of triangles that were dropped: without an area, and repeated.
-    pub fn dropped(&self) -> [usize; 2] {
-        [self.flat as usize, self.repeated as usize]
+    crate::getters! {
+        /// Returns the number of triangles.
+        pub len: usize = |mesh| mesh.triangles.len();
+        /// Returns true if the file has not been read.
+        pub is_empty: bool = |mesh| mesh.triangles.is_empty();
+        /// Returns the numbers of triangles that were dropped: without an area, and repeated.
+        pub dropped: [usize; 2] = |mesh| [mesh.flat as usize, mesh.repeated as usize];
     }
 
     /// Returns the distance below which corners are one corner, in units of the file.
@@ -172,20 +159,13 @@ impl<'de> Deserialize<'de> for TriangleMesh {
 }
 
 fn decode(bytes: &[u8]) -> Option<TriangleMesh> {
+    let words = |bytes: &[u8]| bytes.as_chunks().0.iter().map(|four| u32::from_le_bytes(*four)).collect::<Vec<u32>>();
     let (head, rest) = bytes.split_at_checked(12)?;
-    let mut numbers = head.chunks_exact(4).map(|four| u32::from_le_bytes(four.try_into().expect("four bytes")));
-    let [flat, repeated, points] = [numbers.next()?, numbers.next()?, numbers.next()?];
+    let [flat, repeated, points] = words(head)[..] else { return None };
     let (coordinates, corners) = rest.split_at_checked((points as usize).checked_mul(24)?)?;
-    let coordinate = |eight: &[u8]| f64::from_le_bytes(eight.try_into().expect("eight bytes"));
-    let point = |bytes: &[u8]| [coordinate(&bytes[..8]), coordinate(&bytes[8..16]), coordinate(&bytes[16..24])];
-    let corner = |four: &[u8]| u32::from_le_bytes(four.try_into().expect("four bytes"));
-    let triangle = |bytes: &[u8]| [corner(&bytes[..4]), corner(&bytes[4..8]), corner(&bytes[8..12])];
-    let mesh = TriangleMesh {
-        points: coordinates.chunks_exact(24).map(point).collect(),
-        triangles: corners.chunks_exact(12).map(triangle).collect(),
-        flat,
-        repeated,
-    };
+    let coordinates: Vec<f64> = coordinates.as_chunks().0.iter().map(|eight| f64::from_le_bytes(*eight)).collect();
+    let (welded, triangles) = (coordinates.as_chunks().0.into(), words(corners).as_chunks().0.into());
+    let mesh = TriangleMesh { points: welded, triangles, flat, repeated };
     let valid = corners.len().is_multiple_of(12)
         && mesh.points.iter().flatten().all(|x| x.abs() < 1e30)
         && mesh.triangles.iter().flatten().all(|&corner| corner < points)

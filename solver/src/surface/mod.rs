@@ -179,7 +179,9 @@ impl Shape {
             return Some(vec![[*corner, at(1.0, 0.0), at(1.0, 1.0)], [*corner, at(1.0, 1.0), at(0.0, 1.0)]]);
         }
         let Shape::Mesh { scale, rotate, translate, content, .. } = self else { return None };
-        let rotation = rotate.as_ref().map(MeshRotation::rotation);
+        let turn =
+            |rotate: &MeshRotation| Rotation::new(Vector::from(rotate.axis).normalize(), rotate.angle.to_radians());
+        let rotation = rotate.as_ref().map(turn);
         let place = |point: [f64; 3]| {
             let point = Vector::from(point) * *scale;
             let point = rotation.map_or(point, |rotation| rotation.turn(point));

@@ -165,7 +165,7 @@ impl Triangle {
 }
 
 /// Returns the fraction of a path after which it comes within `level` (m) of the origin, from an `arm` outside.
-fn round(arm: &Vector, shift: &Vector, level: f64) -> Option<f64> {
+pub(super) fn round(arm: &Vector, shift: &Vector, level: f64) -> Option<f64> {
     let (square, half, beyond) = (shift.norm_squared(), arm.dot(shift), arm.norm_squared() - level * level);
     let root = half * half - square * beyond;
     if root < 0.0 || beyond <= 0.0 || half >= 0.0 {

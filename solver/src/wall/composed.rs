@@ -17,29 +17,14 @@ use super::rigid::Rigid;
 use crate::scene::{Domain, Motion};
 use crate::surface::Face;
 
-/// Velocity field of a rigid motion, `v + spin x x`.
-#[derive(Clone, Copy, Debug)]
-struct Twist {
-    /// Velocity of the point at the origin, m/s.
-    velocity: Vector,
-    /// Angular velocity, rad/s.
-    spin: Vector,
-}
-
 /// Sphere around the points of a wall in the scene, or around the domain if the wall is infinite.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Extent {
     /// Centre, m.
     pub middle: Vector,
     radius: f64,
     /// True if the sphere moves with the wall.
     of_wall: bool,
-}
-
-impl Twist {
-    fn about(centre: Vector, spin: Vector, velocity: Vector) -> Twist {
-        Twist { velocity: velocity - spin.cross(&centre), spin }
-    }
 }
 
 impl Extent {
@@ -54,15 +39,16 @@ impl Extent {
 }
 
 impl Movement {
-    /// Returns the displacement from the pose at the beginning of the motion, and the velocity field, at a time (s) since its origin.
-    fn course(&self, time: f64) -> (Rigid, Twist) {
-        let rest = Twist { velocity: Vector::zeros(), spin: Vector::zeros() };
-        self.parts.iter().fold((Rigid::default(), rest), |(place, field), part| {
-            let Pose { displacement, velocity, turning, .. } = part.relative_pose(time);
-            let (by, own) = (displacement.rigid(), Twist::about(turning.centre, turning.spin, velocity));
-            let carried = Twist::about(by.shift(), by.turn(&field.spin), by.turn(&field.velocity));
-            let sum = Twist { velocity: carried.velocity + own.velocity, spin: carried.spin + own.spin };
-            (place.then(&by), sum)
+    /// Returns the displacement from the pose at the beginning of the motion, and the velocity field `v + w x x` by v (m/s) and w (rad/s), at a
+    /// time (s) since its origin.
+    fn course(&self, time: f64) -> (Rigid, [Vector; 2]) {
+        let about = |centre: Vector, spin: Vector, velocity: Vector| [velocity - spin.cross(&centre), spin];
+        self.parts.iter().fold(Default::default(), |(place, [velocity, spin]), part| {
+            let own = part.relative_pose(time);
+            let by = own.displacement.rigid();
+            let carried = about(by.shift(), by.turn(&spin), by.turn(&velocity));
+            let added = about(own.turning.centre, own.turning.spin, own.velocity);
+            (place.then(&by), [carried[0] + added[0], carried[1] + added[1]])
         })
     }
 
@@ -73,11 +59,11 @@ impl Movement {
 
     /// Sets the displacement and the velocity of a pose at a time (s) since the origin of the motion.
     pub(super) fn compose(&self, pose: &mut Pose, time: f64) {
-        let (place, field) = self.course(time);
+        let (place, [velocity, spin]) = self.course(time);
         let centre = self.middle(&place);
         pose.displacement = Displacement::of(&place);
-        pose.velocity = field.velocity + field.spin.cross(&centre);
-        pose.turning = Turning::about(centre, field.spin);
+        pose.velocity = velocity + spin.cross(&centre);
+        pose.turning = Turning::about(centre, spin);
     }
 
     /// Returns the pose at the start of a step of length `step` (s), with the velocity that leads to the pose at its end.
@@ -96,7 +82,9 @@ impl Movement {
         let slack = 1e-9 * step;
         let [from, to] = [time - step + slack, time + step - slack].map(|time| time - self.origin);
         if !self.parts.iter().any(|part| part.motion.breaks_between(from, to)) {
-            pose.gain_since(&self.composed_through(time - step, step).along_chord(step));
+            let before = self.composed_through(time - step, step).along_chord(step);
+            pose.gain = pose.velocity - before.velocity;
+            pose.gain_of_spin = pose.spin(false) - before.spin(false);
         }
         pose
     }

@@ -31,7 +31,8 @@ pub use steered::WallMotion;
 
 use crate::scene::{self, Domain, Motion};
 use crate::surface::{Face, FaceIndex};
-use motion::{Movement, keeps_in_place};
+use composed::Extent;
+use motion::Movement;
 use nalgebra::Vector3;
 use std::ops::Range;
 
@@ -96,26 +97,29 @@ impl Walls {
         let mut faces: Vec<WallFace> = Vec::new();
         let place = |(number, wall): (u32, &scene::Wall)| {
             let (shapes, first) = (wall.shape.faces(domain.period()), faces.len() as u32);
+            let (material, in_place) = (material(&wall.material), false);
+            faces.extend(shapes.iter().map(|shape| WallFace { shape: *shape, wall: number, material, in_place }));
             let motion = scene::course(walls, number as usize);
-            let (material, in_place) = (material(&wall.material), |face: &Face| keeps_in_place(face, &motion));
-            let face = |shape: &Face| WallFace { shape: *shape, wall: number, material, in_place: in_place(shape) };
-            faces.extend(shapes.iter().map(face));
             Wall {
                 faces: first..faces.len() as u32,
-                movement: Movement::new(&motion, wall.surface_velocity, &shapes, domain),
+                movement: Movement::new(&motion, wall.surface_velocity, Extent::of(&shapes, domain)),
                 index: FaceIndex::new(&shapes, first, domain.period()),
                 seam: wall.shape.seam(),
-                furthest: wall.shape.seam().and_then(|_| furthest(&motion, &shapes)),
+                furthest: None,
             }
         };
         let walls: Vec<Wall> = (0..).zip(walls).map(place).collect();
         let any_mesh = walls.iter().any(|wall| wall.seam.is_some());
-        Walls { walls, faces, any_mesh }
+        let mut all = Walls { walls, faces, any_mesh };
+        (0..all.count() as u32).for_each(|wall| all.change(wall, |_| ()));
+        all
     }
 
-    /// Returns the number of faces.
-    pub fn faces(&self) -> usize {
-        self.faces.len()
+    crate::getters! {
+        /// Returns the number of faces.
+        pub faces: usize = |walls| walls.faces.len();
+        /// Returns true if at least one wall does work at any time: it moves, or its surface does.
+        pub any_works: bool = |walls| walls.walls.iter().any(|Wall { movement, .. }| movement.moves() || movement.surface_velocity != Vector::zeros());
     }
 
     /// Returns the index in the scene of the wall of a face.
@@ -130,11 +134,6 @@ impl Walls {
         self.faces[face as usize].material
     }
 
-    /// Returns true if at least one wall does work at any time.
-    pub fn any_works(&self) -> bool {
-        self.walls.iter().any(|wall| wall.movement.works())
-    }
-
     /// Returns the index in the scene of the wall of a face, and the index of the face in the wall.
     pub(crate) fn place_of(&self, face: u32) -> (u32, u32) {
         let wall = self.wall_of(face);
@@ -143,9 +142,7 @@ impl Walls {
 
     /// Returns the point (m) of a wall about which torques are stated: on the axis of its rotation, or the origin without an axis.
     pub(crate) fn pivot(&self, wall: u32) -> [f64; 3] {
-        let Movement { motion, steered, .. } = &self.walls[wall as usize].movement;
-        let about = steered.as_ref().and_then(Steered::about).or_else(|| motion.axis());
-        about.map_or([0.0; 3], |(point, _)| point)
+        self.walls[wall as usize].movement.axis().unwrap_or_default().0.into()
     }
 
     /// Returns the indices of the walls that move at any time.
@@ -156,7 +153,8 @@ impl Walls {
 
     /// Sets the displacement (m or rad) and the rate (m/s or rad/s) of a dynamic wall; no effect on a wall without a drive.
     pub fn put(&mut self, wall: u32, displacement: f64, rate: f64) {
-        self.walls[wall as usize].movement.put(displacement, rate);
+        let movement = &mut self.walls[wall as usize].movement;
+        (movement.displacement, movement.rate) = (displacement, rate);
     }
 
     /// Prescribes a motion of a wall from the next step on; `times` are the present time and that of the last build of the candidate list, s.
@@ -164,41 +162,33 @@ impl Walls {
     /// # Errors
     /// Reason why the wall cannot have this motion, as text that follows its name.
     pub(crate) fn steer(&mut self, wall: u32, motion: &WallMotion, times: [f64; 2]) -> Result<(), String> {
-        self.with_faces(wall, |movement, faces| movement.steer(motion, faces, times))
+        self.change(wall, |movement| movement.steer(motion, times))
     }
 
     /// Restores the prescribed motion of a wall from a stored state.
     pub(crate) fn restore(&mut self, wall: u32, steered: Steered) {
-        self.with_faces(wall, |movement, faces| movement.restore(steered, faces));
+        self.change(wall, |movement| movement.steered = Some(steered));
     }
 
     /// Changes the motion of a wall, and updates which faces the motion maps onto themselves.
-    fn with_faces<R>(&mut self, wall: u32, change: impl FnOnce(&mut Movement, &[Face]) -> R) -> R {
-        let Wall { faces, movement, .. } = &mut self.walls[wall as usize];
+    fn change<R>(&mut self, wall: u32, change: impl FnOnce(&mut Movement) -> R) -> R {
+        let Wall { faces, movement, furthest, seam, .. } = &mut self.walls[wall as usize];
         let own = &mut self.faces[faces.start as usize..faces.end as usize];
-        let shapes: Vec<Face> = own.iter().map(|face| face.shape).collect();
-        let result = change(movement, &shapes);
-        if let Some(steered) = &movement.steered {
-            own.iter_mut().for_each(|face| face.in_place = steered.keeps_in_place(&movement.based(&face.shape)));
-        }
+        let result = change(movement);
+        own.iter_mut().for_each(|face| face.in_place = movement.keeps_in_place(&face.shape));
+        movement.turns = movement.axis().is_some() && !own.iter().all(|face| face.in_place);
+        *furthest = seam.and_then(|_| furthest_corner(movement, own));
         result
     }
 
     /// Returns the beginning of a motion at the pose that a wall has at a time (s).
     pub(crate) fn reached(&self, wall: u32, time: f64) -> Beginning {
-        self.walls[wall as usize].movement.reached(time)
+        Beginning { pose: self.walls[wall as usize].movement.at(time).displacement.rigid(), time }
     }
 
     /// Begins another motion of a wall. The candidate list must be built again before the next step.
     pub(crate) fn begin_motion(&mut self, wall: u32, motion: &Motion, beginning: &Beginning) {
-        let shapes = self.with_faces(wall, |movement, faces| {
-            movement.begin(motion, faces, beginning);
-            faces.iter().map(|face| movement.based(face)).collect::<Vec<Face>>()
-        });
-        let Wall { faces, furthest: arm, seam, .. } = &mut self.walls[wall as usize];
-        *arm = seam.and_then(|_| furthest(motion, &shapes));
-        let own = &mut self.faces[faces.start as usize..faces.end as usize];
-        own.iter_mut().zip(&shapes).for_each(|(face, shape)| face.in_place = keeps_in_place(shape, motion));
+        self.change(wall, |movement| movement.begin(motion, beginning));
     }
 
     /// Returns the kinematic walls under control of the caller, each with its state.
@@ -218,12 +208,15 @@ impl Walls {
 
     /// Stores the displacements by drives when the candidate list is built.
     pub(crate) fn enter_list(&mut self) {
-        self.walls.iter_mut().for_each(|wall| wall.movement.enter_list());
+        for Wall { movement, .. } in &mut self.walls {
+            movement.displacement_in_list = movement.displacement;
+            movement.steered.iter_mut().for_each(Steered::enter_list);
+        }
     }
 
     /// Returns the stored displacement of a dynamic wall, m or rad.
     pub(crate) fn displacement_in_list(&self, wall: u32) -> f64 {
-        self.walls[wall as usize].movement.displacement_in_list()
+        self.walls[wall as usize].movement.displacement_in_list
     }
 
     /// Returns an upper bound of the displacement (m) between two times (s) of a point of a wall within `radius` (m) of
@@ -472,17 +465,20 @@ impl PlacedFace<'_> {
 /// a drive remain.
 pub fn first_that_jumps_back(walls: &[scene::Wall], domain: &Domain, time: f64) -> Option<usize> {
     let extent = (Vector::from(domain.max) - Vector::from(domain.min)).norm();
-    walls.iter().enumerate().position(|(number, wall)| {
-        let faces = wall.shape.faces(domain.period());
-        Movement::new(&scene::course(walls, number), [0.0; 3], &faces, domain).jumps_back(time, &faces, extent)
-    })
+    let Walls { walls, faces, .. } = Walls::new(walls, domain, |_| 0);
+    let own = |wall: &Wall| &faces[wall.faces.start as usize..wall.faces.end as usize];
+    walls.iter().position(|wall| wall.movement.jumps_back(time, own(wall), extent))
 }
 
-/// Returns the distance (m) of the furthest corner of a mesh from the axis about which its motion turns it.
-fn furthest(motion: &Motion, faces: &[Face]) -> Option<f64> {
-    let (point, axis) = motion.axis()?;
-    let (point, axis) = (Vector::from(point), Vector::from(axis).normalize());
-    Some(faces.iter().flat_map(Face::corners).map(|corner| (corner - point).cross(&axis).norm()).fold(0.0, f64::max))
+/// Returns the distance (m) of the furthest corner of a mesh from the axis about which its motion in the scene turns it.
+fn furthest_corner(movement: &Movement, faces: &[WallFace]) -> Option<f64> {
+    let (point, axis) = movement.motion.axis()?;
+    let (point, axis, mut furthest) = (Vector::from(point), Vector::from(axis).normalize(), 0.0);
+    for face in faces {
+        let based = movement.based(&face.shape);
+        furthest = based.corners().iter().map(|corner| (corner - point).cross(&axis).norm()).fold(furthest, f64::max);
+    }
+    Some(furthest)
 }
 
 /// Walls of a scene at their positions at a time.

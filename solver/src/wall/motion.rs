@@ -22,11 +22,12 @@
 //! Their mean `s t` is the velocity for the impulses of the step, and half their difference, `b omega a x t`, is the drift towards the axis
 //! ([`Pose::drift`]). A face that the rotation maps onto itself moves only in its tangent plane: the normal component of the drift is omitted.
 
+use super::WallFace;
 use super::composed::{Extent, tabulate};
 use super::rigid::Rigid;
 use super::steered::Steered;
 use crate::effects::drive::Drive;
-use crate::scene::{Domain, Motion};
+use crate::scene::Motion;
 use crate::surface::{Face, Rotation};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -38,7 +39,7 @@ type Vector = Vector3<f64>;
 const ROUNDING: f64 = 1e-9;
 
 /// Motion of a wall: prescribed by the scene, or the result of a drive.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Movement {
     pub(super) motion: Motion,
     /// Motions that make up a composed one, in their order; none for another motion.
@@ -49,21 +50,21 @@ pub(super) struct Movement {
     /// Time from which the times of the motion count, s.
     pub(super) origin: f64,
     /// Velocity of the surface along itself, m/s.
-    surface_velocity: Vector,
+    pub(super) surface_velocity: Vector,
     /// True if a rotation moves at least one face, instead of mapping all faces onto themselves.
     pub(super) turns: bool,
     /// Motion by the caller instead of the scene.
     pub(super) steered: Option<Steered>,
     /// Displacement by a drive, m or rad, at present and at the last build of the candidate list; zero without a drive.
-    displacement: f64,
-    displacement_in_list: f64,
+    pub(super) displacement: f64,
+    pub(super) displacement_in_list: f64,
     /// Velocity by a drive, m/s or rad/s.
-    rate: f64,
+    pub(super) rate: f64,
 }
 
 /// Beginning of a motion that continues an earlier one of the same wall. Points and axes of the motion are those of the scene
 /// at this time.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Beginning {
     /// Pose of the wall relative to its position in the scene.
     pub(crate) pose: Rigid,
@@ -72,7 +73,7 @@ pub struct Beginning {
 }
 
 /// Wall at a time: its position and its velocity field.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Pose {
     pub(super) displacement: Displacement,
     /// Displacement of faces that the motion maps onto themselves.
@@ -104,8 +105,9 @@ pub struct DrivenWall {
 }
 
 /// Pose of a wall relative to its position in the scene.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) enum Displacement {
+    #[default]
     Nowhere,
     By(Vector),
     About(Vector, Rotation),
@@ -124,7 +126,7 @@ impl Displacement {
 
     pub(super) fn rigid(&self) -> Rigid {
         match self {
-            Displacement::Nowhere => Rigid::by(Vector::zeros()),
+            Displacement::Nowhere => Rigid::default(),
             Displacement::By(shift) => Rigid::by(*shift),
             Displacement::About(centre, rotation) => Rigid::about(*centre, rotation.vector()),
             Displacement::Rigid(rotation, shift) => {
@@ -146,7 +148,7 @@ impl Displacement {
 }
 
 /// Angular velocity, rad/s, and a point of the axis, m.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Turning {
     pub(super) spin: Vector,
     pub(super) centre: Vector,
@@ -184,76 +186,43 @@ impl Turning {
 }
 
 impl Movement {
-    /// Creates the motion of a wall at time zero from its faces.
-    pub fn new(motion: &Motion, surface_velocity: [f64; 3], faces: &[Face], domain: &Domain) -> Movement {
-        let extent = Extent::of(faces, domain);
-        let rest = Movement::of(motion, Vector::from(surface_velocity), extent);
-        Movement { turns: rest.turns_any(faces), parts: rest.composing(), ..rest }
+    /// Creates the motion of a wall at time zero.
+    pub fn new(motion: &Motion, surface_velocity: [f64; 3], extent: Extent) -> Movement {
+        let mut movement = Movement { surface_velocity: surface_velocity.into(), extent, ..Movement::default() };
+        movement.begin(motion, &Beginning::default());
+        movement
     }
 
-    fn of(motion: &Motion, surface_velocity: Vector, extent: Extent) -> Movement {
-        let [displacement, displacement_in_list, rate] = [0.0; 3];
-        Movement {
-            motion: motion.clone(),
-            parts: Vec::new(),
-            extent,
-            base: None,
-            origin: 0.0,
-            surface_velocity,
-            turns: true,
-            steered: None,
-            displacement,
-            displacement_in_list,
-            rate,
+    /// Begins another motion of the wall.
+    pub fn begin(&mut self, motion: &Motion, beginning: &Beginning) {
+        let Movement { surface_velocity, extent, .. } = *self;
+        let part = |part: &Motion| Movement { motion: part.clone(), extent, turns: true, ..Movement::default() };
+        let is_composed = matches!(motion, Motion::List(_) | Motion::Table { .. });
+        let parts = motion.parts().iter().filter(|_| is_composed).map(part).collect();
+        let base = Some(beginning.pose).filter(|pose| *pose != Rigid::default());
+        let (motion, origin) = (motion.clone(), beginning.time);
+        *self = Movement { motion, parts, extent, base, origin, surface_velocity, ..Movement::default() };
+    }
+
+    /// Returns a point (m) and the unit vector of the axis of a rotation; `None` for other motions.
+    pub fn axis(&self) -> Option<(Vector, Vector)> {
+        match &self.steered {
+            Some(steered) => steered.about().map(|(point, axis)| (point.into(), axis.into())),
+            None => self.motion.axis().map(|(point, axis)| (point.into(), Vector::from(axis).normalize())),
         }
     }
 
-    /// Begins another motion of the wall, with its faces in the scene.
-    pub fn begin(&mut self, motion: &Motion, faces: &[Face], beginning: &Beginning) {
-        let still = beginning.pose == Rigid::by(Vector::zeros());
-        self.base = (!still).then_some(beginning.pose);
-        self.origin = beginning.time;
-        self.motion = motion.clone();
-        (self.turns, self.parts) = (self.turns_any(faces), self.composing());
-        self.steered = None;
-        [self.displacement, self.displacement_in_list, self.rate] = [0.0; 3];
-    }
-
-    /// Returns true if a rotation moves at least one of the faces in the scene, instead of mapping all of them onto themselves.
-    fn turns_any(&self, faces: &[Face]) -> bool {
-        rotates(&self.motion) && !faces.iter().all(|face| keeps_in_place(&self.based(face), &self.motion))
-    }
-
-    fn composing(&self) -> Vec<Movement> {
-        let part = |motion: &Motion| Movement::of(motion, Vector::zeros(), self.extent);
-        let is_composed = matches!(self.motion, Motion::List(_) | Motion::Table { .. });
-        if is_composed { self.motion.parts().iter().map(part).collect() } else { Vec::new() }
+    /// Returns true if the motion maps a face in the scene onto itself, so that only velocities change.
+    pub fn keeps_in_place(&self, face: &Face) -> bool {
+        match self.axis() {
+            Some((point, axis)) => self.based(face).turns_in_place(point, axis),
+            None => !self.moves(),
+        }
     }
 
     /// Returns a face at the pose from which the motion begins.
     pub fn based(&self, face: &Face) -> Face {
         self.base.and_then(|base| Displacement::of(&base).moved(face)).unwrap_or(*face)
-    }
-
-    /// Returns the beginning of a motion at the present pose.
-    pub fn reached(&self, time: f64) -> Beginning {
-        Beginning { pose: self.at(time).displacement.rigid(), time }
-    }
-
-    /// Sets displacement (m or rad) and velocity (m/s or rad/s) of a dynamic wall; no effect on a wall without a drive.
-    pub fn put(&mut self, displacement: f64, rate: f64) {
-        (self.displacement, self.rate) = (displacement, rate);
-    }
-
-    /// Stores the displacement by a drive when the candidate list is built.
-    pub fn enter_list(&mut self) {
-        self.displacement_in_list = self.displacement;
-        self.steered.iter_mut().for_each(Steered::enter_list);
-    }
-
-    /// Returns the stored displacement by a drive, m or rad.
-    pub fn displacement_in_list(&self) -> f64 {
-        self.displacement_in_list
     }
 
     /// Returns the pose of the wall at a time (s), with the velocity at that time; for a dynamic wall, the last state of its drive.
@@ -271,24 +240,12 @@ impl Movement {
 
     /// Returns the pose relative to that at the beginning of the motion, at a time (s) since its origin.
     pub(super) fn relative_pose(&self, time: f64) -> Pose {
-        let zero = Vector::zeros();
-        let rest = Turning::about(zero, zero);
-        let (displacement, base) = (Displacement::Nowhere, Displacement::Nowhere);
-        let surface_velocity = self.surface_velocity;
-        let (turning, in_place, turns) = (rest, rest, self.turns);
-        let mut pose = Pose {
-            displacement,
-            base,
-            velocity: zero,
-            surface_velocity,
-            gain: zero,
-            gain_of_spin: zero,
-            turning,
-            in_place,
-            turns,
-        };
+        let mut pose = Pose { surface_velocity: self.surface_velocity, turns: self.turns, ..Pose::default() };
         if let Some(steered) = &self.steered {
-            steered.pose(&mut pose, |centre, axis, angle| self.turned(centre, axis, angle));
+            match steered.about() {
+                Some(_) => self.turn(&mut pose, steered.place().1, Some(steered.rate)),
+                None => steered.shift(&mut pose),
+            }
             return pose;
         }
         if !self.parts.is_empty() {
@@ -308,14 +265,10 @@ impl Movement {
                     pose.velocity = velocity;
                 }
             }
-            Motion::Rotating { point, axis, rate, start, stop, reverse } => {
-                let (centre, axis) = (Vector::from(*point), Vector::from(*axis).normalize());
-                pose.displacement = self.turned(centre, axis, self.angle(time));
-                if is_active(time, *start, *stop) {
-                    let backwards = reverse.is_some_and(|reverse| time >= reverse);
-                    pose.in_place = Turning::about(centre, axis * if backwards { -*rate } else { *rate });
-                    pose.turning = pose.in_place;
-                }
+            Motion::Rotating { rate, start, stop, reverse, .. } => {
+                let backwards = reverse.is_some_and(|reverse| time >= reverse);
+                let rate = is_active(time, *start, *stop).then_some(if backwards { -*rate } else { *rate });
+                self.turn(&mut pose, self.angle(time), rate);
             }
             Motion::Vibrating { .. } => {
                 if let Some(vibration) = self.motion.vibration() {
@@ -328,30 +281,35 @@ impl Movement {
                 pose.displacement = Displacement::By(axis * self.displacement);
                 pose.velocity = axis * self.rate;
             }
-            Motion::TorqueDriven { point, axis, .. } => {
-                let (centre, axis) = (Vector::from(*point), Vector::from(*axis).normalize());
-                pose.displacement = self.turned(centre, axis, self.displacement);
-                pose.in_place = Turning::about(centre, axis * self.rate);
-                pose.turning = pose.in_place;
-            }
+            Motion::TorqueDriven { .. } => self.turn(&mut pose, self.angle(time), Some(self.rate)),
         }
         pose
     }
 
+    /// Turns a pose by an angle (rad) about the axis of the motion; the rate (rad/s) is absent at rest.
+    fn turn(&self, pose: &mut Pose, angle: f64, rate: Option<f64>) {
+        let (centre, axis) = self.axis().unwrap_or_default();
+        if self.turns {
+            pose.displacement = Displacement::About(centre, Rotation::new(axis, angle));
+        }
+        pose.in_place = rate.map_or(pose.in_place, |rate| Turning::about(centre, axis * rate));
+        pose.turning = pose.in_place;
+    }
+
     /// Returns true if any face would jump, or a vibration change its phase, if the time were reset from a time (s) to
     /// zero, in a scene of this extent, m. Displacements by a drive remain.
-    pub fn jumps_back(&self, time: f64, faces: &[Face], extent: f64) -> bool {
+    pub fn jumps_back(&self, time: f64, faces: &[WallFace], extent: f64) -> bool {
         let begins = |motion: &Motion| *motion != Motion::Fixed && motion.span().0 < time * (1.0 - ROUNDING);
         if self.motion.is_driven() || !self.motion.parts().iter().any(begins) {
             return false;
         }
         let (first, last) = (self.at(0.0), self.at(time));
-        let stands = |pose: &Pose, face: &Face| pose.moved(face, keeps_in_place(face, &self.motion)).unwrap_or(*face);
+        let stands = |pose: &Pose, face: &WallFace| pose.moved(&face.shape, face.in_place).unwrap_or(face.shape);
         let elsewhere = faces.iter().any(|face| !stands(&last, face).is_same(&stands(&first, face), extent));
         let out_of_phase = self.motion.vibration().is_some_and(|vibration| {
             let rate = (TAU * vibration.frequency).max(f64::MIN_POSITIVE);
             let lag = (last.velocity - first.velocity) / rate;
-            faces.iter().any(|face| !face.moved(lag).is_same(face, extent))
+            faces.iter().any(|face| !face.shape.moved(lag).is_same(&face.shape, extent))
         });
         let differs = |one: Vector, other: Vector| (one - other).norm() > ROUNDING.sqrt() * (one.norm() + other.norm());
         let other_course = !self.parts.is_empty()
@@ -364,10 +322,7 @@ impl Movement {
         if let Some(steered) = &self.steered {
             return steered.place();
         }
-        let angle = match self.motion {
-            Motion::TorqueDriven { .. } => self.displacement,
-            _ => self.angle(time - self.origin),
-        };
+        let angle = self.angle(time - self.origin);
         match self.at(time).displacement {
             Displacement::By(shift) => (shift.into(), angle),
             other if !self.parts.is_empty() => {
@@ -378,18 +333,12 @@ impl Movement {
         }
     }
 
-    /// Returns the prescribed angle (rad) at a time (s) since its origin.
+    /// Returns the angle (rad) at a time (s) since its origin: prescribed, or that of the drive.
     pub(super) fn angle(&self, time: f64) -> f64 {
         match &self.motion {
             Motion::Rotating { rate, start, stop, reverse, .. } => rate * turning_time(time, *start, *stop, *reverse),
+            Motion::TorqueDriven { .. } => self.displacement,
             _ => 0.0,
-        }
-    }
-
-    fn turned(&self, centre: Vector, axis: Vector, angle: f64) -> Displacement {
-        match self.turns {
-            true => Displacement::About(centre, Rotation::new(axis, angle)),
-            false => Displacement::Nowhere,
         }
     }
 
@@ -420,21 +369,21 @@ impl Movement {
         if self.steered.is_some() {
             return pose;
         }
-        let local = time - self.origin;
+        let (local, (centre, turning)) = (time - self.origin, self.axis().unwrap_or_default());
         match &self.motion {
             Motion::Translating { velocity, start, stop } => {
                 let moves = active_time(local + step, *start, *stop) - active_time(local, *start, *stop);
                 pose.velocity = Vector::from(*velocity) * (moves / step);
             }
-            Motion::Rotating { point, axis, rate, start, stop, reverse } => {
+            Motion::Rotating { rate, start, stop, reverse, .. } => {
                 let turned = |time| turning_time(time, *start, *stop, *reverse);
-                let spin = Vector::from(*axis).normalize() * (rate * (turned(local + step) - turned(local)) / step);
-                pose.turning = Turning::about(Vector::from(*point), spin);
+                let mean = rate * (turned(local + step) - turned(local)) / step;
+                pose.turning = Turning::about(centre, turning * mean);
             }
             Motion::Vibrating { .. } => pose.velocity = self.over(time, step).velocity,
             Motion::ForceDriven { axis, .. } => pose.velocity = Vector::from(*axis).normalize() * rate,
-            Motion::TorqueDriven { axis, .. } => {
-                pose.turning.spin = Vector::from(*axis).normalize() * rate;
+            Motion::TorqueDriven { .. } => {
+                pose.turning.spin = turning * rate;
                 pose.in_place = pose.turning;
             }
             Motion::Fixed | Motion::Table { .. } | Motion::List(_) => {}
@@ -445,11 +394,6 @@ impl Movement {
     /// Returns true if the wall moves at any time.
     pub fn moves(&self) -> bool {
         self.steered.is_some() || !matches!(self.motion, Motion::Fixed)
-    }
-
-    /// Returns true if the wall does work at any time: it moves, or its surface does.
-    pub fn works(&self) -> bool {
-        self.moves() || self.surface_velocity != Vector::zeros()
     }
 
     /// Returns an upper bound of the displacement (m) between two times (s) of a point within `radius` (m) of the centre of the motion,
@@ -510,30 +454,10 @@ fn is_active(time: f64, start: f64, stop: Option<f64>) -> bool {
     time >= start && stop.is_none_or(|stop| time < stop)
 }
 
-fn rotates(motion: &Motion) -> bool {
-    matches!(motion, Motion::Rotating { .. } | Motion::TorqueDriven { .. })
-}
-
-/// Returns true if a motion maps a face onto itself, so that only velocities change.
-pub(super) fn keeps_in_place(face: &Face, motion: &Motion) -> bool {
-    match motion {
-        Motion::Rotating { point, axis, .. } | Motion::TorqueDriven { point, axis, .. } => {
-            face.turns_in_place(Vector::from(*point), Vector::from(*axis).normalize())
-        }
-        _ => matches!(motion, Motion::Fixed),
-    }
-}
-
 impl Pose {
     /// Returns the pose with the velocity along the chord of a step, s.
     pub(super) fn along_chord(self, step: f64) -> Pose {
         Pose { turning: self.turning.over(step), in_place: self.in_place.over(step), ..self }
-    }
-
-    /// Sets the change of velocity since the pose of the last step.
-    pub(super) fn gain_since(&mut self, before: &Pose) {
-        self.gain = self.velocity - before.velocity;
-        self.gain_of_spin = self.spin(false) - before.spin(false);
     }
 
     /// Returns a face at its present position, if that differs from its position in the scene; `in_place` if the motion maps the face onto itself.

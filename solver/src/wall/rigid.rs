@@ -6,16 +6,10 @@ use nalgebra::{Quaternion, UnitQuaternion};
 use serde::{Deserialize, Serialize};
 
 /// Rigid transform `x = R X + t`, with the rotation R as a unit quaternion.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Rigid {
     turn: UnitQuaternion<f64>,
     shift: Vector,
-}
-
-impl Default for Rigid {
-    fn default() -> Rigid {
-        Rigid::by(Vector::zeros())
-    }
 }
 
 impl Rigid {
@@ -28,7 +22,7 @@ impl Rigid {
     pub fn about(centre: Vector, vector: Vector) -> Rigid {
         let angle = vector.norm();
         if angle == 0.0 {
-            return Rigid::by(Vector::zeros());
+            return Rigid::default();
         }
         let (sine, cosine) = libm::sincos(0.5 * angle);
         let turn = UnitQuaternion::new_unchecked(Quaternion::from_parts(cosine, vector * (sine / angle)));
@@ -73,15 +67,11 @@ impl Rigid {
 
     /// Returns the rotation; `None` for a translation.
     pub fn rotation(&self) -> Option<Rotation> {
-        let (along, axis) = self.half_turn();
+        // Of at most half a turn.
+        let sign = if self.turn.w < 0.0 { -1.0 } else { 1.0 };
+        let (along, axis) = (sign * self.turn.w, self.turn.imag() * sign);
         let sine = axis.norm();
         (sine > 0.0).then(|| Rotation::of(axis / sine, [2.0 * sine * along, along * along - sine * sine]))
-    }
-
-    /// Returns the cosine of half the angle, and the axis times the sine of half the angle, for at most half a turn.
-    fn half_turn(&self) -> (f64, Vector) {
-        let sign = if self.turn.w < 0.0 { -1.0 } else { 1.0 };
-        (sign * self.turn.w, self.turn.imag() * sign)
     }
 
     /// Returns true if the values are valid for a run.

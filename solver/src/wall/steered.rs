@@ -7,9 +7,8 @@
 //! impact. Later changes are accelerations, as for a vibrating wall: resting grains follow the wall without rebound.
 
 use super::Vector;
-use super::motion::{Displacement, Movement, Pose, Turning};
+use super::motion::{Displacement, Movement, Pose};
 use crate::scene::Motion;
-use crate::surface::Face;
 use serde::{Deserialize, Serialize};
 
 /// Motion of a wall by the caller.
@@ -30,7 +29,7 @@ pub enum WallMotion {
 }
 
 /// State of a wall under control of the caller.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Steered {
     /// Point of the axis (m) and its unit vector, for a rotation.
     about: Option<([f64; 3], [f64; 3])>,
@@ -42,7 +41,7 @@ pub(crate) struct Steered {
     /// Angle, rad.
     angle: f64,
     angle_in_list: f64,
-    rate: f64,
+    pub(super) rate: f64,
 }
 
 /// Upper bound of all positions and speeds of walls, in SI units.
@@ -56,94 +55,57 @@ impl Steered {
             Displacement::By(shift) => shift.into(),
             _ => [0.0; 3],
         };
+        const NOWHERE: &str = "its axis has no direction; give a vector that is not zero";
         let about = match (scene, asked) {
             (Motion::ForceDriven { .. } | Motion::TorqueDriven { .. }, _) => {
-                return Err("a force or a torque drives it; steer a wall that the scene holds fixed".into());
+                Err("a force or a torque drives it; steer a wall that the scene holds fixed")
             }
             (Motion::Table { .. } | Motion::List(_), _) => {
-                return Err("the scene composes its motion; steer a wall that the scene holds fixed".into());
+                Err("the scene composes its motion; steer a wall that the scene holds fixed")
             }
-            (Motion::Fixed | Motion::Translating { .. } | Motion::Vibrating { .. }, WallMotion::Translation { .. }) => {
-                None
-            }
-            (Motion::Fixed, WallMotion::Rotation { about: Some((point, axis)), .. }) => {
-                Some((*point, unit(axis).ok_or("its axis has no direction; give a vector that is not zero")?))
-            }
-            (Motion::Fixed, WallMotion::Rotation { about: None, .. }) => {
-                return Err("the scene gives it no axis; give a point and a direction of one".into());
-            }
-            (Motion::Rotating { point, axis, .. }, WallMotion::Rotation { .. }) => {
-                let own = (*point, unit(axis).ok_or("its axis has no direction")?);
-                Some(same_axis(own, asked)?)
+            (Motion::Rotating { point, axis, .. }, WallMotion::Rotation { .. })
+            | (Motion::Fixed, WallMotion::Rotation { about: Some((point, axis)), .. }) => {
+                unit(axis).map(|axis| Some((*point, axis))).ok_or(NOWHERE)
             }
             (Motion::Rotating { .. }, WallMotion::Translation { .. }) => {
-                return Err("the scene turns it, so that it cannot be moved along; give a rate".into());
+                Err("the scene turns it, so that it cannot be moved along; give a rate")
             }
-            (_, WallMotion::Rotation { .. }) => {
-                return Err("the scene moves it along, so that it cannot be turned; give a velocity".into());
-            }
-        };
-        Ok(Steered {
-            about,
-            shift: along(now),
-            shift_in_list: along(then),
-            velocity: [0.0; 3],
-            velocity_before: [0.0; 3],
-            angle: angles[0],
-            angle_in_list: angles[1],
-            rate: 0.0,
-        })
+            (_, WallMotion::Translation { .. }) => Ok(None),
+            (Motion::Fixed, _) => Err("the scene gives it no axis; give a point and a direction of one"),
+            _ => Err("the scene moves it along, so that it cannot be turned; give a velocity"),
+        }?;
+        let ([shift, shift_in_list], [angle, angle_in_list]) = ([along(now), along(then)], angles);
+        Ok(Steered { about, shift, shift_in_list, angle, angle_in_list, ..Steered::default() })
     }
 
     /// Sets the motion; `first` for the first motion by the caller.
     fn take(&mut self, asked: &WallMotion, first: bool) -> Result<(), String> {
         match (self.about, asked) {
-            (None, WallMotion::Translation { velocity }) => {
-                if !velocity.iter().all(|speed| speed.abs() < LARGEST) {
-                    return Err(format!("{velocity:?} is no velocity; give three finite numbers, m/s"));
-                }
+            (None, WallMotion::Translation { velocity }) if velocity.iter().all(|speed| speed.abs() < LARGEST) => {
                 self.velocity = *velocity;
-                if first {
-                    self.velocity_before = *velocity;
-                }
+                self.velocity_before = if first { *velocity } else { self.velocity_before };
             }
-            (Some(own), WallMotion::Rotation { rate, .. }) => {
+            (None, WallMotion::Translation { velocity }) => {
+                return Err(format!("{velocity:?} is no velocity; give three finite numbers, m/s"));
+            }
+            (Some(own), WallMotion::Rotation { rate, .. }) if rate.abs() < LARGEST => {
                 same_axis(own, asked)?;
-                if rate.is_nan() || rate.abs() >= LARGEST {
-                    return Err(format!("{rate} is no rate; give a finite number, rad/s"));
-                }
                 self.rate = *rate;
             }
-            (None, WallMotion::Rotation { .. }) => {
-                return Err("it was moved along before, so that it cannot be turned; give a velocity".into());
+            (Some(_), WallMotion::Rotation { rate, .. }) => {
+                return Err(format!("{rate} is no rate; give a finite number, rad/s"));
             }
-            (Some(_), WallMotion::Translation { .. }) => {
-                return Err("it was turned before, so that it cannot be moved along; give a rate".into());
-            }
+            (None, _) => return Err("it was moved along before, so that it cannot be turned; give a velocity".into()),
+            (Some(_), _) => return Err("it was turned before, so that it cannot be moved along; give a rate".into()),
         }
         Ok(())
     }
 
-    /// Returns true if the motion maps a face onto itself.
-    pub(super) fn keeps_in_place(&self, face: &Face) -> bool {
-        self.about.is_some_and(|(point, axis)| face.turns_in_place(point.into(), axis.into()))
-    }
-
-    /// Completes a pose at rest.
-    pub(super) fn pose(&self, pose: &mut Pose, turned: impl FnOnce(Vector, Vector, f64) -> Displacement) {
-        match self.about {
-            None => {
-                pose.displacement = Displacement::By(self.shift.into());
-                pose.velocity = self.velocity.into();
-                pose.gain = pose.velocity - Vector::from(self.velocity_before);
-            }
-            Some((point, axis)) => {
-                let (centre, axis) = (Vector::from(point), Vector::from(axis));
-                pose.displacement = turned(centre, axis, self.angle);
-                pose.turning = Turning::about(centre, axis * self.rate);
-                pose.in_place = pose.turning;
-            }
-        }
+    /// Completes the pose at rest of a translation.
+    pub(super) fn shift(&self, pose: &mut Pose) {
+        pose.displacement = Displacement::By(self.shift.into());
+        pose.velocity = self.velocity.into();
+        pose.gain = pose.velocity - Vector::from(self.velocity_before);
     }
 
     /// Returns an upper bound of the displacement (m) of a point within `radius` (m) of the centre since the build of the candidate list.
@@ -195,35 +157,26 @@ impl Steered {
 
 impl Movement {
     /// Prescribes a motion of the wall from its next step on; `now` is the present time and `listed` that of the last build of the candidate list, s.
-    pub(super) fn steer(&mut self, asked: &WallMotion, faces: &[Face], [now, listed]: [f64; 2]) -> Result<(), String> {
-        let first = self.steered.is_none();
-        let mut steered = match self.steered {
-            Some(steered) => steered,
-            None => {
-                let angles = [now, listed].map(|time| self.angle(time - self.origin));
-                let poses = [now, listed].map(|time| self.relative_pose(time - self.origin));
-                Steered::begin(&self.motion, asked, poses.each_ref(), angles)?
-            }
+    pub(super) fn steer(&mut self, asked: &WallMotion, [now, listed]: [f64; 2]) -> Result<(), String> {
+        let begin = || {
+            let angles = [now, listed].map(|time| self.angle(time - self.origin));
+            let poses = [now, listed].map(|time| self.relative_pose(time - self.origin));
+            Steered::begin(&self.motion, asked, poses.each_ref(), angles)
         };
-        steered.take(asked, first)?;
-        self.restore(steered, faces);
-        Ok(())
-    }
-
-    /// Restores the motion of the wall from a stored state.
-    pub(super) fn restore(&mut self, steered: Steered, faces: &[Face]) {
-        self.turns = steered.about.is_some() && !faces.iter().all(|face| steered.keeps_in_place(&self.based(face)));
+        let mut steered = self.steered.map_or_else(begin, Ok)?;
+        steered.take(asked, self.steered.is_none())?;
         self.steered = Some(steered);
+        Ok(())
     }
 }
 
-/// Returns the axis of a wall if the requested axis is absent or the same.
-fn same_axis(own: ([f64; 3], [f64; 3]), asked: &WallMotion) -> Result<([f64; 3], [f64; 3]), String> {
-    let WallMotion::Rotation { about: Some((point, axis)), .. } = asked else { return Ok(own) };
+/// Refuses a requested axis other than that of a wall.
+fn same_axis(own: ([f64; 3], [f64; 3]), asked: &WallMotion) -> Result<(), String> {
+    let WallMotion::Rotation { about: Some((point, axis)), .. } = asked else { return Ok(()) };
     let (along, arm) = (Vector::from(own.1), Vector::from(*point) - Vector::from(own.0));
     let axis = unit(axis).ok_or("its axis has no direction; give a vector that is not zero")?;
     let same = (Vector::from(axis) - along).norm() < 1e-9 && arm.cross(&along).norm() < 1e-9 * (1.0 + arm.norm());
-    if same { Ok(own) } else { Err("it turns about another axis, which stays; leave the axis out".into()) }
+    if same { Ok(()) } else { Err("it turns about another axis, which stays; leave the axis out".into()) }
 }
 
 fn unit(vector: &[f64; 3]) -> Option<[f64; 3]> {

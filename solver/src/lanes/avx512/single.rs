@@ -4,25 +4,10 @@ use super::super::{Octet, SINGLE_LANES, SingleLanes, Sixteen};
 use super::{Avx512Single, join};
 use std::arch::x86_64::*;
 
-/// Transposes matrices of four rows of four, one in each 128 bits.
-///
-/// # Safety
-/// AVX-512F.
-#[inline(always)]
-unsafe fn transposed(rows: [__m512; 4]) -> [__m512; 4] {
-    // SAFETY: guaranteed by the caller.
-    unsafe {
-        let [a, b, c, d] = rows;
-        let (low_a, low_c) = (_mm512_castps_pd(_mm512_unpacklo_ps(a, b)), _mm512_castps_pd(_mm512_unpacklo_ps(c, d)));
-        let (high_a, high_c) = (_mm512_castps_pd(_mm512_unpackhi_ps(a, b)), _mm512_castps_pd(_mm512_unpackhi_ps(c, d)));
-        [
-            _mm512_castpd_ps(_mm512_unpacklo_pd(low_a, low_c)),
-            _mm512_castpd_ps(_mm512_unpackhi_pd(low_a, low_c)),
-            _mm512_castpd_ps(_mm512_unpacklo_pd(high_a, high_c)),
-            _mm512_castpd_ps(_mm512_unpackhi_pd(high_a, high_c)),
-        ]
-    }
-}
+transposition!(
+    transposed, __m512,
+    _mm512_unpacklo_ps _mm512_unpackhi_ps _mm512_unpacklo_pd _mm512_unpackhi_pd _mm512_castps_pd _mm512_castpd_ps
+);
 
 /// Returns the lanes of four bodies from the lower halves of two octets' lanes (`UPPER` 0), or from the upper halves:
 /// those of the first, then those of the second, alternating by 128 bits.
@@ -86,28 +71,18 @@ impl SingleLanes for Avx512Single {
         // SAFETY: guaranteed by the caller.
         unsafe {
             // First and second four numbers of bodies 0 to 3 and of 4 to 7; then those of 8 to 15.
-            let [a, b, c, d] = transposed([
-                octet_rows(base, indices, 0),
-                octet_rows(base, indices, 1),
-                octet_rows(base, indices, 2),
-                octet_rows(base, indices, 3),
-            ]);
-            let [e, f, g, h] = transposed([
-                octet_rows(base, indices, 8),
-                octet_rows(base, indices, 9),
-                octet_rows(base, indices, 10),
-                octet_rows(base, indices, 11),
-            ]);
-            [
-                Avx512Single(_mm512_shuffle_f32x4::<0x88>(a, e)),
-                Avx512Single(_mm512_shuffle_f32x4::<0x88>(b, f)),
-                Avx512Single(_mm512_shuffle_f32x4::<0x88>(c, g)),
-                Avx512Single(_mm512_shuffle_f32x4::<0x88>(d, h)),
-                Avx512Single(_mm512_shuffle_f32x4::<0xdd>(a, e)),
-                Avx512Single(_mm512_shuffle_f32x4::<0xdd>(b, f)),
-                Avx512Single(_mm512_shuffle_f32x4::<0xdd>(c, g)),
-                Avx512Single(_mm512_shuffle_f32x4::<0xdd>(d, h)),
-            ]
+            let (mut low, mut high) = ([_mm512_setzero_ps(); 4], [_mm512_setzero_ps(); 4]);
+            for row in 0..4 {
+                low[row] = octet_rows(base, indices, row);
+                high[row] = octet_rows(base, indices, 8 + row);
+            }
+            let (low, high) = (transposed(low), transposed(high));
+            let mut out = [Avx512Single(low[0]); 8];
+            for part in 0..4 {
+                out[part] = Avx512Single(_mm512_shuffle_f32x4::<0x88>(low[part], high[part]));
+                out[part + 4] = Avx512Single(_mm512_shuffle_f32x4::<0xdd>(low[part], high[part]));
+            }
+            out
         }
     }
 
@@ -115,17 +90,16 @@ impl SingleLanes for Avx512Single {
     unsafe fn store_octets(base: *mut Octet, indices: &[u32; SINGLE_LANES], octets: [Avx512Single; 8]) {
         // SAFETY: guaranteed by the caller.
         unsafe {
-            let [x, y, z, w, p, q, r, s] = octets;
-            let [a, b, c, d] = transposed([merge::<0>(x, p), merge::<0>(y, q), merge::<0>(z, r), merge::<0>(w, s)]);
-            put_octet_rows(base, indices, 0, a);
-            put_octet_rows(base, indices, 1, b);
-            put_octet_rows(base, indices, 2, c);
-            put_octet_rows(base, indices, 3, d);
-            let [a, b, c, d] = transposed([merge::<1>(x, p), merge::<1>(y, q), merge::<1>(z, r), merge::<1>(w, s)]);
-            put_octet_rows(base, indices, 8, a);
-            put_octet_rows(base, indices, 9, b);
-            put_octet_rows(base, indices, 10, c);
-            put_octet_rows(base, indices, 11, d);
+            let (mut low, mut high) = ([octets[0].0; 4], [octets[0].0; 4]);
+            for part in 0..4 {
+                low[part] = merge::<0>(octets[part], octets[part + 4]);
+                high[part] = merge::<1>(octets[part], octets[part + 4]);
+            }
+            let (low, high) = (transposed(low), transposed(high));
+            for row in 0..4 {
+                put_octet_rows(base, indices, row, low[row]);
+                put_octet_rows(base, indices, 8 + row, high[row]);
+            }
         }
     }
 }

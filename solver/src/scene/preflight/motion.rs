@@ -34,7 +34,7 @@ pub(super) fn faults(scene: &Scene, beforehand: Option<Beforehand>) -> Vec<Fault
         all.push(Stepping { step: prepare.step, until: prepare.duration, at });
     }
     let of_each = |stepping: &Stepping| {
-        let moving = walls(scene, stepping).chain(gravity(scene, stepping));
+        let moving = walls(scene, stepping).into_iter().chain(gravity(scene, stepping));
         moving.chain(stepping.nothing_moves()).collect::<Vec<_>>()
     };
     all.iter().flat_map(of_each).collect()
@@ -42,13 +42,8 @@ pub(super) fn faults(scene: &Scene, beforehand: Option<Beforehand>) -> Vec<Fault
 
 /// Returns the longest step (s) that resolves all motions of a scene.
 pub(in crate::scene) fn longest_step(scene: &Scene) -> f64 {
-    let parts = || {
-        scene
-            .wall
-            .iter()
-            .enumerate()
-            .flat_map(|(index, wall)| wall.motion.parts().iter().map(move |part| (index, part)))
-    };
+    let walls = || scene.wall.iter().enumerate();
+    let parts = || walls().flat_map(|(index, wall)| wall.motion.parts().iter().map(move |part| (index, part)));
     let periods = parts().filter_map(|(index, motion)| period(scene, index, motion, scene.duration));
     let lasting = parts().flat_map(|(_, motion)| intervals(motion)).map(|(_, start, end)| (start, end - start));
     let lasting = lasting.filter(|(start, lasts)| *lasts > 0.0 && *start < scene.duration).map(|(_, lasts)| lasts);
@@ -56,40 +51,33 @@ pub(in crate::scene) fn longest_step(scene: &Scene) -> f64 {
     periods.map(|period| period / STEPS_A_PERIOD).chain(lasting).chain(pulses).fold(f64::INFINITY, f64::min)
 }
 
-fn walls<'s>(scene: &'s Scene, stepping: &'s Stepping) -> impl Iterator<Item = Fault> + 's {
-    let step = || short(stepping.step);
-    let parts = scene.wall.iter().enumerate().flat_map(|(index, wall)| {
-        let at = DocumentPath::default().key("wall").index(index).key("motion");
-        wall.motion.parts_at(&at).map(|(at, motion)| (at, index, wall, motion)).collect::<Vec<_>>()
-    });
-    parts.flat_map(move |(at, index, wall, motion)| {
-        let period =
-            period(scene, index, motion, stepping.until).filter(|period| stepping.misses(*period / STEPS_A_PERIOD));
-        let too_fast = period.map(|period| {
-            let (what, turns) = match motion {
-                Motion::Vibrating { .. } => ("a period", "vibration"),
-                _ => ("a turn", "rotation"),
-            };
-            let steps = short((period / stepping.step * 100.0).round() / 100.0);
-            let problem = format!(
-                "{what} of wall '{}' lasts {} s, {steps} steps of {} s: its {turns} would be another one",
-                wall.name,
-                short(period),
-                step()
-            );
-            stepping.fault(&at, problem, period / STEPS_A_PERIOD, "")
-        });
-        let too_short = intervals(motion).into_iter().filter_map(move |(key, start, end)| {
-            let lasts = end - start;
-            let missed = lasts > 0.0 && stepping.misses(lasts) && start < stepping.until;
-            missed.then(|| {
-                let (lasts_short, step) = (short(lasts), step());
-                let problem = format!("wall '{}' moves for {lasts_short} s, less than the step of {step} s", wall.name);
-                stepping.fault(&at.key(key), problem, lasts, ", or let it move longer")
-            })
-        });
-        too_fast.into_iter().chain(too_short)
-    })
+fn walls(scene: &Scene, stepping: &Stepping) -> Vec<Fault> {
+    let (step, mut faults) = (short(stepping.step), Vec::new());
+    for (index, wall) in scene.wall.iter().enumerate() {
+        let (name, at) = (&wall.name, DocumentPath::default().key("wall").index(index).key("motion"));
+        for (at, motion) in wall.motion.parts_at(&at) {
+            let period = period(scene, index, motion, stepping.until);
+            if let Some(period) = period.filter(|period| stepping.misses(*period / STEPS_A_PERIOD)) {
+                let (what, turns) = match motion {
+                    Motion::Vibrating { .. } => ("a period", "vibration"),
+                    _ => ("a turn", "rotation"),
+                };
+                let (lasts, steps) = (short(period), short((period / stepping.step * 100.0).round() / 100.0));
+                let problem = format!(
+                    "{what} of wall '{name}' lasts {lasts} s, {steps} steps of {step} s: its {turns} would be another one"
+                );
+                faults.push(stepping.fault(&at, problem, period / STEPS_A_PERIOD, ""));
+            }
+            for (key, start, end) in intervals(motion) {
+                let lasts = end - start;
+                if lasts > 0.0 && stepping.misses(lasts) && start < stepping.until {
+                    let problem = format!("wall '{name}' moves for {} s, less than the step of {step} s", short(lasts));
+                    faults.push(stepping.fault(&at.key(key), problem, lasts, ", or let it move longer"));
+                }
+            }
+        }
+    }
+    faults
 }
 
 fn gravity<'s>(scene: &'s Scene, stepping: &'s Stepping) -> impl Iterator<Item = Fault> + 's {

@@ -53,8 +53,19 @@ fn walls(scene: &Scene, grains: &[Grain]) -> Vec<Fault> {
 /// Reports the first pair of grains that move by more than the sum of their radii in a step.
 fn passing_grains(scene: &Scene, grains: &[Grain], beforehand: Option<Beforehand>) -> Option<Fault> {
     let (step, key) = beforehand.map_or((scene.solver.step, "solver.step"), |prepare| (prepare.step, "prepare.step"));
-    let (first, second) = passing(grains, step)?;
-    let path = (velocity(&grains[first]) - velocity(&grains[second])).norm() * step;
+    let velocities: Vec<Vector3<f64>> = grains.iter().map(velocity).collect();
+    let mean = velocities.iter().sum::<Vector3<f64>>() / grains.len().max(1) as f64;
+    let smallest = smallest_radius(grains);
+    let passes = |first: usize, second: usize| {
+        (velocities[first] - velocities[second]).norm() * step > grains[first].radius + grains[second].radius
+    };
+    // At least one of two such grains moves at half the relative speed against the mean.
+    let mut fast = (0..grains.len()).filter(|&grain| (velocities[grain] - mean).norm() * step > smallest);
+    let (first, second) = fast.find_map(|one| {
+        let other = (0..grains.len()).find(|&other| passes(one, other))?;
+        Some((one.min(other), one.max(other)))
+    })?;
+    let path = (velocities[first] - velocities[second]).norm() * step;
     let touch = grains[first].radius + grains[second].radius;
     let problem = format!(
         "grains {first} and {second} move by {} m against each other in a step of {} s, more than the sum of their radii, {} m: the step \
@@ -65,22 +76,6 @@ fn passing_grains(scene: &Scene, grains: &[Grain], beforehand: Option<Beforehand
     );
     let remedy = format!("lower {key} to {:e} s, or the velocities", rounded_down(step * touch / path, 1));
     Some(Fault::new(origin(scene, first), problem, remedy))
-}
-
-/// Finds two grains whose relative velocity takes them past each other in a step (s).
-fn passing(grains: &[Grain], step: f64) -> Option<(usize, usize)> {
-    let velocities: Vec<Vector3<f64>> = grains.iter().map(velocity).collect();
-    let mean = velocities.iter().sum::<Vector3<f64>>() / grains.len().max(1) as f64;
-    let smallest = smallest_radius(grains);
-    // At least one of two such grains moves at half the relative speed against the mean.
-    let fast = (0..grains.len()).filter(|&grain| (velocities[grain] - mean).norm() * step > smallest);
-    fast.into_iter().find_map(|first| {
-        let passes = |&second: &usize| {
-            let touch = grains[first].radius + grains[second].radius;
-            (velocities[first] - velocities[second]).norm() * step > touch
-        };
-        (0..grains.len()).find(passes).map(|second| (first.min(second), first.max(second)))
-    })
 }
 
 /// Reports a scene with no impact at `restitution_threshold` or faster on bodies at rest, although the step would resolve the bounce.

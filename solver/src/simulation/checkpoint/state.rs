@@ -277,7 +277,7 @@ impl State {
                 booked: simulation.interventions.booked,
                 disturbed: simulation.interventions.disturbed,
                 beyond,
-                springs: simulation.ledger.as_ref().map_or(0.0, Ledger::springs),
+                springs: simulation.ledger.as_ref().map_or(0.0, |ledger| ledger.entries.springs),
                 roll: world.roll.clone(),
                 stages: simulation.stages.as_ref().map(|stages| stages.state.clone()),
                 wall_record: simulation.wall_record.clone(),
@@ -367,7 +367,8 @@ impl State {
         simulation.interventions.disturbed = self.altered.disturbed;
         simulation.steps = self.steps;
         simulation.contact_sweeps = self.contact_sweeps;
-        simulation.ledger = self.ledger.clone().map(|ledger| ledger.with_springs(self.altered.springs));
+        simulation.ledger = self.ledger.clone();
+        simulation.ledger.iter_mut().for_each(|ledger| ledger.entries.springs = self.altered.springs);
         simulation.world.set_time(simulation.world_time_after(self.steps));
         Ok(simulation)
     }

@@ -39,9 +39,7 @@ impl Simulation {
     /// [`InterventionError::Length`] if the list is neither empty nor of one entry per grain, [`InterventionError::Number`] if a
     /// force is not finite.
     pub fn apply_forces(&mut self, forces: &[[f64; 3]]) -> Result<(), InterventionError> {
-        self.check_forces(forces)?;
-        replace(&mut self.interventions.loads[APPLIED].forces, forces);
-        Ok(())
+        self.give_loads(APPLIED, Some(forces), None)
     }
 
     /// Applies torques about the centres, N m, under the same rules.
@@ -49,9 +47,7 @@ impl Simulation {
     /// # Errors
     /// As for [`apply_forces`](Simulation::apply_forces).
     pub fn apply_torques(&mut self, torques: &[[f64; 3]]) -> Result<(), InterventionError> {
-        self.check_torques(torques)?;
-        replace(&mut self.interventions.loads[APPLIED].torques, torques);
-        Ok(())
+        self.give_loads(APPLIED, None, Some(torques))
     }
 
     /// Applies both, instead of all forces and torques set earlier for the same step. If one list is refused, neither is applied.
@@ -59,7 +55,7 @@ impl Simulation {
     /// # Errors
     /// As for [`apply_forces`](Simulation::apply_forces).
     pub fn apply_loads(&mut self, forces: &[[f64; 3]], torques: &[[f64; 3]]) -> Result<(), InterventionError> {
-        self.give_loads(APPLIED, forces, torques)
+        self.give_loads(APPLIED, Some(forces), Some(torques))
     }
 
     /// Adds forces and torques to the applied ones for the next step; they replace loads added earlier for the same step.
@@ -67,23 +63,26 @@ impl Simulation {
     /// # Errors
     /// As for [`apply_forces`](Simulation::apply_forces).
     pub fn add_loads(&mut self, forces: &[[f64; 3]], torques: &[[f64; 3]]) -> Result<(), InterventionError> {
-        self.give_loads(ADDED, forces, torques)
+        self.give_loads(ADDED, Some(forces), Some(torques))
     }
 
-    fn give_loads(&mut self, which: usize, forces: &[[f64; 3]], torques: &[[f64; 3]]) -> Result<(), InterventionError> {
-        self.check_forces(forces)?;
-        self.check_torques(torques)?;
-        replace(&mut self.interventions.loads[which].forces, forces);
-        replace(&mut self.interventions.loads[which].torques, torques);
+    /// Replaces the given lists, if both are valid.
+    fn give_loads(
+        &mut self,
+        which: usize,
+        forces: Option<&[[f64; 3]]>,
+        torques: Option<&[[f64; 3]]>,
+    ) -> Result<(), InterventionError> {
+        let (grains, loads) = (self.world.grains(), &mut self.interventions.loads[which]);
+        check("the list of forces", "the force", forces.unwrap_or_default(), grains)?;
+        check("the list of torques", "the torque", torques.unwrap_or_default(), grains)?;
+        for (list, new) in [(&mut loads.forces, forces), (&mut loads.torques, torques)] {
+            if let Some(new) = new {
+                list.clear();
+                list.extend_from_slice(new);
+            }
+        }
         Ok(())
-    }
-
-    fn check_forces(&self, forces: &[[f64; 3]]) -> Result<(), InterventionError> {
-        check("the list of forces", "the force", forces, self.world.grains())
-    }
-
-    fn check_torques(&self, torques: &[[f64; 3]]) -> Result<(), InterventionError> {
-        check("the list of torques", "the torque", torques, self.world.grains())
     }
 
     /// Applies the forces and torques of the step, after the velocities at its start were stored.
@@ -98,13 +97,6 @@ impl Simulation {
             for (body, &id) in bodies.iter_mut().zip(&*ids) {
                 loads.push(body, id, self.settings.step);
             }
-        }
-    }
-
-    /// Reverts the torques of an abandoned step; the step is repeated with the same torques.
-    pub(crate) fn abandon_torques(&mut self) {
-        for (body, spin) in self.world.bodies.iter_mut().zip(&self.interventions.spins_before) {
-            body.scaled_spin = *spin;
         }
     }
 
@@ -172,11 +164,6 @@ impl Loads {
             body.scaled_spin = plus(body.scaled_spin, times(*torque, turned));
         }
     }
-}
-
-fn replace(list: &mut Vec<[f64; 3]>, new: &[[f64; 3]]) {
-    list.clear();
-    list.extend_from_slice(new);
 }
 
 fn check(list: &'static str, what: &'static str, given: &[[f64; 3]], grains: usize) -> Result<(), InterventionError> {

@@ -6,7 +6,7 @@
 
 use super::{Booked, InterventionError};
 use crate::Simulation;
-use crate::scene::{GrainEntry, MOST_GRAINS, Scene, SolverSettings};
+use crate::scene::{GrainEntry, MOST_GRAINS, Neighbours, Scene, SolverSettings};
 use crate::simulation::checkpoint::state::State;
 use crate::wall::WallsAt;
 use crate::world::World;
@@ -67,11 +67,8 @@ impl Simulation {
         let poses: Vec<_> = self.world.walls.poses(self.world.time).collect();
         let walls = self.world.walls.placed(&poses);
         for (index, grain) in grains.iter().enumerate() {
-            self.check_grain(scene, &walls, grain).map_err(|(problem, remedy)| InterventionError::Insertion {
-                index,
-                problem,
-                remedy,
-            })?;
+            let refuse = |(problem, remedy)| InterventionError::Insertion { index, problem, remedy };
+            self.check_grain(scene, &walls, grain).map_err(refuse)?;
         }
         self.check_rules(scene, grains)?;
         self.check_overlaps(scene, grains)?;
@@ -214,35 +211,26 @@ impl Simulation {
 
     /// Checks the overlaps of new grains with present grains and with each other.
     fn check_overlaps(&self, scene: &Scene, new: &[GrainEntry]) -> Result<(), InterventionError> {
-        let world = &self.world;
-        let there = world.spheres[..world.grains()].iter().zip(&world.ids);
-        // Number, centre and radius: present grains by their ids, then new grains.
-        let mut all: Vec<(usize, Vector3<f64>, f64)> =
-            there.map(|(sphere, &id)| (id as usize, world.wrapped(&sphere.centre), sphere.radius)).collect();
-        let old = all.len();
-        all.extend(new.iter().enumerate().map(|(index, one)| (old + index, one.position.into(), one.radius)));
-        let widest = 2.0 * all.iter().map(|one| one.2).fold(0.0, f64::max);
-        all.sort_by(|a, b| a.1.x.total_cmp(&b.1.x));
-        let length = world.period.length(0);
-        let laps: &[f64] = if world.period.is_periodic(0) { &[-1.0, 0.0, 1.0] } else { &[0.0] };
+        let (world, widest) = (&self.world, |most: f64, one: &GrainEntry| most.max(one.radius));
+        let mut neighbours = Neighbours::new(&scene.domain, new.iter().fold(world.largest_and_mean_radius().0, widest));
+        // Present grains by their ids, then new grains.
+        let places = self.places_by_id();
+        let old = places.len();
+        for sphere in places.into_iter().map(|place| &world.spheres[place as usize]) {
+            neighbours.add(&world.wrapped(&sphere.centre).into(), sphere.radius);
+        }
         for (index, grain) in new.iter().enumerate() {
-            let centre = Vector3::from(grain.position);
-            for lap in laps {
-                let middle = centre.x + lap * length;
-                let first = all.partition_point(|one| one.1.x < middle - widest);
-                for &(number, other, radius) in all[first..].iter().take_while(|one| one.1.x <= middle + widest) {
-                    let overlap = grain.radius + radius - world.period.arm(&centre, &other).norm();
-                    if number != old + index && overlap > scene.largest_start_overlap * grain.radius.min(radius) {
-                        let whom = match number.checked_sub(old) {
-                            Some(other) => format!("grain {other} of those to insert"),
-                            None => format!("grain {number}"),
-                        };
-                        let problem = format!("overlaps {whom} by {overlap:.3e} m");
-                        let remedy = "move it away: the scene's largest_start_overlap says how much is accepted";
-                        return Err(InterventionError::Insertion { index, problem, remedy });
-                    }
-                }
+            let is_deep = |overlap: f64, radius: f64| overlap > scene.largest_start_overlap * grain.radius.min(radius);
+            if let Some((number, overlap)) = neighbours.find(&grain.position, grain.radius, is_deep) {
+                let (index, whom) = match number.checked_sub(old) {
+                    Some(other) => (other, format!("grain {index} of those to insert")),
+                    None => (index, format!("grain {number}")),
+                };
+                let problem = format!("overlaps {whom} by {overlap:.3e} m");
+                let remedy = "move it away: the scene's largest_start_overlap says how much is accepted";
+                return Err(InterventionError::Insertion { index, problem, remedy });
             }
+            neighbours.add(&grain.position, grain.radius);
         }
         Ok(())
     }

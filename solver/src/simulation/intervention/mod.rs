@@ -3,10 +3,8 @@
 //!
 //! ```text
 //! forces.rs   forces and torques on grains, for one step
-//! states.rs   positions, velocities and spins as arrays in memory, to be read and written
+//! states.rs   positions, velocities and spins as arrays in memory, to be read and written; candidate pairs and their impulses
 //! grains.rs   insertion and removal
-//! walls.rs    kinematic walls
-//! contacts.rs candidate pairs and their impulses, returned without copying
 //! ```
 //!
 //! Interventions cost nothing in simulations without them. Their effect depends only on the state and the arguments, so that bits
@@ -19,9 +17,8 @@ mod grains;
 mod states;
 
 use crate::Simulation;
-use crate::lanes::{minus, plus};
+use crate::lanes::plus;
 use crate::wall::WallMotion;
-#[doc(hidden)]
 use forces::{LOADS, Loads};
 use serde::{Deserialize, Serialize};
 pub use states::{PairsInList, States};
@@ -102,7 +99,7 @@ pub(crate) struct Interventions {
     /// Forces and torques of the next step: applied loads, and added loads.
     loads: [Loads; LOADS],
     /// Scaled spins at the start of the step with loads, m/s, by body index.
-    spins_before: Vec<[f64; 3]>,
+    pub spins_before: Vec<[f64; 3]>,
     /// Work of forces and torques in the last step, J.
     pub work: f64,
     /// Number of interventions that a watchdog cannot account for.
@@ -180,13 +177,6 @@ impl Booked {
             angular_impulse: plus(self.angular_impulse, other.angular_impulse),
         }
     }
-
-    /// Adds the difference between two states.
-    fn add_change(&mut self, before: &Booked, after: &Booked) {
-        self.energy += after.energy - before.energy;
-        self.impulse = plus(self.impulse, minus(after.impulse, before.impulse));
-        self.angular_impulse = plus(self.angular_impulse, minus(after.angular_impulse, before.angular_impulse));
-    }
 }
 
 impl Simulation {
@@ -212,10 +202,7 @@ impl Simulation {
     /// # Errors
     /// [`InterventionError::NoWall`], [`InterventionError::Wall`].
     pub fn move_wall(&mut self, wall: u32, motion: WallMotion) -> Result<(), InterventionError> {
-        let walls = self.world.walls.count();
-        if wall as usize >= walls {
-            return Err(InterventionError::NoWall { wall, walls });
-        }
+        self.check_wall(wall)?;
         let now = self.world.time;
         let listed = self.candidates.built_from().map_or(now, |(_, built_at)| built_at);
         let moved = self.world.walls.steer(wall, &motion, [now, listed]);
@@ -227,11 +214,13 @@ impl Simulation {
     /// # Errors
     /// [`InterventionError::NoWall`].
     pub fn wall_displacement(&self, wall: u32) -> Result<([f64; 3], f64), InterventionError> {
+        self.check_wall(wall)?;
+        Ok(self.world.walls.displacement(wall, self.world.time))
+    }
+
+    fn check_wall(&self, wall: u32) -> Result<(), InterventionError> {
         let walls = self.world.walls.count();
-        match (wall as usize) < walls {
-            true => Ok(self.world.walls.displacement(wall, self.world.time)),
-            false => Err(InterventionError::NoWall { wall, walls }),
-        }
+        if (wall as usize) < walls { Ok(()) } else { Err(InterventionError::NoWall { wall, walls }) }
     }
 
     /// Returns the displacement (m) and angle (rad) of a kinematic wall from its pose in the scene; `None` for other walls.

@@ -3,6 +3,7 @@
 use super::{Booked, Interventions};
 use crate::Simulation;
 use crate::detect::{Impulse, PairCandidate, WallCandidate};
+use crate::lanes::{minus, plus};
 use crate::world::{Body, Sphere};
 use std::collections::TryReserveError;
 
@@ -111,7 +112,10 @@ impl Simulation {
         self.interventions.count += 1;
         // Some grains may be fast now.
         self.swept.forget_pace();
-        self.book_what_was_written();
+        if let Some(before) = self.interventions.known {
+            self.note_known_energy();
+            self.book_disturbance(&before);
+        }
     }
 
     /// Notes the energy before the caller writes.
@@ -128,13 +132,6 @@ impl Simulation {
         self.interventions.known = watched.then(|| Booked::of(self));
     }
 
-    /// Books the changes by the caller since then.
-    fn book_what_was_written(&mut self) {
-        let Some(before) = self.interventions.known else { return };
-        self.note_known_energy();
-        self.book_disturbance(&before);
-    }
-
     /// Books the changes of energy, momentum and angular momentum by the caller, given their previous values.
     pub(super) fn book_disturbance(&mut self, before: &Booked) {
         let after = Booked::of(self);
@@ -142,13 +139,10 @@ impl Simulation {
             return;
         }
         let Interventions { booked, disturbed, .. } = &mut self.interventions;
-        booked.add_change(before, &after);
+        booked.energy += after.energy - before.energy;
+        booked.impulse = plus(booked.impulse, minus(after.impulse, before.impulse));
+        booked.angular_impulse = plus(booked.angular_impulse, minus(after.angular_impulse, before.angular_impulse));
         *disturbed = true;
-        self.restart_stored_energy();
-    }
-
-    /// Restarts the ledger from the present stored energy of the contacts in the candidate list.
-    fn restart_stored_energy(&mut self) {
         if let Some(ledger) = &mut self.ledger {
             ledger.restart_stored(&self.world, &self.candidates, self.constrainer.scheme());
         }

@@ -3,9 +3,8 @@
 use crate::Simulation;
 use crate::detect::Candidates;
 use crate::lanes::{cross, plus, times};
-use crate::laws::cohesion::Pull;
-use crate::laws::compliance::{NormalContact, NormalLaw};
-use crate::simulation::energy::{ContactEnergy, Energy};
+use crate::laws::compliance::NormalLaw;
+use crate::simulation::energy::{Energy, Stored};
 use crate::surface::MOST_CONTACTS;
 use crate::wall::{Pose, WallsAt};
 use crate::world::{INVERSE_INERTIA, World};
@@ -114,26 +113,22 @@ pub struct Balance {
 }
 
 impl Balance {
+    /// Returns the losses, then the gains, J; those by grains that went and came are last.
+    fn entries(&self) -> [[f64; 7]; 2] {
+        let lost = [self.friction, self.springs, self.resistance, self.restitution, self.stabilisation, self.let_go];
+        let gained = [self.walls, self.first_touch, self.turning, self.wall_paths, self.changing_gravity, self.outside];
+        let with = |[a, b, c, d, e, f]: [f64; 6], last: f64| [a, b, c, d, e, f, last];
+        [with(lost, self.outflow), with(gained, self.inflow)]
+    }
+
     /// Total loss, J, including the energy stored in springs.
     pub fn lost(&self) -> f64 {
-        self.friction
-            + self.springs
-            + self.resistance
-            + self.restitution
-            + self.stabilisation
-            + self.let_go
-            + self.outflow
+        self.entries()[0].iter().sum()
     }
 
     /// Total gain, J.
     pub fn gained(&self) -> f64 {
-        self.walls
-            + self.first_touch
-            + self.turning
-            + self.wall_paths
-            + self.changing_gravity
-            + self.outside
-            + self.inflow
+        self.entries()[1].iter().sum()
     }
 
     /// Exchanged energy, J: the sum of the magnitudes of all entries, and the scale of `closure`.
@@ -170,30 +165,6 @@ impl Simulation {
         let (momentum, half) = (self.momentum(), 0.5 * self.settings.step);
         energy.potential += half * (0..3).map(|axis| self.world.gravity[axis] * momentum[axis]).sum::<f64>();
         energy
-    }
-}
-
-/// Stored energy of contacts, J.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(super) struct Stored {
-    pub elastic: f64,
-    pub cohesive: f64,
-}
-
-impl Stored {
-    /// Energy of one contact.
-    pub fn of(contact: &NormalContact<f64>, pull: &Pull, law: NormalLaw) -> Stored {
-        Stored { elastic: contact.elastic_energy(law), cohesive: pull.energy(-contact.overlap) }
-    }
-
-    /// Energy of all candidates of a list.
-    pub fn of_all(world: &World, candidates: &Candidates, law: NormalLaw) -> Stored {
-        let ContactEnergy { elastic, cohesive, .. } = ContactEnergy::of(world, candidates, law);
-        Stored { elastic, cohesive }
-    }
-
-    pub fn total(&self) -> f64 {
-        self.elastic + self.cohesive
     }
 }
 
@@ -274,7 +245,7 @@ impl Expectations {
             let stored = Stored::of(&contact, &pull, law);
             differences.add_pair(stored.elastic, expected.elastic);
             differences.add_pair(stored.cohesive, expected.cohesive);
-            sum = sum.plus(stored);
+            sum.add(stored);
         }
         let poses: Vec<_> = world.walls.poses(world.time).collect();
         let (before, after) = (world.walls.placed(&self.poses), world.walls.placed(&poses));
@@ -307,7 +278,7 @@ impl Expectations {
             let beside = (distance.is_finite() && beside.is_finite()).then(|| at(beside));
             differences.add_wall(stored.elastic, beside.map(|one| one.elastic), expected.elastic);
             differences.add_wall(stored.cohesive, beside.map(|one| one.cohesive), expected.cohesive);
-            sum = sum.plus(stored);
+            sum.add(stored);
         }
         sum
     }
@@ -332,11 +303,5 @@ impl Expectations {
         }
         let contacts = walls.assign_slots(mesh, point, &found, &known);
         contacts.map(|contact| contact.map_or(f64::INFINITY, |contact| contact.distance))
-    }
-}
-
-impl Stored {
-    fn plus(self, other: Stored) -> Stored {
-        Stored { elastic: self.elastic + other.elastic, cohesive: self.cohesive + other.cohesive }
     }
 }

@@ -36,7 +36,7 @@ mod walls;
 pub use balance::Balance;
 pub(crate) use walls::{WallContact, WallImpulse};
 
-use super::energy::Energy;
+use super::energy::{ContactEnergy, Energy, Stored};
 use crate::Simulation;
 use crate::detect::Candidates;
 use crate::effects::spring::SpringLanes;
@@ -46,8 +46,8 @@ use crate::laws::cohesion::Pull;
 use crate::laws::compliance::{NormalContact, NormalScheme};
 use crate::partition::TaskGroups;
 use crate::simulation::intervention::Booked;
-use crate::world::World;
-use balance::{Expectations, Expected, Stored};
+use crate::world::{Body, Sphere, World};
+use balance::{Expectations, Expected};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -57,7 +57,7 @@ pub(crate) struct Ledger {
     start: Energy,
     momentum_start: [f64; 3],
     angular_momentum_start: [f64; 3],
-    entries: Entries,
+    pub entries: Entries,
     /// Stored energy of contacts at the end of the last step.
     stored: Stored,
     /// True if no candidate list existed when the ledger was opened, so that the stored energy was unknown.
@@ -71,11 +71,11 @@ pub(crate) struct Ledger {
 }
 
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-struct Entries {
+pub(crate) struct Entries {
     friction: f64,
-    /// Stored separately in checkpoints, since few scenes have springs.
+    /// Net energy taken up by tangential springs, J; stored separately in checkpoints, since few scenes have springs.
     #[serde(skip)]
-    springs: f64,
+    pub springs: f64,
     resistance: f64,
     restitution: f64,
     stabilisation: f64,
@@ -100,12 +100,6 @@ fn add(sum: &mut [f64; 3], vector: [f64; 3]) {
     *sum = plus(*sum, vector);
 }
 
-/// Velocities at a contact before and after the solve, by side: grain, or wall.
-struct Passage {
-    before: [f64; 3],
-    after: [f64; 3],
-}
-
 impl Ledger {
     /// Opens a ledger at the present state.
     pub fn open(simulation: &Simulation) -> Ledger {
@@ -114,17 +108,6 @@ impl Ledger {
         let stored = Stored { elastic: start.elastic, cohesive: start.cohesive };
         let unlisted = simulation.candidates.built_from().is_none();
         Ledger { start, momentum_start, angular_momentum_start, stored, unlisted, ..Ledger::default() }
-    }
-
-    /// Net energy taken up by tangential springs since the ledger was opened, J.
-    pub fn springs(&self) -> f64 {
-        self.entries.springs
-    }
-
-    /// Sets the energy of tangential springs.
-    pub fn with_springs(mut self, springs: f64) -> Ledger {
-        self.entries.springs = springs;
-        self
     }
 
     /// Notes the state at the start of a step, after grains were sorted and before any force acts. A `rebuilt` list may add
@@ -142,7 +125,7 @@ impl Ledger {
         if !rebuilt && !self.unlisted {
             return 0.0;
         }
-        let stored = Stored::of_all(world, candidates, scheme.law);
+        let stored = ContactEnergy::of(world, candidates, scheme.law).stored;
         let found = stored.total() - self.stored.total();
         self.stored = stored;
         if std::mem::take(&mut self.unlisted) {
@@ -158,17 +141,17 @@ impl Ledger {
 
     /// Books grains that `[come, go]` with their energy and momenta; `stored` is the elastic and cohesive energy (J) of the
     /// contacts of those that go. New grains have no overlap.
-    pub fn exchange(&mut self, [come, go]: [&Booked; 2], stored: [f64; 2]) {
-        let go = Booked { energy: go.energy + stored[0] + stored[1], ..*go };
+    pub fn exchange(&mut self, [come, go]: [&Booked; 2], stored: Stored) {
+        let go = Booked { energy: go.energy + stored.elastic + stored.cohesive, ..*go };
         self.entries.inflow = self.entries.inflow.with(come);
         self.entries.outflow = self.entries.outflow.with(&go);
-        self.stored.elastic -= stored[0];
-        self.stored.cohesive -= stored[1];
+        self.stored.elastic -= stored.elastic;
+        self.stored.cohesive -= stored.cohesive;
     }
 
     /// Restarts from the present stored energy of contacts, after an external change of the state.
     pub fn restart_stored(&mut self, world: &World, candidates: &Candidates, scheme: &NormalScheme) {
-        self.stored = Stored::of_all(world, candidates, scheme.law);
+        self.stored = ContactEnergy::of(world, candidates, scheme.law).stored;
     }
 
     /// Books a change of gravity from the value `before` (m/s2), after a step of length `h` (s) has moved the grains.
@@ -193,12 +176,12 @@ impl Ledger {
                     let (i, j) = (group.first[lane] as usize, group.second[lane] as usize);
                     let normal = group.contacts.normal(lane);
                     let (first, second) = (self.passage(world, i, normal, 1.0), self.passage(world, j, normal, -1.0));
-                    let before = minus(second.before, first.before);
-                    let after = minus(second.after, first.after);
+                    let [before, after] = [0, 1].map(|end| minus(second[end], first[end]));
                     let (contact, pull) = world.pair_contact(&candidates.pairs[source]);
                     let contact = NormalContact { velocity: dot(normal, before), ..contact };
-                    let mut borne = Borne::of(&group.contacts, lane, task.pair_pulls.get(number));
-                    borne.in_impact = task.pair_impacts[number].speed[lane] > 0.0;
+                    let pull_impulse = task.pair_pulls.get(number).map_or(0.0, |pulls| pulls.0[lane]);
+                    let in_impact = task.pair_impacts[number].speed[lane] > 0.0;
+                    let borne = Borne { in_impact, ..Borne::of(&group.contacts, lane, pull_impulse) };
                     self.turn_pair(world, [i, j], &borne);
                     self.expectations.pairs[source] = self.contact(&borne, contact, pull, [before, after], scheme);
                 }
@@ -210,12 +193,12 @@ impl Ledger {
             let grain = self.passage(world, place, normal, 1.0);
             let [before, after] = one.velocities;
             let face = world.walls.placed(&self.expectations.poses).face(candidate.surface);
-            let approach = minus(minus(before, face.gain_at(&world.spheres[place].centre).into()), grain.before);
+            let approach = minus(minus(before, face.gain_at(&world.spheres[place].centre).into()), grain[0]);
             let (contact, pull) = world.wall_contact(candidate, face.distance(&world.spheres[place].centre));
             let contact = NormalContact { velocity: dot(normal, approach), ..contact };
             let WallContact { tangential, springs, in_impact, .. } = *one;
             let borne = Borne { normal, along: one.along(), tangential, springs, in_impact };
-            let passages = [minus(before, grain.before), minus(after, grain.after)];
+            let passages = [minus(before, grain[0]), minus(after, grain[1])];
             let expected = self.contact(&borne, contact, pull, passages, scheme);
             self.expectations.walls[one.source] = expected;
             self.expectations.advances[one.source] = times(normal, scheme.step * dot(normal, after));
@@ -229,14 +212,11 @@ impl Ledger {
         });
     }
 
-    /// Books the losses in an impact of two grains outside of the solve, J.
-    pub fn lose_in_impact(&mut self, restitution: f64, friction: f64) {
+    /// Books the losses by restitution and friction in an impact of two grains outside of the solve, J; its angular momentum error, and
+    /// the part of a period between the two grains, kg m2/s.
+    pub fn book_impact(&mut self, [restitution, friction]: [f64; 2], [overlap, period]: [[f64; 3]; 2]) {
         self.entries.restitution += restitution;
         self.entries.friction += friction;
-    }
-
-    /// Books the angular momentum error of such an impact, and its part from a period between the two grains, kg m2/s.
-    pub fn turn_in_impact(&mut self, overlap: [f64; 3], period: [f64; 3]) {
         add(&mut self.entries.overlap_angular_impulse, overlap);
         add(&mut self.entries.period_angular_impulse, period);
     }
@@ -281,15 +261,13 @@ impl Ledger {
         }
     }
 
-    /// Velocity of a grain at its contact; the surface moves with `s x n` on the first side and opposite to it on the second.
-    fn passage(&self, world: &World, place: usize, normal: [f64; 3], side: f64) -> Passage {
+    /// Velocities of a grain at its contact before and after the solve; the surface moves with `s x n` on the first side and opposite to it on the second.
+    fn passage(&self, world: &World, place: usize, normal: [f64; 3], side: f64) -> [[f64; 3]; 2] {
         let body = &world.bodies[place];
         let [x, y, z, _] = world.before[place].0;
         let surface = |speed: [f64; 3]| times(cross(speed, normal), side);
-        Passage {
-            before: plus([x, y, z], surface(self.scaled_spins[place])),
-            after: plus(body.velocity, surface(body.scaled_spin)),
-        }
+        let before = plus([x, y, z], surface(self.scaled_spins[place]));
+        [before, plus(body.velocity, surface(body.scaled_spin))]
     }
 
     /// Books one contact in its state at the start of the step, given its relative velocities before and after; returns its
@@ -338,11 +316,11 @@ struct Borne {
 }
 
 impl Borne {
-    fn of(lanes: &ContactLanes<Eight, SpringLanes>, lane: usize, pulls: Option<&Eight>) -> Borne {
+    fn of(lanes: &ContactLanes<Eight, SpringLanes>, lane: usize, pull: f64) -> Borne {
         let tangential = lanes.tangential_impulse(lane);
         Borne {
             normal: lanes.normal(lane),
-            along: lanes.normal_impulse(lane) - pulls.map_or(0.0, |pulls| pulls.0[lane]),
+            along: lanes.normal_impulse(lane) - pull,
             tangential,
             springs: lanes.tangential.spring.taken_up(lane, tangential),
             in_impact: false,
@@ -357,13 +335,11 @@ pub(crate) fn work_of_changing_gravity(world: &World, before: Vector3<f64>, h: f
     if change == Vector3::zeros() {
         return 0.0;
     }
-    let grains = world.spheres[..world.grains()].iter().zip(&world.bodies);
-    grains
-        .map(|(sphere, body)| {
-            let place = sphere.centre - Vector3::from(body.velocity) * (0.5 * h);
-            -change.dot(&place) / body.inverse_mass
-        })
-        .sum()
+    let gained = |(sphere, body): (&Sphere, &Body)| {
+        let place = sphere.centre - Vector3::from(body.velocity) * (0.5 * h);
+        -change.dot(&place) / body.inverse_mass
+    };
+    world.spheres[..world.grains()].iter().zip(&world.bodies).map(gained).sum()
 }
 
 impl Simulation {
@@ -380,6 +356,9 @@ impl Simulation {
         let outside = self.interventions.booked;
         let (end, momentum_end) = (self.energy_half_a_step_earlier(), self.momentum());
         let angular_momentum_end = self.angular_momentum();
+        let closure = |[start, end]: [[f64; 3]; 2], gained: &[[f64; 3]], lost| {
+            plus(gained.iter().fold(minus(end, start), |left, entry| minus(left, *entry)), lost)
+        };
         let balance = Balance {
             start: *start,
             end,
@@ -405,15 +384,11 @@ impl Simulation {
             outside_impulse: outside.impulse,
             inflow_impulse: entries.inflow.impulse,
             outflow_impulse: entries.outflow.impulse,
-            momentum_closure: std::array::from_fn(|axis| {
-                momentum_end[axis]
-                    - momentum_start[axis]
-                    - entries.gravity_impulse[axis]
-                    - entries.wall_impulse[axis]
-                    - outside.impulse[axis]
-                    - entries.inflow.impulse[axis]
-                    + entries.outflow.impulse[axis]
-            }),
+            momentum_closure: closure(
+                [*momentum_start, momentum_end],
+                &[entries.gravity_impulse, entries.wall_impulse, outside.impulse, entries.inflow.impulse],
+                entries.outflow.impulse,
+            ),
             angular_momentum_start: *angular_momentum_start,
             angular_momentum_end,
             gravity_angular_impulse: entries.gravity_angular_impulse,
@@ -423,17 +398,18 @@ impl Simulation {
             outside_angular_impulse: outside.angular_impulse,
             inflow_angular_impulse: entries.inflow.angular_impulse,
             outflow_angular_impulse: entries.outflow.angular_impulse,
-            angular_momentum_closure: std::array::from_fn(|axis| {
-                angular_momentum_end[axis]
-                    - angular_momentum_start[axis]
-                    - entries.gravity_angular_impulse[axis]
-                    - entries.wall_angular_impulse[axis]
-                    - entries.overlap_angular_impulse[axis]
-                    - entries.period_angular_impulse[axis]
-                    - outside.angular_impulse[axis]
-                    - entries.inflow.angular_impulse[axis]
-                    + entries.outflow.angular_impulse[axis]
-            }),
+            angular_momentum_closure: closure(
+                [*angular_momentum_start, angular_momentum_end],
+                &[
+                    entries.gravity_angular_impulse,
+                    entries.wall_angular_impulse,
+                    entries.overlap_angular_impulse,
+                    entries.period_angular_impulse,
+                    outside.angular_impulse,
+                    entries.inflow.angular_impulse,
+                ],
+                entries.outflow.angular_impulse,
+            ),
         };
         Some(Balance { closure: end.total() - start.total() - balance.gained() + balance.lost(), ..balance })
     }

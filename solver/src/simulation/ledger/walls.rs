@@ -82,9 +82,6 @@ pub(crate) struct WallImpulse {
     pub centre: [f64; 3],
     /// Lever arm of the impulse from the grain's centre, m; zero if the impulse does not turn the grain.
     pub arm: [f64; 3],
-    /// Deviation of the grain's position at the end of the step from straight motion at its velocity after the impulse, `x' - x -
-    /// h v'`, m.
-    pub shift: [f64; 3],
 }
 
 impl Simulation {
@@ -155,7 +152,7 @@ impl Simulation {
     /// Books an impulse of a wall on a grain after the ledger has booked the solve and before the grains move: its work, for
     /// ledger and watchdogs, and the parts lost to restitution and friction.
     pub(crate) fn book_wall_impulse(&mut self, one: &WallImpulse) {
-        let WallImpulse { mass, normal, before, after, impulse, wall_velocity, centre, arm, shift, .. } = *one;
+        let WallImpulse { normal, before, after, impulse, wall_velocity, centre, arm, .. } = *one;
         let (gravity, h) = (<[f64; 3]>::from(self.world.gravity), self.settings.step);
         let work = dot(impulse, wall_velocity);
         self.work_outside_of_the_solve += work;
@@ -168,7 +165,6 @@ impl Simulation {
         entries.walls += work;
         entries.restitution += along * dot(normal, mean);
         entries.friction += dot(minus(impulse, times(normal, along)), mean);
-        entries.stabilisation += mass * dot(gravity, shift);
         entries.wall_impulse = plus(entries.wall_impulse, impulse);
         entries.wall_angular_impulse = plus(entries.wall_angular_impulse, cross(plus(centre, arm), impulse));
     }

@@ -74,9 +74,9 @@ pub(crate) struct Swept {
     /// Speed of faces at which all grains of the last step were slow, m/s; `None` if some were fast, or if unknown.
     slow_at: Option<f64>,
     /// First grain that crossed a wall.
-    crossing: Option<Crossing>,
+    pub crossing: Option<Crossing>,
     /// First two grains that may have passed through each other.
-    passage: Option<Passage>,
+    pub passage: Option<Passage>,
     /// Radius of the smallest grain, m.
     least_radius: f64,
     poses: Vec<Pose>,
@@ -150,27 +150,16 @@ impl Swept {
     pub fn forget_pace(&mut self) {
         self.slow_at = None;
     }
-
-    /// Copies the failures of another record.
-    pub fn remember_failures(&mut self, other: &Swept) {
-        (self.crossing, self.passage) = (other.crossing, other.passage);
-    }
 }
 
 impl Simulation {
-    /// Returns the number of impacts of the last step that were resolved on the paths of grains, after the solve.
-    pub fn impacts_on_paths(&self) -> usize {
-        self.swept.strikes.len()
-    }
-
-    /// Returns the first grain that crossed a wall, if any: later results are invalid.
-    pub fn crossing(&self) -> Option<Crossing> {
-        self.swept.crossing
-    }
-
-    /// Returns the first two grains that may have passed through each other, if any: later results are invalid.
-    pub fn passage(&self) -> Option<Passage> {
-        self.swept.passage
+    crate::getters! {
+        /// Returns the number of impacts of the last step that were resolved on the paths of grains, after the solve.
+        pub impacts_on_paths: usize = |simulation| simulation.swept.strikes.len();
+        /// Returns the first grain that crossed a wall, if any: later results are invalid.
+        pub crossing: Option<Crossing> = |simulation| simulation.swept.crossing;
+        /// Returns the first two grains that may have passed through each other, if any: later results are invalid.
+        pub passage: Option<Passage> = |simulation| simulation.swept.passage;
     }
 
     /// Returns true if some grain may be too fast for the next step, so that it may collide with a wall outside the list.
@@ -259,32 +248,22 @@ fn friction(slip: Vector, sticking: f64, most: f64) -> Vector {
     }
 }
 
-/// Impulse between two grains outside of the solve, as input of the ledger.
-struct PairImpulse {
-    /// Body indices of the two.
-    places: [usize; 2],
-    /// Unit normal from the first to the second.
-    normal: Vector,
-    /// Velocity of the second surface minus that of the first, before and after, m/s.
-    relative: [Vector; 2],
-    /// Impulse on the first grain, N s.
-    impulse: Vector,
-}
-
 impl Simulation {
-    /// Books an impulse between two grains after the ledger has booked the solve and before they move.
-    fn book_pair_impulse(&mut self, one: &PairImpulse) {
-        let (normal, impulse) = (one.normal.into(), <[f64; 3]>::from(one.impulse));
-        let mean = times(plus(one.relative[0].into(), one.relative[1].into()), 0.5);
+    /// Books an impulse between two grains after the ledger has booked the solve and before they move: their body indices, the unit normal
+    /// from the first to the second, the velocity of the second surface minus that of the first before and after (m/s), and the impulse on
+    /// the first (N s).
+    fn book_pair_impulse(&mut self, [i, j]: [usize; 2], normal: Vector, relative: [Vector; 2], impulse: Vector) {
+        let (normal, impulse) = (normal.into(), <[f64; 3]>::from(impulse));
+        let mean = times(plus(relative[0].into(), relative[1].into()), 0.5);
         let along = dot(normal, impulse);
         let Simulation { world, ledger, .. } = self;
         let Some(ledger) = ledger else { return };
-        ledger.lose_in_impact(along * dot(normal, mean), dot(minus(impulse, times(normal, along)), mean));
+        let lost = [along * dot(normal, mean), dot(minus(impulse, times(normal, along)), mean)];
         // The impulse acts at the point of impact, but is booked at the positions at the start of the step.
-        let ([i, j], on_second) = (one.places, times(impulse, -1.0));
+        let on_second = times(impulse, -1.0);
         let arm: [f64; 3] = world.arm(i, j).into();
         let spun = times(cross(normal, impulse), world.spheres[i].radius + world.spheres[j].radius);
         let apart = (world.spheres[j].centre - world.spheres[i].centre - world.arm(i, j)).into();
-        ledger.turn_in_impact(plus(spun, cross(arm, on_second)), cross(apart, on_second));
+        ledger.book_impact(lost, [plus(spun, cross(arm, on_second)), cross(apart, on_second)]);
     }
 }

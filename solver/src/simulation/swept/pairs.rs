@@ -18,7 +18,7 @@
 //! Two blocks are skipped if no relative path is long enough, or if none leads from one block to the other. Grains that fly
 //! together are skipped at any speed.
 
-use super::{INVERSE_INERTIA, LONG_LEVEL, PairImpulse, Passage, Strike, Struck, Vector, friction};
+use super::{INVERSE_INERTIA, LONG_LEVEL, Passage, Strike, Struck, Vector, friction};
 use crate::Simulation;
 use crate::effects::friction::slip_speed;
 use crate::effects::restitution::at_speed;
@@ -245,7 +245,7 @@ impl Simulation {
         let [velocities, spins] =
             [bodies.map(|body| Vector::from(body.velocity)), bodies.map(|body| Vector::from(body.scaled_spin))];
         let relative = [before, surfaces(velocities, spins)];
-        self.book_pair_impulse(&PairImpulse { places: pair, normal, relative, impulse });
+        self.book_pair_impulse(pair, normal, relative, impulse);
         let [place, partner] = pair.map(|place| place as u32);
         let (struck, tangential) = (Struck::Grain(partner), -tangential);
         self.swept.strikes.push(Strike { place, struck, normal, along: borne, tangential });

@@ -115,16 +115,11 @@ fn crossed(walls: &WallsAt<'_>, centre: &Vector, velocity: &Vector, step: f64) -
 }
 
 impl Simulation {
-    /// Stores the poses of the walls through the step.
-    fn place_walls(&mut self) {
+    /// Stops the grains to check at walls.
+    pub(super) fn stop_at_walls(&mut self, pace: Pace, team: &Team) {
         let (world, poses) = (&self.world, &mut self.swept.poses);
         poses.clear();
         poses.extend((0..world.walls.count() as u32).map(|wall| world.pose_through(wall, self.settings.step)));
-    }
-
-    /// Stops the grains to check at walls.
-    pub(super) fn stop_at_walls(&mut self, pace: Pace, team: &Team) {
-        self.place_walls();
         for round in 0..=ROUNDS {
             self.find_impacts(pace, team);
             let met = std::mem::take(&mut self.swept.met);
@@ -276,7 +271,6 @@ impl Simulation {
             wall_velocity: wall_velocity.into(),
             centre: self.world.spheres[place].centre.into(),
             arm: arm.into(),
-            shift: [0.0; 3],
         });
         self.swept.strikes.push(Strike {
             place: place as u32,
