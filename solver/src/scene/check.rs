@@ -414,7 +414,7 @@ pub(super) fn in_domain(
     let Domain { min, max, .. } = scene.domain;
     let [below, above] = if entirely { [low, high] } else { [high, low] };
     let fits = (0..3).all(|axis| below[axis] >= min[axis] && above[axis] <= max[axis]);
-    let place = if entirely { "not inside the domain" } else { "outside the domain" };
+    let place = if entirely { "not inside the domain" } else { "outside the domain: no grain can reach it" };
     at.require(fits, || format!("from {low:?} to {high:?} m, {place}"), "move it into [domain], or enlarge [domain]")
 }
 
