@@ -33,9 +33,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         simulation.step();
         if step % 100 == 0 || step == steps {
             println!("{step} {:016x}", simulation.state_hash());
+            eprintln!("{step} steps in {:.3} s", start.elapsed().as_secs_f64());
         }
     }
-    eprintln!("{:.3} s: {:.3?}", start.elapsed().as_secs_f64(), simulation.phase_seconds());
+    eprintln!("{:.3?}, {:.3} s in messages", simulation.phase_seconds(), simulation.exchange_seconds());
     drop(simulation);
     dismiss(&ranks);
     Ok(())

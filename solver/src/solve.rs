@@ -1,8 +1,9 @@
 //! Iteration loop of a solve: stop criteria and report.
 
 use crate::interrupt::Interrupt;
+use crate::lanes::TaskSlots;
 use crate::methods::{Problem, Solver};
-use crate::partition::{ByBodies, Layout};
+use crate::partition::Layout;
 use crate::scene::{SolverSettings, Stop};
 use crate::schedule::Team;
 use crate::sweep::{Relaxation, ResidualLevel, Residuals, tell_driven};
@@ -135,8 +136,7 @@ pub(crate) fn solve(
     };
     problem.leave_precision();
     if let Some(ranks) = &layout.ranks {
-        // SAFETY: no task runs.
-        ranks.share(unsafe { ByBodies::of(&mut world.bodies).all() });
+        ranks.share(TaskSlots::of(&mut world.bodies));
     }
     tell_driven(layout, &world.drives);
     report

@@ -1,7 +1,7 @@
 //! Runs on several ranks have the bits of one: here, ranks are threads that pass messages through channels. `tests/mpi` of the command
 //! starts processes.
 
-use makadam::messages::{Messages, Parcel};
+use makadam::messages::Messages;
 use makadam::{Precision, Scene, Scheduler, Simulation, SolverMethod, Stop, dismiss, follow};
 use std::path::Path;
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -49,13 +49,9 @@ impl Messages for Thread {
         self.to.len()
     }
 
-    fn exchange(&self, sent: &[Parcel], received: &mut [Parcel]) {
-        sent.iter().for_each(|(rank, bytes)| self.send(*rank, bytes.clone()));
-        for (rank, bytes) in received {
-            let length = bytes.len();
-            *bytes = self.receive(*rank);
-            assert_eq!(bytes.len(), length, "from rank {rank} to rank {}", self.own);
-        }
+    fn exchange(&self, sent: &[(usize, &[u8])], received: &mut [(usize, &mut [u8])]) {
+        sent.iter().for_each(|(rank, bytes)| self.send(*rank, bytes.to_vec()));
+        received.iter_mut().for_each(|(rank, bytes)| bytes.copy_from_slice(&self.receive(*rank)));
     }
 
     fn gather(&self, own: &[u8]) -> Vec<Vec<u8>> {

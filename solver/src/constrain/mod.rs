@@ -17,15 +17,15 @@ use crate::groups::{ContactLanes, ImpactLanes, WallGroup, with_effects, with_pai
 use crate::lanes::{Available, Eight, Lanes, Number, Quad, Slots, TaskSlots, dot, minus, times};
 use crate::laws::compliance::{NormalContact, NormalScheme};
 use crate::partition::{
-    ByBodies, ByCandidates, ByNumber, DRIVEN_STAGE, DrivenContact, FindWaits, LaneAssigner, Layout, PlannedTask, Taken,
-    TakenGroups, TaskGroups,
+    Between, ByBodies, ByCandidates, ByNumber, DRIVEN_STAGE, DrivenContact, FindWaits, LaneAssigner, Layout,
+    PlannedTask, Taken, TakenGroups, TaskGroups,
 };
 use crate::scene::SolverSettings;
 use crate::schedule::{Phase, Team};
 use crate::surface::NearPart;
 use crate::sweep::Relaxation;
 use crate::wall::{Pose, WallsAt};
-use crate::world::{ContactMaterial, Sphere, World, WorldBesideBodies};
+use crate::world::{Body, ContactMaterial, Sphere, World, WorldBesideBodies};
 use coefficients::LaneMaterial;
 use fill::{FillPairs, FillTorques, FillWalls};
 use nalgebra::Vector3;
@@ -152,16 +152,13 @@ impl Constrainer {
             let (taken, first, next) = self.taken.stage();
             let Layout { plan, groups, ranks, .. } = layout;
             let of_candidates = (ByCandidates::of(listed), ByCandidates::of(near), impulses.shares());
-            let bodies = ByBodies::of(bodies);
-            // SAFETY: used between stages alone.
-            let exchanged = unsafe { bodies.all() };
-            let shares = ((bodies, taken), ByNumber::of(groups), of_candidates);
+            let shares = ((ByBodies::of(&mut *bodies), taken), ByNumber::of(groups), of_candidates);
             let set = relaxation.instruction_set;
             // First group number of the stage, and the end so far.
             let (base, end) = (AtomicU32::new(first), AtomicU32::new(first));
-            let begin = |stage| {
+            let begin = |stage, ((bodies, _), ..): &((ByBodies<'_, Body>, _), _, _), between: &Between| {
                 base.store(end.load(Ordering::Relaxed), Ordering::Relaxed);
-                ranks.iter().for_each(|ranks| ranks.pass_on(stage, exchanged));
+                ranks.iter().for_each(|ranks| ranks.pass_on(stage, bodies.all(between)));
             };
             plan.run_stages(team, Phase::Constrain, begin, shares, |_, task, share| {
                 let ((bodies, taken), groups, (listed, near, (impulses, borne))) = share;
@@ -176,7 +173,7 @@ impl Constrainer {
                 relaxation.start(bodies, groups);
             });
             *next = end.into_inner();
-            ranks.iter().for_each(|ranks| ranks.pass_on(DRIVEN_STAGE, exchanged));
+            ranks.iter().for_each(|ranks| ranks.pass_on(DRIVEN_STAGE, TaskSlots::of(bodies)));
         }
         if !world.drives.is_empty() {
             team.alone(Phase::Constrain, || self.list_driven(world, listed, layout));

@@ -55,7 +55,7 @@ impl Remembered {
         old.plan.run_stages(
             team,
             Phase::Detect,
-            |_| {},
+            |_, _, _| {},
             counts,
             |_, task, counts| {
                 for candidate in live(task) {
@@ -78,7 +78,7 @@ impl Remembered {
         old.plan.run_stages(
             team,
             Phase::Detect,
-            |_| {},
+            |_, _, _| {},
             (grouped, borne),
             |_, task, ([starts, partners], (to, impacts_to, torques_to))| {
                 for candidate in live(task) {

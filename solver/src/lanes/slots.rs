@@ -135,6 +135,12 @@ impl<T: Pod> Slots<'_, T> {
 }
 
 impl<'a, T: Copy> TaskSlots<'a, T> {
+    /// Creates the slots of an array that no task uses.
+    pub fn of(array: &'a mut [T]) -> TaskSlots<'a, T> {
+        // SAFETY: the borrow excludes all others.
+        unsafe { TaskSlots::new(array.as_mut_ptr(), array.len()) }
+    }
+
     /// Creates the slots of a task in an array of a given length.
     ///
     /// # Safety

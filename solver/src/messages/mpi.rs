@@ -1,6 +1,6 @@
 //! Messages by MPI.
 
-use super::{Messages, Parcel};
+use super::Messages;
 use ::mpi::Threading;
 use ::mpi::datatype::PartitionMut;
 use ::mpi::environment::Universe;
@@ -54,7 +54,7 @@ impl Messages for World {
         self.communicator.size() as usize
     }
 
-    fn exchange(&self, sent: &[Parcel], received: &mut [Parcel]) {
+    fn exchange(&self, sent: &[(usize, &[u8])], received: &mut [(usize, &mut [u8])]) {
         scope(|scope| {
             let mut guards = Vec::new();
             for (rank, bytes) in received {

@@ -279,7 +279,7 @@ pub(crate) fn for_each_group<V: ContactPass, S: TaskShares>(
         });
     };
     match S::IN_STAGES {
-        true => plan.run_stages(team, Phase::Sweep, |_| {}, shares, pass),
+        true => plan.run_stages(team, Phase::Sweep, |_, _, _| {}, shares, pass),
         false => plan.run_all(team, Phase::Sweep, shares, pass),
     }
 }

@@ -25,7 +25,7 @@ pub use boxes::{BoxGrid, STAGES};
 pub(crate) use boxes::{DIRECTIONS, SAME_BOX};
 pub use plan::{Plan, PlannedTask, Portion};
 pub(crate) use ranks::{DRIVEN_STAGE, Ranks};
-pub(crate) use shares::{ByBlocks, ByBodies, ByCandidates, ByNumber, ByPlace, ByStarts, TaskShares};
+pub(crate) use shares::{Between, ByBlocks, ByBodies, ByCandidates, ByNumber, ByPlace, ByStarts, TaskShares};
 pub(crate) use single::{SingleBody, SingleCopy, SingleGroups, SinglePairGroup};
 
 use crate::effects::resistance::TorqueLanes;

@@ -1,6 +1,6 @@
 //! Plan of tasks: the tasks of each stage, and the candidates of each task.
 
-use super::{STAGES, TaskShares};
+use super::{Between, STAGES, TaskShares};
 use crate::lanes::{LANES, lanes_of};
 use crate::schedule::{Phase, Team};
 use serde::{Deserialize, Serialize};
@@ -188,17 +188,18 @@ impl Plan {
     /// Runs `work` for each task, with its index and its part of the data, stage after stage: the only loop over
     /// stages. Tasks of a stage share no body and run concurrently in any order. A stage is complete before the next
     /// one begins, so that all writes to bodies are visible in the next stage. `before` is called with the number of
-    /// each stage before that stage, for exchange between stages.
+    /// each stage and the data before that stage, for exchange between stages.
     pub(crate) fn run_stages<S: TaskShares>(
         &self,
         team: &Team,
         phase: Phase,
-        mut before: impl FnMut(usize),
+        mut before: impl FnMut(usize, &S, &Between),
         shares: S,
         work: impl Fn(usize, &PlannedTask, S::Share) + Sync,
     ) {
         for stage in 0..STAGES {
-            before(stage);
+            // SAFETY: tasks run below alone.
+            before(stage, &shares, &unsafe { Between::stages() });
             // SAFETY: each task of the stage runs once, and no task of another stage runs meanwhile.
             let run = |place, task: &PlannedTask| work(place, task, unsafe { shares.share(place, task) });
             self.run(team, phase, self.batches_of(stage), &run);

@@ -14,12 +14,12 @@
 
 use super::{BoxGrid, Plan, PlannedTask, STAGES};
 use crate::lanes::TaskSlots;
-use crate::messages::{Messages, Parcel};
+use crate::messages::{Messages, Timed};
 use bytemuck::{Pod, Zeroable};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::ops::Range;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, MutexGuard};
 
 /// Stage of the contacts with dynamic walls, after all others.
 pub(crate) const DRIVEN_STAGE: usize = STAGES;
@@ -27,15 +27,15 @@ pub(crate) const DRIVEN_STAGE: usize = STAGES;
 /// Ranks of a run, and the part of this one.
 #[derive(Clone, Debug)]
 pub(crate) struct Ranks {
-    messages: Arc<dyn Messages>,
+    messages: Arc<Timed>,
     /// Rank of each box.
     owners: Vec<u16>,
     /// Rank of each successive task of the whole plan.
     sequence: Vec<u16>,
     /// Velocities that go from rank to rank before each stage.
     before: [Links; STAGES + 1],
-    /// Grains of each rank: those whose velocities it has changed last, in runs of body indices.
-    held: Vec<Vec<Range<u32>>>,
+    /// Grains of each rank: those whose velocities it has changed last.
+    held: Vec<Grains>,
     /// Ranks that relax contacts with dynamic walls in turn, and numbers of contacts.
     turns: Vec<(usize, usize)>,
     /// True if every rank has the impulses of all contacts: after a start or a change of stage, until the next build of the list.
@@ -44,11 +44,24 @@ pub(crate) struct Ranks {
     pub is_in_step: bool,
 }
 
-/// Body indices of grains that are sent to other ranks and received from them.
+/// Grains that are sent to other ranks and received from them, by rank.
 #[derive(Clone, Debug, Default)]
 struct Links {
-    sent: Vec<(usize, Vec<u32>)>,
-    received: Vec<(usize, Vec<u32>)>,
+    sent: Vec<(usize, Grains)>,
+    received: Vec<(usize, Grains)>,
+}
+
+/// Grains in runs of body indices, and a buffer for their velocities.
+#[derive(Debug, Default)]
+struct Grains {
+    runs: Vec<Range<u32>>,
+    buffer: Mutex<Vec<u8>>,
+}
+
+impl Clone for Grains {
+    fn clone(&self) -> Grains {
+        Grains { runs: self.runs.clone(), buffer: Mutex::default() }
+    }
 }
 
 /// Stages in which tasks of a rank change a grain.
@@ -62,7 +75,7 @@ struct Touched {
 
 impl Ranks {
     /// Creates the ranks of a run whose contacts every rank has.
-    pub fn new(messages: Arc<dyn Messages>) -> Ranks {
+    pub fn new(messages: Arc<Timed>) -> Ranks {
         let (owners, sequence, turns) = Default::default();
         let (before, held, is_in_step) = Default::default();
         Ranks { messages, owners, sequence, before, held, turns, complete: true, is_in_step }
@@ -89,7 +102,7 @@ impl Ranks {
     }
 
     /// Returns the messages between the ranks.
-    pub fn messages(&self) -> &dyn Messages {
+    pub fn messages(&self) -> &Timed {
         &*self.messages
     }
 
@@ -103,7 +116,7 @@ impl Ranks {
         usize::from(self.owners[number])
     }
 
-    /// Divides the boxes among the ranks, given the number of grains of each, by recursive bisection across the longest axis.
+    /// Divides the boxes among the ranks, given the number of grains of each, by recursive bisection.
     pub fn divide(&mut self, boxes: &BoxGrid, grains: impl Fn(usize) -> usize) {
         let mut all: Vec<([i32; 3], usize)> =
             (0..boxes.boxes()).map(|number| (boxes.coordinates(number), number)).collect();
@@ -164,13 +177,9 @@ impl Ranks {
                 from = to;
             }
         }
-        self.held = vec![Vec::new(); self.count()];
+        self.held = vec![Grains::default(); self.count()];
         for (place, &rank) in (0..).zip(&holder) {
-            let runs: &mut Vec<Range<u32>> = &mut self.held[usize::from(rank)];
-            match runs.last_mut() {
-                Some(run) if run.end == place => run.end += 1,
-                _ => runs.push(place..place + 1),
-            }
+            self.held[usize::from(rank)].push(place);
         }
     }
 
@@ -191,25 +200,33 @@ impl Ranks {
     /// Sends and receives the velocities of the grains that tasks of a stage change, before this stage.
     pub fn pass_on<T: Pod>(&self, stage: usize, bodies: TaskSlots<'_, T>) {
         let Links { sent, received } = &self.before[stage];
-        if sent.is_empty() && received.is_empty() {
-            return;
-        }
-        let pack = |(rank, places): &(usize, Vec<u32>)| (*rank, bytes_of(bodies, places.iter().copied()));
-        let sent: Vec<Parcel> = sent.iter().map(pack).collect();
-        let room = |(rank, places): &(usize, Vec<u32>)| (*rank, vec![0; places.len() * size_of::<T>()]);
-        let mut parcels: Vec<Parcel> = received.iter().map(room).collect();
-        self.messages.exchange(&sent, &mut parcels);
-        for ((_, places), (_, bytes)) in received.iter().zip(&parcels) {
-            put(bodies, places.iter().copied(), bytes);
+        if !sent.is_empty() || !received.is_empty() {
+            let packed: Vec<_> = sent.iter().map(|(rank, grains)| (*rank, grains.pack(bodies))).collect();
+            let sent: Vec<(usize, &[u8])> = packed.iter().map(|(rank, bytes)| (*rank, &bytes[..])).collect();
+            self.exchange(&sent, received.iter().map(|(rank, grains)| (*rank, grains)), bodies);
         }
     }
 
     /// Sends the velocities of the grains to all ranks, each by the rank that has changed it last.
     pub fn share<T: Pod>(&self, bodies: TaskSlots<'_, T>) {
-        let places = |rank: usize| self.held[rank].iter().cloned().flatten();
-        let all = self.messages.gather(&bytes_of(bodies, places(self.own())));
-        for (rank, bytes) in all.iter().enumerate().filter(|&(rank, _)| rank != self.own()) {
-            put(bodies, places(rank), bytes);
+        let others = self.held.iter().enumerate().filter(|&(rank, _)| rank != self.own());
+        let packed = self.held[self.own()].pack(bodies);
+        let sent: Vec<(usize, &[u8])> = others.clone().map(|(rank, _)| (rank, &packed[..])).collect();
+        self.exchange(&sent, others, bodies);
+    }
+
+    /// Sends packed velocities, and receives those of other grains, by rank.
+    fn exchange<'a, T: Pod>(
+        &self,
+        sent: &[(usize, &[u8])],
+        received: impl Iterator<Item = (usize, &'a Grains)> + Clone,
+        bodies: TaskSlots<'_, T>,
+    ) {
+        let mut room: Vec<_> = received.clone().map(|(rank, grains)| (rank, grains.room(moving::<T>()))).collect();
+        let mut parcels: Vec<_> = room.iter_mut().map(|(rank, bytes)| (*rank, &mut bytes[..])).collect();
+        self.messages.exchange(sent, &mut parcels);
+        for ((_, grains), (_, bytes)) in received.zip(&parcels) {
+            grains.unpack(bodies, bytes);
         }
     }
 
@@ -283,10 +300,12 @@ impl Ranks {
         let (own, lengths) = (self.own(), lists.iter().map(Vec::len).collect::<Vec<_>>());
         let others = || (0..self.count()).filter(move |&rank| rank != own);
         let all = self.everyone(&lengths);
-        let sent: Vec<Parcel> = others().map(|rank| (rank, bytemuck::must_cast_slice(&lists[rank]).to_vec())).collect();
-        let mut received: Vec<Parcel> = others().map(|rank| (rank, vec![0; all[rank][own] * size_of::<T>()])).collect();
-        self.messages.exchange(&sent, &mut received);
-        received.iter().flat_map(|(_, bytes)| records::<T>(bytes)).collect()
+        let sent: Vec<(usize, &[u8])> =
+            others().map(|rank| (rank, bytemuck::must_cast_slice(&lists[rank][..]))).collect();
+        let mut received: Vec<Vec<u8>> = others().map(|rank| vec![0; all[rank][own] * size_of::<T>()]).collect();
+        let mut parcels: Vec<_> = others().zip(received.iter_mut().map(|bytes| &mut bytes[..])).collect();
+        self.messages.exchange(&sent, &mut parcels);
+        received.iter().flat_map(|bytes| records::<T>(bytes)).collect()
     }
 }
 
@@ -298,11 +317,62 @@ impl Links {
             (_, true) => (&mut self.received, from),
             _ => return,
         };
-        match list.iter_mut().find(|(rank, _)| *rank == other) {
-            Some((_, places)) => places.push(place),
-            None => list.push((other, vec![place])),
+        let known = list.iter().position(|(rank, _)| *rank == other).unwrap_or_else(|| {
+            list.push((other, Grains::default()));
+            list.len() - 1
+        });
+        list[known].1.push(place);
+    }
+}
+
+impl Grains {
+    /// Appends a grain after all others.
+    fn push(&mut self, place: u32) {
+        match self.runs.last_mut() {
+            Some(run) if run.end == place => run.end += 1,
+            _ => self.runs.push(place..place + 1),
         }
     }
+
+    fn places(&self) -> impl Iterator<Item = u32> + '_ {
+        self.runs.iter().cloned().flatten()
+    }
+
+    /// Returns the buffer with room for so many bytes of each grain.
+    fn room(&self, bytes: usize) -> MutexGuard<'_, Vec<u8>> {
+        let mut buffer = self.buffer.lock().expect("nothing panics while it holds the lock");
+        buffer.resize(self.runs.iter().map(Range::len).sum::<usize>() * bytes, 0);
+        buffer
+    }
+
+    /// Writes the velocities and spins of the grains into the buffer.
+    fn pack<T: Pod>(&self, bodies: TaskSlots<'_, T>) -> MutexGuard<'_, Vec<u8>> {
+        let (mut buffer, number) = (self.room(moving::<T>()), size_of::<T>() / 8);
+        for (place, moving) in self.places().zip(buffer.chunks_exact_mut(moving::<T>())) {
+            let body = bodies.get(place);
+            let bytes = bytemuck::bytes_of(&body);
+            moving[..3 * number].copy_from_slice(&bytes[..3 * number]);
+            moving[3 * number..].copy_from_slice(&bytes[4 * number..7 * number]);
+        }
+        buffer
+    }
+
+    /// Sets the velocities and spins of the grains.
+    fn unpack<T: Pod>(&self, bodies: TaskSlots<'_, T>, bytes: &[u8]) {
+        let number = size_of::<T>() / 8;
+        for (place, moving) in self.places().zip(bytes.chunks_exact(moving::<T>())) {
+            let mut body = bodies.get(place);
+            let bytes = bytemuck::bytes_of_mut(&mut body);
+            bytes[..3 * number].copy_from_slice(&moving[..3 * number]);
+            bytes[4 * number..7 * number].copy_from_slice(&moving[3 * number..]);
+            bodies.set(place, body);
+        }
+    }
+}
+
+/// Returns the bytes of velocity and spin of a body: of its eight numbers, all but the inverse mass and the inverse radius.
+const fn moving<T>() -> usize {
+    size_of::<T>() / 8 * 6
 }
 
 /// Reads records from bytes.
@@ -310,45 +380,32 @@ fn records<T: Pod>(bytes: &[u8]) -> impl Iterator<Item = T> {
     bytes.chunks_exact(size_of::<T>()).map(bytemuck::pod_read_unaligned)
 }
 
-/// Returns the records in some slots as bytes.
-fn bytes_of<T: Pod>(bodies: TaskSlots<'_, T>, places: impl Iterator<Item = u32>) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    for place in places {
-        bytes.extend_from_slice(bytemuck::bytes_of(&bodies.get(place)));
-    }
-    bytes
-}
-
-/// Writes records into slots.
-fn put<T: Pod>(bodies: TaskSlots<'_, T>, places: impl Iterator<Item = u32>, bytes: &[u8]) {
-    for (place, record) in places.zip(bytes.chunks_exact(size_of::<T>())) {
-        bodies.set(place, bytemuck::pod_read_unaligned(record));
-    }
-}
-
-/// Divides boxes, by their coordinates and numbers, among ranks in proportion to their grains.
+/// Divides boxes, by their coordinates and numbers, among ranks in proportion to their grains, across the axis with the fewest grains at the
+/// cut.
 fn bisect(boxes: &mut [([i32; 3], usize)], ranks: Range<usize>, grains: &impl Fn(usize) -> usize, owners: &mut [u16]) {
     if ranks.len() <= 1 {
         boxes.iter().for_each(|&(_, number)| owners[number] = ranks.start as u16);
         return;
     }
-    let length = |axis: &usize| {
-        let along = boxes.iter().map(|(at, _)| at[*axis]);
-        along.clone().max().unwrap_or(0) - along.min().unwrap_or(0)
-    };
-    // Of equal lengths, the last axis: cuts across it are contiguous in memory.
-    let axis = (0..3).max_by_key(length).unwrap_or(0);
-    boxes.sort_unstable_by_key(|&(at, _)| (at[axis], at));
     // An empty box costs little, but not nothing.
     let weight = |&(_, number): &([i32; 3], usize)| 8 * grains(number) + 1;
     let all: usize = boxes.iter().map(weight).sum();
-    let (mut sum, middle) = (0, ranks.start + ranks.len() / 2);
+    let middle = ranks.start + ranks.len() / 2;
     let share = all * (middle - ranks.start) / ranks.len();
-    let is_low = |one: &&([i32; 3], usize)| {
-        sum += weight(one);
-        2 * sum <= 2 * share + weight(one)
+    // Place of the cut across an axis, and grains along it.
+    let mut cut_across = |axis: usize| {
+        boxes.sort_unstable_by_key(|&(at, _)| (at[axis], at));
+        let mut sum = 0;
+        let is_low = |one: &&([i32; 3], usize)| {
+            sum += weight(one);
+            2 * sum <= 2 * share + weight(one)
+        };
+        let cut = boxes.iter().take_while(is_low).count();
+        let layer = boxes.get(cut).map_or(0, |(at, _)| at[axis]);
+        (boxes.iter().filter(|(at, _)| at[axis] == layer).map(weight).sum::<usize>(), cut)
     };
-    let cut = boxes.iter().take_while(is_low).count();
+    let axis = (0..3).min_by_key(|&axis| cut_across(axis).0).unwrap_or(0);
+    let (_, cut) = cut_across(axis);
     let (low, high) = boxes.split_at_mut(cut);
     bisect(low, ranks.start..middle, grains, owners);
     bisect(high, middle..ranks.end, grains, owners);

@@ -57,13 +57,23 @@ macro_rules! shares_of_a_slice {
 
 shares_of_a_slice!(ByNumber, ByPlace, ByBlocks, ByCandidates, ByBodies);
 
-impl<'a, T: Copy> ByBodies<'a, T> {
-    /// Returns all bodies, for the exchange between stages.
+/// Time between two stages, in which no task runs.
+pub(crate) struct Between(());
+
+impl Between {
+    /// Begins this time.
     ///
     /// # Safety
-    /// The caller uses them only while no task runs.
-    pub unsafe fn all(&self) -> TaskSlots<'a, T> {
-        // SAFETY: guaranteed by the caller.
+    /// No task runs before its end.
+    pub unsafe fn stages() -> Between {
+        Between(())
+    }
+}
+
+impl<T: Copy> ByBodies<'_, T> {
+    /// Returns all bodies between two stages.
+    pub fn all<'b>(&'b self, _: &'b Between) -> TaskSlots<'b, T> {
+        // SAFETY: no task runs, and the time between two stages outlives the result.
         unsafe { TaskSlots::new(self.0.as_ptr(), self.0.len()) }
     }
 }

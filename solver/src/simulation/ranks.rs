@@ -7,7 +7,7 @@
 use super::checkpoint::state::State;
 use super::{Request, Simulation};
 use crate::SettingError;
-use crate::messages::Messages;
+use crate::messages::{Messages, Timed};
 use crate::partition::Ranks;
 use crate::scene::{Scene, SolverMethod, SolverSettings, Stop};
 use crate::schedule::Scheduler;
@@ -30,7 +30,7 @@ pub fn follow(messages: &Arc<dyn Messages>) {
     while messages.rank() > 0 {
         let request = Request::take(&**messages);
         match (request, &mut simulation) {
-            (Request::End, _) => return,
+            (Request::End, s) => { if let Some(s)=s { eprintln!("FOLLOWER {:.3?} {:.3} s in messages", s.phase_seconds(), s.exchange_seconds()); } return },
             (Request::Divide, simulation) => *simulation = Some(Division::take_up(messages)),
             (request, Some(simulation)) => simulation.answer(request),
             (_, None) => unreachable!("the leading rank divides a simulation first"),
@@ -96,8 +96,13 @@ impl Simulation {
 
     /// Divides the contacts among the ranks, each of which has all of them.
     fn join(&mut self, messages: &Arc<dyn Messages>) {
-        self.layout.ranks = Some(Ranks::new(messages.clone()));
+        self.layout.ranks = Some(Ranks::new(Arc::new(Timed::new(messages.clone()))));
         self.candidates.divide(&mut self.layout, &self.world);
+    }
+
+    /// Wall time of the messages between ranks so far, with the wait for other ranks, s; a part of the times of the phases.
+    pub fn exchange_seconds(&self) -> f64 {
+        self.layout.ranks.as_ref().map_or(0.0, |ranks| ranks.messages().seconds())
     }
 
     /// Makes the call of the leading rank.

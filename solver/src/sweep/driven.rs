@@ -7,8 +7,8 @@ use super::torques::Turning;
 use crate::effects::drive::Drive;
 use crate::effects::term::TermState;
 use crate::groups::{Effects, WallGroup, with_effects};
-use crate::lanes::{Eight, cross, dot, minus, plus, times};
-use crate::partition::{ByBodies, DRIVEN_STAGE, DrivenContact, Layout, Ranks, TaskGroups};
+use crate::lanes::{Eight, TaskSlots, cross, dot, minus, plus, times};
+use crate::partition::{DRIVEN_STAGE, DrivenContact, Layout, Ranks, TaskGroups};
 use crate::world::Body;
 
 impl Relaxation {
@@ -33,8 +33,7 @@ fn sweep<E: Effects, G: MeasuredLevel>(
 ) -> TaskResidual {
     let Layout { groups, driven, ranks, .. } = layout;
     if let Some(ranks) = ranks {
-        // SAFETY: no task runs.
-        ranks.pass_on(DRIVEN_STAGE, unsafe { ByBodies::of(bodies).all() });
+        ranks.pass_on(DRIVEN_STAGE, TaskSlots::of(bodies));
     }
     let mut residual = TaskResidual::default();
     in_turn(ranks.as_ref(), driven, drives, &mut residual, |one, drive, residual| {

@@ -335,13 +335,13 @@ impl<F: Fn() -> bool + Sync> SweepPass<F> {
         let measured = self.level != ResidualLevel::Off;
         residuals.clear();
         residuals.resize(if measured { plan.tasks().len() } else { 0 }, TaskResidual::default());
-        // SAFETY: used between stages alone.
-        let exchanged = unsafe { shares.0.all() };
         let shares = (shares, measured.then(|| ByPlace::of(residuals)));
         plan.run_stages(
             team,
             Phase::Sweep,
-            |stage| ranks.into_iter().for_each(|ranks| ranks.pass_on(stage, exchanged)),
+            |stage, ((bodies, _), _), between| {
+                ranks.into_iter().for_each(|ranks| ranks.pass_on(stage, bodies.all(between)));
+            },
             shares,
             |_, _, (mut own, mut residual)| {
                 let mut unused = TaskResidual::default();

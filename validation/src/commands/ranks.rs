@@ -51,8 +51,7 @@ pub(super) fn join(runs: bool) -> Result<bool, Failure> {
     let report = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |panic| {
         report(panic);
-        // SAFETY: `_exit` runs nothing of this process.
-        unsafe { libc::_exit(1) }
+        std::process::exit(1)
     }));
     if ranks.rank() > 0 {
         // The first rank answers requests to stop.
