@@ -34,7 +34,7 @@ impl Simulation {
     /// Returns true if the candidate list is stale: the first check of a step.
     pub fn is_stale_once(&mut self) -> bool {
         let team = self.team.here();
-        team.enter(|| self.candidates.are_stale(&self.world, &team))
+        team.enter(|| self.candidates.are_stale(&self.world, None, &team))
     }
 
     /// Lays out the contacts of the present positions as constraints, and applies the starting impulses of the last step to the

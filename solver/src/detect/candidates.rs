@@ -1,7 +1,7 @@
 //! Candidate list: grain pairs and grain-wall pairs that may come into contact before the next rebuild, sorted by task.
 
 use super::CellGrid;
-use super::drift::Drift;
+use super::drift::{Drift, Moved};
 use super::memory::{AngularImpulse, ContactImpulses, Impulse, MemoryOfTask};
 use super::memory::{OldList, Remembered, resize};
 use super::reach::{Row, for_each_on_the_way};
@@ -184,8 +184,8 @@ impl Candidates {
         (CandidateList { pairs, rebuilds: *rebuilds, grid }, (walls, near), impulses)
     }
 
-    /// Returns true if a grain may have come into contact with a grain or a wall outside the list.
-    pub fn are_stale(&mut self, world: &World, team: &Team) -> bool {
+    /// Returns true if a grain may have come into contact with a grain or a wall outside the list; each of `ranks` checks its boxes.
+    pub(crate) fn are_stale(&mut self, world: &World, ranks: Option<&Ranks>, team: &Team) -> bool {
         if self.rebuilds == 0 || self.reference.len() != world.grains() {
             return true;
         }
@@ -194,11 +194,18 @@ impl Candidates {
         let spheres = &world.spheres[..world.grains()];
         let far = self.grid.patch_width() - self.largest_diameter;
         let (skin, range) = (self.skin, self.range);
-        self.drift.is_too_far(&self.grid, spheres, &self.reference, team, |moved| {
+        let is_too_far = |moved: Moved| {
             moved.approach > skin - range
                 || 2.0 * moved.shift > far
                 || moved.shift + wall_shift > WALL_SKINS * skin - range
-        })
+        };
+        match ranks {
+            None => self.drift.is_too_far(&self.grid, spheres, &self.reference, team, |_| true, is_too_far),
+            Some(ranks) => {
+                let owns = |number: usize| ranks.owns(number);
+                ranks.any(self.drift.is_too_far(&self.grid, spheres, &self.reference, team, owns, is_too_far))
+            }
+        }
     }
 
     /// Returns true if a grain that is too fast for the step has a wall on its path that is not in the list. With `ranks`, the list has
@@ -384,8 +391,14 @@ impl Candidates {
         }
         let (box_of, grid) = (self.boxes_of_grains(), self.grid.boxes());
         let box_of = |place: u32| box_of[place as usize] as usize;
+        // Contacts of a box amid boxes of this rank stay here.
+        let is_amid = |number: usize| grid.around(number).iter().flatten().all(|&beside| ranks.owns(beside));
+        let stays: Vec<bool> = (0..grid.boxes()).map(is_amid).collect();
         // Around a short period, two boxes are neighbours in several directions.
         let of_pair = |[first, second]: [u32; 2], give: &mut dyn FnMut(usize)| {
+            if stays[box_of(first)] {
+                return;
+            }
             for (direction, beside) in grid.around(box_of(first)).into_iter().enumerate() {
                 if beside == Some(box_of(second)) {
                     grid.home(box_of(first), direction).into_iter().for_each(|home| give(ranks.owner(home)));

@@ -112,13 +112,15 @@ fn bound_box(
 }
 
 impl Drift {
-    /// Returns true if the motion from `reference` to `spheres`, both in grid order, is `too_far`; this must be monotonic in the motion.
+    /// Returns true if the motion from `reference` to `spheres`, both in grid order, is `too_far` in the boxes of a condition; `too_far` must
+    /// be monotonic in the motion.
     pub fn is_too_far(
         &mut self,
         grid: &CellGrid,
         spheres: &[Sphere],
         reference: &[Vector3<f64>],
         team: &Team,
+        is_checked: impl Fn(usize) -> bool + Sync,
         too_far: impl Fn(Moved) -> bool + Sync,
     ) -> bool {
         let (boxes, per_box) = (grid.boxes().boxes(), grid.patches_of_box());
@@ -127,7 +129,10 @@ impl Drift {
         self.boxes.resize(boxes, Bounds::EMPTY);
         let shares = (Runs::of(&mut self.patches, per_box), Each::of(&mut self.boxes));
         team.each_with(Phase::Detect, boxes, shares, |number, (patches, bounds)| {
-            *bounds = bound_box(grid, number, spheres, reference, patches);
+            // A box is checked against its neighbours.
+            let is_needed =
+                is_checked(number) || grid.boxes().around(number).iter().flatten().any(|&beside| is_checked(beside));
+            *bounds = if is_needed { bound_box(grid, number, spheres, reference, patches) } else { Bounds::EMPTY };
         });
         let all = self.boxes.iter().fold(Bounds::EMPTY, Bounds::with);
         if !too_far(all.moved(std::iter::empty())) {
@@ -135,6 +140,9 @@ impl Drift {
         }
         let found = AtomicBool::new(false);
         team.each(Phase::Detect, boxes, |number| {
+            if !is_checked(number) {
+                return;
+            }
             let around = grid.boxes().around(number);
             let beside = around.iter().flatten().map(|&neighbour| &self.boxes[neighbour]);
             if too_far(self.boxes[number].moved(beside)) && self.is_patch_too_far(grid, number, &around, &too_far) {

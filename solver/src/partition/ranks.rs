@@ -32,6 +32,8 @@ pub(crate) struct Ranks {
     owners: Vec<u16>,
     /// Rank of each successive task of the whole plan.
     sequence: Vec<u16>,
+    /// Work of each box: candidates of its tasks.
+    work: Vec<u32>,
     /// Velocities that go from rank to rank before each stage.
     before: [Links; STAGES + 1],
     /// Grains of each rank: those whose velocities it has changed last.
@@ -76,9 +78,9 @@ struct Touched {
 impl Ranks {
     /// Creates the ranks of a run whose contacts every rank has.
     pub fn new(messages: Arc<Timed>) -> Ranks {
-        let (owners, sequence, turns) = Default::default();
+        let (owners, sequence, work, turns) = Default::default();
         let (before, held, is_in_step) = Default::default();
-        Ranks { messages, owners, sequence, before, held, turns, complete: true, is_in_step }
+        Ranks { messages, owners, sequence, work, before, held, turns, complete: true, is_in_step }
     }
 
     /// Returns the same ranks for a simulation that starts anew, with the contacts of all ranks.
@@ -116,14 +118,17 @@ impl Ranks {
         usize::from(self.owners[number])
     }
 
-    /// Divides the boxes among the ranks, given the number of grains of each, by recursive bisection.
+    /// Divides the boxes among the ranks by recursive bisection, by the work of each in the last plan, or by the given number of grains
+    /// if boxes have new numbers.
     pub fn divide(&mut self, boxes: &BoxGrid, grains: impl Fn(usize) -> usize) {
+        let known = if boxes.follows() { &[] } else { &self.work[..] };
+        let work = |number: usize| known.get(number).map_or_else(|| grains(number), |&work| work as usize);
         let mut all: Vec<([i32; 3], usize)> =
             (0..boxes.boxes()).map(|number| (boxes.coordinates(number), number)).collect();
         self.owners.clear();
         self.owners.resize(all.len(), 0);
         let ranks = 0..self.count();
-        bisect(&mut all, ranks, &grains, &mut self.owners);
+        bisect(&mut all, ranks, &work, &mut self.owners);
     }
 
     /// Takes up a new plan of this rank's tasks: finds the order of the tasks of all ranks and the way of each velocity from rank to rank.
@@ -185,16 +190,20 @@ impl Ranks {
 
     /// Finds the order of the tasks of all ranks.
     fn order_tasks(&mut self, plan: &Plan, boxes: usize) {
-        let place = |(stage, task): (usize, &PlannedTask)| (stage * boxes) as u32 + task.home;
+        let place =
+            |(stage, task): (usize, &PlannedTask)| [(stage * boxes) as u32 + task.home, task.pairs.len() as u32];
         let stages = (0..STAGES).flat_map(|stage| plan.stage(stage).iter().map(move |task| (stage, task)));
-        let own: Vec<u32> = stages.map(place).collect();
-        let mut all: Vec<(u32, u16)> = Vec::new();
+        let own: Vec<[u32; 2]> = stages.map(place).collect();
+        let mut all: Vec<([u32; 2], u16)> = Vec::new();
         for (rank, bytes) in (0..).zip(&self.messages.gather(bytemuck::cast_slice(&own))) {
-            all.extend(records::<u32>(bytes).map(|place| (place, rank)));
+            all.extend(records::<[u32; 2]>(bytes).map(|task| (task, rank)));
         }
         all.sort_unstable();
         self.sequence.clear();
         self.sequence.extend(all.iter().map(|&(_, rank)| rank));
+        self.work.clear();
+        self.work.resize(boxes, 0);
+        all.iter().for_each(|([place, pairs], _)| self.work[*place as usize % boxes] += pairs);
     }
 
     /// Sends and receives the velocities of the grains that tasks of a stage change, before this stage.
@@ -380,19 +389,18 @@ fn records<T: Pod>(bytes: &[u8]) -> impl Iterator<Item = T> {
     bytes.chunks_exact(size_of::<T>()).map(bytemuck::pod_read_unaligned)
 }
 
-/// Divides boxes, by their coordinates and numbers, among ranks in proportion to their grains, across the axis with the fewest grains at the
-/// cut.
-fn bisect(boxes: &mut [([i32; 3], usize)], ranks: Range<usize>, grains: &impl Fn(usize) -> usize, owners: &mut [u16]) {
+/// Divides boxes, by their coordinates and numbers, among ranks in proportion to their work, across the axis with the least work at the cut.
+fn bisect(boxes: &mut [([i32; 3], usize)], ranks: Range<usize>, work: &impl Fn(usize) -> usize, owners: &mut [u16]) {
     if ranks.len() <= 1 {
         boxes.iter().for_each(|&(_, number)| owners[number] = ranks.start as u16);
         return;
     }
     // An empty box costs little, but not nothing.
-    let weight = |&(_, number): &([i32; 3], usize)| 8 * grains(number) + 1;
+    let weight = |&(_, number): &([i32; 3], usize)| 8 * work(number) + 1;
     let all: usize = boxes.iter().map(weight).sum();
     let middle = ranks.start + ranks.len() / 2;
     let share = all * (middle - ranks.start) / ranks.len();
-    // Place of the cut across an axis, and grains along it.
+    // Work along the cut across an axis, and place of the cut.
     let mut cut_across = |axis: usize| {
         boxes.sort_unstable_by_key(|&(at, _)| (at[axis], at));
         let mut sum = 0;
@@ -407,6 +415,6 @@ fn bisect(boxes: &mut [([i32; 3], usize)], ranks: Range<usize>, grains: &impl Fn
     let axis = (0..3).min_by_key(|&axis| cut_across(axis).0).unwrap_or(0);
     let (_, cut) = cut_across(axis);
     let (low, high) = boxes.split_at_mut(cut);
-    bisect(low, ranks.start..middle, grains, owners);
-    bisect(high, middle..ranks.end, grains, owners);
+    bisect(low, ranks.start..middle, work, owners);
+    bisect(high, middle..ranks.end, work, owners);
 }

@@ -30,7 +30,7 @@ pub fn follow(messages: &Arc<dyn Messages>) {
     while messages.rank() > 0 {
         let request = Request::take(&**messages);
         match (request, &mut simulation) {
-            (Request::End, s) => { if let Some(s)=s { eprintln!("FOLLOWER {:.3?} {:.3} s in messages", s.phase_seconds(), s.exchange_seconds()); } return },
+            (Request::End, _) => return,
             (Request::Divide, simulation) => *simulation = Some(Division::take_up(messages)),
             (request, Some(simulation)) => simulation.answer(request),
             (_, None) => unreachable!("the leading rank divides a simulation first"),

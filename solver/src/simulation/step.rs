@@ -74,7 +74,7 @@ impl Simulation {
         let ranks = self.layout.ranks.as_ref().filter(|ranks| ranks.is_divided());
         let misses = || self.candidates.miss_a_wall(&self.world, ranks, team);
         let unknown = self.may_be_swift() && ranks.map_or_else(misses, |ranks| ranks.any(misses()));
-        let stale = unknown || self.candidates.are_stale(&self.world, team);
+        let stale = unknown || self.candidates.are_stale(&self.world, ranks, team);
         let rebuilt = self.let_flow(stale, team);
         if rebuilt {
             self.candidates.rebuild(&mut self.world, &mut self.layout, set, team);
