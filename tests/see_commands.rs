@@ -102,7 +102,7 @@ fn what_cannot_be_shown_is_refused_with_what_to_do() {
     refused(&["picture", "small", "-o", "a.jpg"], 2, &["a.jpg", ".png", ".gif"]);
     refused(&["picture", "small", "--every", "2"], 2, &["--every", "FILE.gif"]);
     refused(&["picture", "small", "--time", "0.1", "-o", "a.gif"], 2, &["--time", "FILE.png"]);
-    refused(&["picture", "small", "-o", "results/small/run.json/a.png"], 1, &["run.json", "writable"]);
+    refused(&["picture", "small", "-o", "results/small/run.json/a.png"], 1, &["run.json", "name a folder"]);
     refused(&["view", "small", "-o", "x.txt"], 2, &["x.txt", ".html"]);
     refused(&["picture", "small", "--field", "stress"], 2, &["'stress' is in the frames", "6 numbers", "pressure"]);
     let frames = folder.join("results/small/frames.mkd");

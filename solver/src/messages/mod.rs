@@ -1,6 +1,6 @@
 //! Messages between the ranks of a run: processes, each with its own memory, that share its contacts.
 //!
-//! A rank is a process of MPI ([`mpi`], with the feature of that name) or whatever else implements [`Messages`], such as a thread in a test.
+//! A rank is a process of MPI (feature `mpi`) or whatever else implements [`Messages`], such as a thread in a test.
 
 #[cfg(feature = "mpi")]
 pub mod mpi;

@@ -105,7 +105,7 @@ impl Ranks {
 
     /// Returns the messages between the ranks.
     pub fn messages(&self) -> &Timed {
-        &*self.messages
+        &self.messages
     }
 
     /// Returns true if a box belongs to this rank.
