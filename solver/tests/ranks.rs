@@ -2,6 +2,7 @@
 //! starts processes.
 
 use makadam::messages::Messages;
+use makadam::scene::Accuracy;
 use makadam::{Precision, Scene, Scheduler, Simulation, SolverMethod, Stop, dismiss, follow};
 use std::path::Path;
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -153,6 +154,39 @@ fn periodic_scenes_have_the_same_bits_on_ranks() {
     for (diameters, grains) in [(17.0, 2000), (25.0, 5000)] {
         same_on_any_number_of_ranks(&crate::periodic::gas(diameters, grains), 100, 60, |_| ());
     }
+}
+
+/// A stage that changes a setting starts the simulation anew.
+#[test]
+fn stages_have_the_same_bits_on_ranks() {
+    for change in [
+        "material.grain = { friction = 0.1 }",
+        "gravity = [-4.0, 0.0, -9.0]",
+        "solver = { step = 2e-4 }",
+        "motion.box = { kind = 'translating', velocity = [0, 0, 0.1] }",
+        "solver = { stop = { kind = 'residual', tolerance = 0.01, max_sweeps = 200 } }",
+        "solver = { precision = 'single' }",
+    ] {
+        let text = format!(
+            "name = 'trough'\ngravity = [4.0, 0.0, -9.0]\ndomain = {{ min = [-0.1, -0.1, -0.1], max = [1.1, 0.2, 0.5] }}\n\
+             [material.grain]\ndensity = 2500.0\nyoungs_modulus = 1e7\npoisson_ratio = 0.3\nfriction = 0.5\nrestitution = 0.3\n\
+             [[wall]]\nname = 'box'\nmaterial = 'grain'\n\
+             shape = {{ kind = 'box', min = [0.0, 0.0, 0.0], max = [1.0, 0.06, 0.2], open = ['+z'] }}\n\
+             [[population]]\ncount = 400\nmaterial = 'grain'\nradius = {{ kind = 'uniform', mean = 0.005, spread = 0.2 }}\n\
+             region = {{ kind = 'box', min = [0.0, 0.0, 0.0], max = [1.0, 0.06, 0.2] }}\n[solver]\nstep = 5e-4\n\
+             [[stage]]\nname = 'a'\nduration = 0.03\n[[stage]]\nname = 'b'\nduration = 0.03\n{change}\n"
+        );
+        let scene = Scene::parse(&text).unwrap_or_else(|error| panic!("{change}: {error}"));
+        same_on_any_number_of_ranks(&scene, 20, 100, |_| ());
+    }
+}
+
+/// A scene with a target accuracy has a chosen step.
+#[test]
+fn an_accuracy_has_the_same_bits_on_ranks() {
+    let mut scene = reference_scene("packing");
+    scene.ask(Accuracy { relative: Some(0.05), ..Accuracy::default() });
+    same_on_any_number_of_ranks(&scene, 0, 20, |_| ());
 }
 
 /// Fast grains meet walls and each other within a step, outside of the list.

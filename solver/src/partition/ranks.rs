@@ -44,6 +44,8 @@ pub(crate) struct Ranks {
     pub complete: bool,
     /// True during a step.
     pub is_in_step: bool,
+    /// Number of interventions in the simulation after the last step.
+    pub interventions: u64,
 }
 
 /// Grains that are sent to other ranks and received from them, by rank.
@@ -79,8 +81,8 @@ impl Ranks {
     /// Creates the ranks of a run whose contacts every rank has.
     pub fn new(messages: Arc<Timed>) -> Ranks {
         let (owners, sequence, work, turns) = Default::default();
-        let (before, held, is_in_step) = Default::default();
-        Ranks { messages, owners, sequence, work, before, held, turns, complete: true, is_in_step }
+        let (before, held, is_in_step, interventions) = Default::default();
+        Ranks { messages, owners, sequence, work, before, held, turns, complete: true, is_in_step, interventions }
     }
 
     /// Returns the same ranks for a simulation that starts anew, with the contacts of all ranks.

@@ -114,6 +114,19 @@ pub(crate) enum Request {
     Checkpoint,
 }
 
+impl Request {
+    /// All requests.
+    pub const ALL: [Request; 7] = [
+        Request::End,
+        Request::Divide,
+        Request::Step,
+        Request::PairContacts,
+        Request::WallContacts,
+        Request::Energy,
+        Request::Checkpoint,
+    ];
+}
+
 impl Simulation {
     /// Inserts the scene's grains and prepares the first step.
     ///

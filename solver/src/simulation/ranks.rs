@@ -53,15 +53,8 @@ impl Request {
     fn take(messages: &dyn Messages) -> Request {
         let mut bytes = Vec::new();
         messages.broadcast(&mut bytes, 0);
-        let all = [
-            Request::End,
-            Request::Divide,
-            Request::Step,
-            Request::PairContacts,
-            Request::WallContacts,
-            Request::Energy,
-        ];
-        all.into_iter().find(|request| bytes == [*request as u8]).unwrap_or(Request::Checkpoint)
+        let sent = Request::ALL.into_iter().find(|request| bytes == [*request as u8]);
+        sent.expect("ranks run the same program")
     }
 }
 
@@ -82,8 +75,11 @@ impl Simulation {
             return Err(SettingError::Ranks { what });
         }
         Request::Divide.send(&**messages);
+        let scene = self.stages.as_ref().map_or(scene, |stages| &stages.scene);
         let division = Division {
-            scene: toml::to_string(scene).expect("a scene is made of plain tables"),
+            // The step that an accuracy asks for is chosen.
+            scene: toml::to_string(&Scene { accuracy: None, ..scene.clone() })
+                .expect("a scene is made of plain tables"),
             checkpoint: self.checkpoint(),
             settings: toml::to_string(&self.settings).expect("settings are a plain table"),
             scheduler: self.team.scheduler(),
@@ -96,7 +92,9 @@ impl Simulation {
 
     /// Divides the contacts among the ranks, each of which has all of them.
     fn join(&mut self, messages: &Arc<dyn Messages>) {
-        self.layout.ranks = Some(Ranks::new(Arc::new(Timed::new(messages.clone()))));
+        let mut ranks = Ranks::new(Arc::new(Timed::new(messages.clone())));
+        ranks.interventions = self.interventions.count;
+        self.layout.ranks = Some(ranks);
         self.candidates.divide(&mut self.layout, &self.world);
     }
 
@@ -120,14 +118,17 @@ impl Simulation {
     /// Begins a step on all ranks.
     pub(super) fn begin_step_of_ranks(&mut self) {
         let Some(ranks) = &mut self.layout.ranks else { return };
-        assert!(!self.interventions.any(), "a simulation on several ranks takes no interventions of its caller");
+        let intervened = self.interventions.any_since(ranks.interventions);
+        assert!(!intervened, "a simulation on several ranks takes no interventions of its caller");
         Request::Step.send(ranks.messages());
         ranks.is_in_step = true;
     }
 
     /// Ends a step on all ranks.
     pub(super) fn end_step_of_ranks(&mut self) {
-        self.layout.ranks.iter_mut().for_each(|ranks| ranks.is_in_step = false);
+        let Some(ranks) = &mut self.layout.ranks else { return };
+        // A stage that starts the simulation anew counts, too.
+        (ranks.is_in_step, ranks.interventions) = (false, self.interventions.count);
     }
 
     /// Returns the ranks, if the contacts are divided among them; between steps, the leading rank asks the others for the same call.

@@ -115,9 +115,9 @@ pub(crate) struct Interventions {
 }
 
 impl Interventions {
-    /// Returns true if the caller has intervened, or may.
-    pub(crate) fn any(&self) -> bool {
-        self.count > 0 || self.handed_out || self.loads.iter().any(|loads| !loads.are_none())
+    /// Returns true if the caller has intervened since there were so many interventions, or may have.
+    pub(crate) fn any_since(&self, count: u64) -> bool {
+        self.count > count || self.handed_out || self.loads.iter().any(|loads| !loads.are_none())
     }
 
     /// Returns the interventions after grains have been inserted or removed; `new_ids` maps old ids to new ids.
