@@ -123,7 +123,8 @@ impl Ranks {
     /// Divides the boxes among the ranks by recursive bisection, by the work of each in the last plan, or by the given number of grains
     /// if boxes have new numbers.
     pub fn divide(&mut self, boxes: &BoxGrid, grains: impl Fn(usize) -> usize) {
-        let known = if boxes.follows() { &[] } else { &self.work[..] };
+        let is_known = !boxes.follows() && self.work.len() == boxes.boxes();
+        let known = if is_known { &self.work[..] } else { &[] };
         let work = |number: usize| known.get(number).map_or_else(|| grains(number), |&work| work as usize);
         let mut all: Vec<([i32; 3], usize)> =
             (0..boxes.boxes()).map(|number| (boxes.coordinates(number), number)).collect();
