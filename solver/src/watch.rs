@@ -17,7 +17,7 @@
 
 use crate::scene::{Reaction, Watch};
 use crate::simulation::StepReport;
-use crate::simulation::energy::ContactEnergy;
+use crate::simulation::energy::{ContactEnergy, Energy};
 use crate::simulation::ledger::work_of_changing_gravity;
 use crate::solve::{StopReason, residual_text, residual_unit, residual_unit_name};
 use crate::{Crossing, Passage, Simulation};
@@ -185,6 +185,8 @@ pub struct Watchdog {
     /// Number of steps at the last observed step, and at the last check.
     noted: u64,
     looked: Option<u64>,
+    /// Energy of the contacts at the last check; `None` if grains have no finite state.
+    contacts: Option<ContactEnergy>,
     /// First violation of each kind.
     noticed: Vec<Alarm>,
     /// Gravity at the end of the last step, m/s2.
@@ -211,6 +213,7 @@ impl Watchdog {
             flowed: simulation.supplied_by_flow(),
             noted: simulation.steps,
             looked: None,
+            contacts: None,
             gravity: simulation.world.gravity,
             supplied: 0.0,
             available: f64::INFINITY,
@@ -270,7 +273,7 @@ impl Watchdog {
         if self.settings.every == 0 || self.looked == Some(simulation.steps) {
             return troubles;
         }
-        self.looked = Some(simulation.steps);
+        (self.looked, self.contacts) = (Some(simulation.steps), None);
         let mut note = |trouble: Option<Trouble>, reaction: Reaction| {
             let noted = trouble.filter(|_| reaction != Reaction::Ignore);
             troubles.extend(noted.map(|trouble| trouble.alarm(simulation, reaction)));
@@ -283,8 +286,16 @@ impl Watchdog {
             note(self.energy(simulation, &contacts), self.settings.on_energy);
             let (overlap, reaction) = self.overlap(simulation, &contacts);
             note(overlap, reaction);
+            self.contacts = Some(contacts);
         }
         troubles
+    }
+
+    /// Returns the mechanical energy like [`Simulation::energy`], J; reuses the energy of the contacts where this state was checked.
+    pub fn energy(&self, simulation: &Simulation) -> Energy {
+        let is_checked = self.looked == Some(simulation.steps) && self.interventions == simulation.interventions.count;
+        let checked = self.contacts.filter(|_| is_checked);
+        simulation.energy_with(&checked.unwrap_or_else(|| simulation.contact_energy()))
     }
 
     /// Observes a step like [`Watchdog::observe`], but returns only violations that end a run; also checks measured states and

@@ -67,7 +67,12 @@ pub(crate) struct ContactEnergy {
 impl Simulation {
     /// Mechanical energy of the present state, J.
     pub fn energy(&self) -> Energy {
-        let Stored { elastic, cohesive } = self.contact_energy().stored;
+        self.energy_with(&self.contact_energy())
+    }
+
+    /// Mechanical energy with the known energy of the contacts, J.
+    pub(crate) fn energy_with(&self, contacts: &ContactEnergy) -> Energy {
+        let Stored { elastic, cohesive } = contacts.stored;
         Energy { elastic, cohesive, ..self.energy_of_grains() }
     }
 

@@ -151,8 +151,9 @@ struct Outline(Vec<Run>);
 
 /// Consecutive pieces of an outline, and the circle about them.
 struct Run {
-    /// Pieces, each with a flag for the free surface.
-    pieces: Vec<(Segment, bool)>,
+    pieces: Vec<Segment>,
+    /// Pieces of the free surface.
+    free: Vec<Segment>,
     centre: [f64; 2],
     radius: f64,
 }
@@ -164,13 +165,15 @@ impl Outline {
     /// Makes an outline; `is_free` marks points of the free surface.
     fn new(outline: &Loop, is_free: impl Fn([f64; 2]) -> bool) -> Outline {
         let pieces: Vec<_> = contour::segments(outline).map(|[a, b]| ([a, b], is_free(a) && is_free(b))).collect();
-        let run = |pieces: &[(Segment, bool)]| {
-            let corners = || pieces.iter().flat_map(|(piece, _)| piece);
+        let run = |marked: &[(Segment, bool)]| {
+            let pieces: Vec<_> = marked.iter().map(|(piece, _)| *piece).collect();
+            let free = marked.iter().filter(|(_, is_free)| *is_free).map(|(piece, _)| *piece).collect();
+            let corners = || pieces.iter().flatten();
             let centre =
                 [0, 1].map(|axis| corners().map(|corner| corner[axis]).sum::<f64>() / corners().count() as f64);
             let square = corners().map(|[x, y]| (x - centre[0]).powi(2) + (y - centre[1]).powi(2)).fold(0.0, f64::max);
             // Rounding must not increase the distance to a run.
-            Run { pieces: pieces.into(), centre, radius: (1.0 + 1e-9) * square.sqrt() }
+            Run { centre, radius: (1.0 + 1e-9) * square.sqrt(), free, pieces }
         };
         Outline(pieces.chunks(Outline::LENGTH).map(run).collect())
     }
@@ -178,17 +181,15 @@ impl Outline {
     /// Returns true for a point inside the outline, at least `inset` (m) from its free pieces.
     fn covers(&self, point: [f64; 2], inset: f64) -> bool {
         let mut crossings = 0;
-        for Run { pieces, centre, radius } in &self.0 {
+        for Run { pieces, free, centre, radius } in &self.0 {
             let [x, y] = [point[0] - centre[0], point[1] - centre[1]];
-            if x * x + y * y < (inset + radius).powi(2)
-                && pieces
-                    .iter()
-                    .any(|(piece, is_free)| *is_free && contour::squared_distance(piece, point) < inset * inset)
-            {
+            let is_near = !free.is_empty() && x * x + y * y < (inset + radius).powi(2);
+            if is_near && free.iter().any(|piece| contour::squared_distance(piece, point) < inset * inset) {
                 return false;
             }
-            if y.abs() <= *radius {
-                crossings += pieces.iter().filter(|(piece, _)| contour::crosses(*piece, point)).count();
+            // The ray leads towards larger first coordinates.
+            if y.abs() <= *radius && x <= *radius {
+                crossings += pieces.iter().filter(|piece| contour::crosses(**piece, point)).count();
             }
         }
         crossings % 2 == 1

@@ -276,7 +276,7 @@ impl<'a> Session<'a> {
     }
 
     fn row(&self, frame: &Snapshot) -> Vec<(String, f64)> {
-        let energy = self.simulation.energy();
+        let energy = self.watchdog.energy(&self.simulation);
         let (sweeps, residual) = self
             .progress
             .last
