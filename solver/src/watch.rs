@@ -283,7 +283,7 @@ impl Watchdog {
         if lost.is_none() {
             note(self.escape(simulation), self.settings.on_escape);
             let contacts = simulation.contact_energy();
-            note(self.energy(simulation, &contacts), self.settings.on_energy);
+            note(self.gain(simulation, &contacts), self.settings.on_energy);
             let (overlap, reaction) = self.overlap(simulation, &contacts);
             note(overlap, reaction);
             self.contacts = Some(contacts);
@@ -368,7 +368,7 @@ impl Watchdog {
     }
 
     /// Detects energy gain without a source.
-    fn energy(&mut self, simulation: &Simulation, contacts: &ContactEnergy) -> Option<Trouble> {
+    fn gain(&mut self, simulation: &Simulation, contacts: &ContactEnergy) -> Option<Trouble> {
         let world = &simulation.world;
         let energy = simulation.energy_of_grains();
         // Potential energy half a step earlier: a step without contacts does not change it.

@@ -12,7 +12,8 @@
 //! resting grains, unless a motion begins, stops or reverses in between, or a row of a table lies there.
 
 use super::Vector;
-use super::motion::{Displacement, Movement, Pose, Turning};
+use super::motion::Movement;
+use super::pose::{Displacement, Pose, Turning};
 use super::rigid::Rigid;
 use crate::scene::{Domain, Motion};
 use crate::surface::Face;

@@ -20,12 +20,13 @@
 mod composed;
 mod contacts;
 mod motion;
+mod pose;
 mod rigid;
 mod steered;
 
 pub(crate) use crate::surface::Impact;
 pub(crate) use motion::drive_of;
-pub use motion::{Beginning, DrivenWall, Pose};
+pub use motion::{Beginning, DrivenWall};
 pub(crate) use steered::Steered;
 pub use steered::WallMotion;
 
@@ -34,6 +35,7 @@ use crate::surface::{Face, FaceIndex};
 use composed::Extent;
 use motion::Movement;
 use nalgebra::Vector3;
+pub use pose::Pose;
 use std::ops::Range;
 
 type Vector = Vector3<f64>;

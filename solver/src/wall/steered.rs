@@ -7,7 +7,8 @@
 //! impact. Later changes are accelerations, as for a vibrating wall: resting grains follow the wall without rebound.
 
 use super::Vector;
-use super::motion::{Displacement, Movement, Pose};
+use super::motion::Movement;
+use super::pose::{Displacement, Pose};
 use crate::scene::Motion;
 use serde::{Deserialize, Serialize};
 

@@ -11,6 +11,7 @@
 //! The page loads nothing, runs no script, follows light and dark, and prints. Its tables and figures compute no verdict of their own.
 
 mod baseline;
+mod bias;
 mod figures;
 mod page;
 mod qualification;
@@ -91,7 +92,9 @@ fn files_of(qualification: &Qualification) -> Result<Vec<File>, DocumentError> {
         let rows = qualification.comparisons.iter().flat_map(rows);
         Table::named(columns).of(rows, |row| row).csv(name)
     };
-    FILES.into_iter().map(file).collect()
+    let bias = Table::named("observable scene reference_code ratio bias standard_error scatter scatter_of_references");
+    let biases = bias.of(bias::rows(&qualification.comparisons), |row| row).csv("bias");
+    FILES.into_iter().map(file).chain([biases]).collect()
 }
 
 fn rows(comparison: &Comparison) -> Vec<Vec<Cell>> {

@@ -1,7 +1,7 @@
 //! Page: all data of the template, gathered and named.
 
 use super::qualification::{Qualification, StudyOutcome, StudySection, Verdict};
-use super::{figures, tables};
+use super::{bias, figures, tables};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use makadam_compare::compare::{Comparison, FinalState};
@@ -29,6 +29,7 @@ pub(super) fn render(qualification: &Qualification) -> Result<String, minijinja:
         style => style(),
         summary => tables::summary(comparisons).map(|table| table.html()),
         notes => findings,
+        bias => bias_section(comparisons),
         sections => comparisons.iter().enumerate().map(section).collect::<Vec<_>>(),
         studies => qualification.studies.iter().map(study).collect::<Vec<_>>(),
         provenance => provenance.collect::<Vec<_>>(),
@@ -41,6 +42,16 @@ fn standing(verdict: &Verdict) -> Value {
     let rest = verdict.sentence.strip_prefix(word).and_then(|rest| rest.strip_prefix(": "));
     let (mark, sentence) = rest.map_or((".", verdict.sentence.as_str()), |rest| (":", rest));
     context! { word, mark, sentence, class => verdict.standing.class() }
+}
+
+/// Bias and scatter of each observable; `None` if no observable is compared in two scenes.
+fn bias_section(comparisons: &[Comparison]) -> Option<Value> {
+    let biases = bias::biases(comparisons);
+    Some(context! {
+        figure => bias::figure(&biases)?,
+        table => bias::table(&biases).html(),
+        conditions => bias::conditions(comparisons).html(),
+    })
 }
 
 /// Identifies a scene by its index: names of scenes may contain characters that an anchor may not.
