@@ -212,12 +212,34 @@ impl Lanes for Avx512 {
                 let b = _mm512_load_pd(base.add(second[lane] as usize).cast());
                 lines[lane] = _mm512_add_pd(_mm512_castsi512_pd(_mm512_xor_si512(a, against)), b);
             }
-            let (mut motion, mut turning) = ([_mm512_setzero_pd(); 4], [_mm512_setzero_pd(); 4]);
-            for row in 0..4 {
-                motion[row] = _mm512_shuffle_f64x2::<0b01_00_01_00>(lines[row], lines[row + 4]);
-                turning[row] = _mm512_shuffle_f64x2::<0b11_10_11_10>(lines[row], lines[row + 4]);
+            halves_of(lines)
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn load_lines(base: *const Line, indices: &[u32; LANES]) -> [[Avx512; 4]; 2] {
+        // SAFETY: guaranteed by the caller.
+        unsafe {
+            let mut lines = [_mm512_setzero_pd(); LANES];
+            for lane in 0..LANES {
+                lines[lane] = _mm512_load_pd(base.add(indices[lane] as usize).cast());
             }
-            [parts(motion), parts(turning)]
+            halves_of(lines)
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn store_lines(base: *mut Line, indices: &[u32; LANES], halves: [[Avx512; 4]; 2]) {
+        // SAFETY: guaranteed by the caller.
+        unsafe {
+            let [[x, y, z, w], [t, u, v, s]] = halves;
+            let (first, second) = (transposed_halves([x.0, y.0, z.0, w.0]), transposed_halves([t.0, u.0, v.0, s.0]));
+            for row in 0..4 {
+                let low = _mm512_shuffle_f64x2::<0b01_00_01_00>(first[row], second[row]);
+                let high = _mm512_shuffle_f64x2::<0b11_10_11_10>(first[row], second[row]);
+                _mm512_store_pd(base.add(indices[row] as usize).cast(), low);
+                _mm512_store_pd(base.add(indices[row + 4] as usize).cast(), high);
+            }
         }
     }
 
@@ -311,4 +333,21 @@ unsafe fn parts(rows: [__m512d; 4]) -> [Avx512; 4] {
     // SAFETY: guaranteed by the caller.
     let [first, second, third, fourth] = unsafe { transposed_halves(rows) };
     [Avx512(first), Avx512(second), Avx512(third), Avx512(fourth)]
+}
+
+/// Returns eight lanes of each part of both halves of eight lines.
+///
+/// # Safety
+/// AVX-512F.
+#[inline(always)]
+unsafe fn halves_of(lines: [__m512d; LANES]) -> [[Avx512; 4]; 2] {
+    // SAFETY: guaranteed by the caller.
+    unsafe {
+        let (mut first, mut second) = ([_mm512_setzero_pd(); 4], [_mm512_setzero_pd(); 4]);
+        for row in 0..4 {
+            first[row] = _mm512_shuffle_f64x2::<0b01_00_01_00>(lines[row], lines[row + 4]);
+            second[row] = _mm512_shuffle_f64x2::<0b11_10_11_10>(lines[row], lines[row + 4]);
+        }
+        [parts(first), parts(second)]
+    }
 }

@@ -227,6 +227,31 @@ pub trait Lanes: Number {
     /// Each of these lines must be in readable memory.
     unsafe fn load_pairs(base: *const Line, first: &[u32; LANES], second: &[u32; LANES]) -> [[Self; 4]; 2];
 
+    /// Reads the lines `base + indices[lane]` and transposes both halves.
+    ///
+    /// # Safety
+    /// Each of these lines must be in readable memory.
+    #[inline(always)]
+    unsafe fn load_lines(base: *const Line, indices: &[u32; LANES]) -> [[Self; 4]; 2] {
+        let quads: *const Quad = base.cast();
+        // SAFETY: guaranteed by the caller; a line is two quads.
+        unsafe { [Self::load_quads::<2>(quads, indices), Self::load_quads::<2>(quads.add(1), indices)] }
+    }
+
+    /// Transposes and writes the lines `base + indices[lane]`.
+    ///
+    /// # Safety
+    /// Each of these lines must be in writable memory, without other accesses during the call.
+    #[inline(always)]
+    unsafe fn store_lines(base: *mut Line, indices: &[u32; LANES], [first, second]: [[Self; 4]; 2]) {
+        let quads: *mut Quad = base.cast();
+        // SAFETY: guaranteed by the caller; a line is two quads.
+        unsafe {
+            Self::store_quads::<2>(quads, indices, first);
+            Self::store_quads::<2>(quads.add(1), indices, second);
+        }
+    }
+
     /// Adds the transposed `halves` to the first three numbers of each half of the lines `base + indices[lane]`, times
     /// the fourth number of the half and a factor for each half. Unless `WHOLE`, only first halves change.
     ///

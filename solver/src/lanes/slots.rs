@@ -91,11 +91,11 @@ impl<T: Pod> Slots<'_, T> {
         unsafe { L::load_quads::<1>(self.units::<Quad, 1, _>(&[slots]), slots) }
     }
 
-    /// Reads the first (0) or second (1) quads of eight records of two, transposed.
+    /// Reads the first quads of eight records of two, transposed.
     #[inline(always)]
-    pub fn load_halves<L: Lanes, const HALF: usize>(self, slots: &[u32; LANES]) -> [L; 4] {
+    pub fn load_first_halves<L: Lanes>(self, slots: &[u32; LANES]) -> [L; 4] {
         // SAFETY: as above; a record is two quads.
-        unsafe { L::load_quads::<2>(self.units::<Quad, 2, _>(&[slots]).add(HALF), slots) }
+        unsafe { L::load_quads::<2>(self.units::<Quad, 2, _>(&[slots]), slots) }
     }
 
     /// Reads the differences of eight records of one quad and eight others, and the sum of their fourth numbers.
@@ -124,6 +124,13 @@ impl<T: Pod> Slots<'_, T> {
     pub fn load_pairs<L: Lanes>(self, first: &[u32; LANES], second: &[u32; LANES]) -> [[L; 4]; 2] {
         // SAFETY: as above; a record is a line.
         unsafe { L::load_pairs(self.units::<Line, 1, _>(&[first, second]), first, second) }
+    }
+
+    /// Reads eight records of one line, transposed.
+    #[inline(always)]
+    pub fn load_lines<L: Lanes>(self, slots: &[u32; LANES]) -> [[L; 4]; 2] {
+        // SAFETY: as above; a record is a line.
+        unsafe { L::load_lines(self.units::<Line, 1, _>(&[slots]), slots) }
     }
 
     /// Reads sixteen records of one octet, transposed.
@@ -200,11 +207,18 @@ impl<T: Pod> TaskSlots<'_, T> {
         unsafe { L::store_quads::<1>(self.units::<Quad, 1, _>(&[slots]), slots, quads) }
     }
 
-    /// Writes the first (0) or second (1) quads of eight records of two.
+    /// Writes the first quads of eight records of two.
     #[inline(always)]
-    pub fn store_halves<L: Lanes, const HALF: usize>(self, slots: &[u32; LANES], quads: [L; 4]) {
+    pub fn store_first_halves<L: Lanes>(self, slots: &[u32; LANES], quads: [L; 4]) {
         // SAFETY: as above; a record is two quads.
-        unsafe { L::store_quads::<2>(self.units::<Quad, 2, _>(&[slots]).add(HALF), slots, quads) }
+        unsafe { L::store_quads::<2>(self.units::<Quad, 2, _>(&[slots]), slots, quads) }
+    }
+
+    /// Writes eight records of one line.
+    #[inline(always)]
+    pub fn store_lines<L: Lanes>(self, slots: &[u32; LANES], halves: [[L; 4]; 2]) {
+        // SAFETY: as above; a record is a line.
+        unsafe { L::store_lines(self.units::<Line, 1, _>(&[slots]), slots, halves) }
     }
 
     /// Does the work of [`add_shares`](TaskSlots::add_shares) for first halves only, of returned records that have not changed since.

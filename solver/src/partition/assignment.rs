@@ -298,11 +298,16 @@ fn make_room<G>(groups: &mut Vec<G>, sources: &mut Vec<Sources>) {
     }
 }
 
-/// Returns true if sweeps have several lane groups in flight at a time. Contacts with torques would need the bodies
-/// themselves, and without friction the operation chain of a group is too short for a gain.
-pub(crate) const fn overlapped<L: Lanes>(friction: bool, torques: bool) -> bool {
-    L::OVERLAPPED && friction && !torques
+/// Returns true if sweeps have several lane groups in flight at a time. Without friction the operation chain of a group
+/// is too short for a gain.
+pub(crate) const fn overlapped<L: Lanes>(friction: bool) -> bool {
+    L::OVERLAPPED && friction
 }
+
+/// Mark of a group that shares a body with the previous group.
+pub(crate) const PREVIOUS: u8 = 1;
+/// Mark of a group that shares a body with the group before the previous group.
+pub(crate) const SECOND_PREVIOUS: u8 = 2;
 
 /// Finds the groups of pairs in a task that share a body with the preceding group, if sweeps need this information.
 pub(crate) struct FindWaits<'a> {
@@ -319,16 +324,22 @@ impl Kernel for FindWaits<'_> {
     fn run<L: Lanes>(self) {
         let TaskGroups { pairs, pair_waits, .. } = self.groups;
         // Groups from an earlier step have the same waits.
-        if pair_waits.len() == pairs.len() || !overlapped::<L>(self.effects.tangential(), self.effects.torques()) {
+        if pair_waits.len() == pairs.len() || !overlapped::<L>(self.effects.tangential()) {
             return;
         }
         // The same capacity as that of the groups avoids further reallocations.
         pair_waits.reserve_exact(pairs.capacity());
-        pair_waits.push(false);
-        with_pairs!(pairs, pairs => for both in pairs.windows(2) {
+        let in_flight = if self.effects.torques() { 2 } else { 1 };
+        with_pairs!(pairs, pairs => for number in 0..pairs.len() {
             // Padding lanes do not count: no impulse moves their bodies.
-            let [one, other] = [&both[0], &both[1]].map(|group| [&group.first, &group.second]);
-            pair_waits.push(L::share_places(one, other, self.grains));
+            let mut waits = 0;
+            for &(before, shared) in &[(1, PREVIOUS), (2, SECOND_PREVIOUS)][..in_flight] {
+                if let Some(other) = number.checked_sub(before) {
+                    let [one, other] = [&pairs[number], &pairs[other]].map(|group| [&group.first, &group.second]);
+                    waits |= if L::share_places(one, other, self.grains) { shared } else { 0 };
+                }
+            }
+            pair_waits.push(waits);
         });
     }
 }

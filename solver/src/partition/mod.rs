@@ -19,7 +19,7 @@ mod ranks;
 mod shares;
 mod single;
 
-pub(crate) use assignment::{FindWaits, overlapped};
+pub(crate) use assignment::{FindWaits, PREVIOUS, SECOND_PREVIOUS, overlapped};
 pub(crate) use assignment::{LaneAssigner, Taken, TakenGroups};
 pub use boxes::{BoxGrid, STAGES};
 pub(crate) use boxes::{DIRECTIONS, SAME_BOX};
@@ -40,8 +40,9 @@ pub struct TaskGroups {
     pub pairs: PairGroups,
     /// Candidates of the contacts in `pairs`.
     pub pair_sources: Vec<Sources>,
-    /// True for each group of pairs that shares a body with the preceding group; empty if not determined, and then every group may.
-    pub pair_waits: Vec<bool>,
+    /// Marks of each group of pairs that shares a body with a group before it, [`PREVIOUS`] or [`SECOND_PREVIOUS`]; empty if not
+    /// determined, and then every group may.
+    pub pair_waits: Vec<u8>,
     /// Groups of contacts with walls.
     pub walls: Vec<WallGroup>,
     /// Candidates of the contacts in `walls`.

@@ -32,12 +32,20 @@ pub(crate) struct Bodies<N> {
 }
 
 impl<L: Lanes> Bodies<L> {
+    /// Bodies without mass and motion.
+    #[inline(always)]
+    pub fn zero() -> Self {
+        let [inverse_mass, inverse_radius] = [L::zero(); 2];
+        Self { velocity: [L::zero(); 3], inverse_mass, scaled_spin: [L::zero(); 3], inverse_radius }
+    }
+
     /// Loads eight bodies of a task; without friction, their spins are not loaded.
     #[inline(always)]
     pub fn load<E: Effects>(bodies: Slots<'_, Body>, places: &[u32; LANES]) -> Self {
-        let [x, y, z, inverse_mass] = bodies.load_halves::<L, 0>(places);
-        let [along_x, along_y, along_z, inverse_radius] =
-            if E::FRICTION { bodies.load_halves::<L, 1>(places) } else { [L::zero(); 4] };
+        let [[x, y, z, inverse_mass], [along_x, along_y, along_z, inverse_radius]] = match E::FRICTION {
+            true => bodies.load_lines(places),
+            false => [bodies.load_first_halves(places), [L::zero(); 4]],
+        };
         Self { velocity: [x, y, z], inverse_mass, scaled_spin: [along_x, along_y, along_z], inverse_radius }
     }
 
@@ -45,9 +53,10 @@ impl<L: Lanes> Bodies<L> {
     #[inline(always)]
     pub fn store<E: Effects>(self, bodies: TaskSlots<'_, Body>, places: &[u32; LANES]) {
         let ([x, y, z], [along_x, along_y, along_z]) = (self.velocity, self.scaled_spin);
-        bodies.store_halves::<L, 0>(places, [x, y, z, self.inverse_mass]);
-        if E::FRICTION {
-            bodies.store_halves::<L, 1>(places, [along_x, along_y, along_z, self.inverse_radius]);
+        let [motion, turning] = [[x, y, z, self.inverse_mass], [along_x, along_y, along_z, self.inverse_radius]];
+        match E::FRICTION {
+            true => bodies.store_lines(places, [motion, turning]),
+            false => bodies.store_first_halves(places, motion),
         }
     }
 }

@@ -116,10 +116,10 @@ impl<E: Effects, G: MeasuredLevel> Kernel for Sweep<'_, E, G> {
         let factor = L::splat(self.factor);
         let mut residual = LaneResidual::<L>::read(self.residual);
         // Pairs of grains.
-        if const { overlapped::<L>(E::FRICTION, E::TORQUES) } {
-            self.relax_overlapped::<L>(factor, &mut residual);
-        } else {
-            self.relax_in_turn::<L>(factor, &mut residual);
+        match (const { overlapped::<L>(E::FRICTION) }, E::TORQUES) {
+            (true, false) => self.relax_overlapped::<L>(factor, &mut residual),
+            (true, true) => self.relax_torques_overlapped::<L>(factor, &mut residual),
+            (false, _) => self.relax_in_turn::<L>(factor, &mut residual),
         }
         // Contacts with kinematic and fixed walls; contacts with dynamic walls follow once for all tasks.
         let prescribed = self.groups.prescribed_walls();

@@ -1,7 +1,7 @@
 //! Frames of one run of one code, with their origin.
 
 use crate::plan::MeasuredScene;
-use makadam::checkpoint::{open, seal, write_atomically};
+use makadam::checkpoint::{open, seal_value, write_atomically};
 use makadam::snapshot::{Particle, Partner, Snapshot};
 use makadam::watch::Watchdog;
 use serde::{Deserialize, Serialize};
@@ -137,7 +137,7 @@ impl Recording {
 
     /// Encodes the recording with a checksum envelope, which detects damage.
     pub fn to_bytes(&self) -> Vec<u8> {
-        seal(MARK, &postcard::to_stdvec(self).expect("a recording holds only numbers, plain text and lists"))
+        seal_value(MARK, self)
     }
 
     /// Writes the recording as one file, through a temporary file so that no reader finds a half-written file.

@@ -26,6 +26,7 @@ pub(super) mod state;
 
 use crate::Simulation;
 use crate::scene::Scene;
+use serde::Serialize;
 #[doc(hidden)]
 pub use state::KeptContact;
 use state::State;
@@ -104,10 +105,25 @@ const HEAD: usize = 24;
 /// Adds magic bytes, length and checksum before a body. The last magic byte is the version of the body format.
 pub fn seal(mark: [u8; 8], body: &[u8]) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(HEAD + body.len());
-    bytes.extend(mark);
-    bytes.extend((body.len() as u64).to_le_bytes());
-    bytes.extend(xxh3_64(body).to_le_bytes());
+    bytes.resize(HEAD, 0);
     bytes.extend(body);
+    close(mark, bytes)
+}
+
+/// Encodes a value of numbers, texts and lists as the body of [`seal`], without a copy of the body.
+///
+/// # Panics
+/// If the value has a list of unknown length.
+pub fn seal_value(mark: [u8; 8], value: &impl Serialize) -> Vec<u8> {
+    close(mark, postcard::to_extend(value, vec![0; HEAD]).expect("the value holds only numbers, texts and lists"))
+}
+
+/// Writes the header into the first bytes, which are reserved for it.
+fn close(mark: [u8; 8], mut bytes: Vec<u8>) -> Vec<u8> {
+    let (length, sum) = ((bytes.len() - HEAD) as u64, xxh3_64(&bytes[HEAD..]));
+    bytes[..8].copy_from_slice(&mark);
+    bytes[8..16].copy_from_slice(&length.to_le_bytes());
+    bytes[16..HEAD].copy_from_slice(&sum.to_le_bytes());
     bytes
 }
 

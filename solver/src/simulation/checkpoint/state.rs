@@ -1,6 +1,6 @@
 //! Content of a checkpoint.
 
-use super::{MARK, MARK_OF_ALTERED, open, seal};
+use super::{MARK, MARK_OF_ALTERED, open, seal_value};
 use crate::Simulation;
 use crate::detect::{AngularImpulse, Candidates, Impulse, Memory, PairCandidate, WallCandidate};
 use crate::groups::ImpactMemory;
@@ -289,10 +289,9 @@ impl State {
 
     /// Serializes the state as a checkpoint.
     pub fn write(&self) -> Vec<u8> {
-        const PLAIN: &str = "a state holds only numbers and lists";
         match self.altered == Altered::default() {
-            true => seal(MARK, &postcard::to_stdvec(self).expect(PLAIN)),
-            false => seal(MARK_OF_ALTERED, &postcard::to_stdvec(&(self, &self.altered)).expect(PLAIN)),
+            true => seal_value(MARK, self),
+            false => seal_value(MARK_OF_ALTERED, &(self, &self.altered)),
         }
     }
 

@@ -28,11 +28,14 @@ impl<'a> RunFiles<'a> {
     /// Checkpoint.
     pub const CHECKPOINT: &'static str = "run.checkpoint";
 
+    /// State without a violation, while the run steps.
+    pub const HELD: &'static str = "run.held";
+
     /// Table over time.
     pub const TABLE: &'static str = "observables.csv";
 
     /// Files that a new run replaces. The summary is replaced at once, so that a folder always describes its content.
-    const RESULTS: [&'static str; 4] = [Self::FRAMES, Self::MEASURED, Self::CHECKPOINT, Self::TABLE];
+    const RESULTS: [&'static str; 5] = [Self::FRAMES, Self::MEASURED, Self::CHECKPOINT, Self::HELD, Self::TABLE];
 
     /// Returns the files of a run in a folder, some of them possibly missing.
     pub fn inside(output: &'a Path) -> RunFiles<'a> {

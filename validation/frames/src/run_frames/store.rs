@@ -8,7 +8,7 @@
 
 use crate::output::{WriteError, open_to_grow};
 use crate::plan::MeasuredScene;
-use makadam::checkpoint::{open, seal};
+use makadam::checkpoint::{open, seal, seal_value};
 use makadam::snapshot::{
     Beginning, Contact, DrivenWall, FaceWear, Origin, Particle, Passages, Passed, PresentStage, Snapshot, WallLoad,
 };
@@ -127,8 +127,7 @@ impl StoreWriter {
             (*time, *stage, particles, driven_walls, origins, *passed, beginnings, gauges),
             (contacts, wall_loads, wear),
         );
-        let body = postcard::to_stdvec(&parts).expect("a frame holds only numbers and lists");
-        let record = seal(FRAME, &body);
+        let record = seal_value(FRAME, &parts);
         let start = self.store.bytes();
         // A failed write may have left part of a record.
         let written = self.file.seek(SeekFrom::Start(start)).and_then(|_| self.file.write_all(&record));

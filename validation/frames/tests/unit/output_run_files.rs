@@ -5,7 +5,8 @@ use super::*;
 #[test]
 fn only_files_of_a_run_are_removed() {
     let folder = tempfile::tempdir().unwrap();
-    let ours = ["run.checkpoint", "observables.csv", "frames.mkd", "measured-frames.mkd", "run.json.part12-3"];
+    let ours =
+        ["run.checkpoint", "run.held", "observables.csv", "frames.mkd", "measured-frames.mkd", "run.json.part12-3"];
     let others = ["run.json", "scene.toml", "observables.csv.bak", "frames.mkd.partial", "grains.pvd"];
     for name in ours.iter().chain(&others) {
         std::fs::write(folder.path().join(name), "").unwrap();

@@ -4,7 +4,7 @@ use super::RunArguments;
 use super::progress::Progress;
 use crate::commands::Failure;
 use makadam::BUILD;
-use makadam::checkpoint::{open, seal, sync_folder, write_atomically};
+use makadam::checkpoint::{open, seal_value, sync_folder, write_atomically};
 use makadam_compare::prepared::Label;
 use makadam_frames::output::{RunFiles, WriteError};
 use makadam_frames::plan::MeasuredScene;
@@ -56,6 +56,28 @@ impl CheckpointFile {
         write_atomically(&self.0, sealed).map_err(|source| WriteError::new(&self.0, source))
     }
 
+    /// Stores a state without a violation, for this process alone.
+    pub fn hold(&self, simulation: &[u8]) -> Result<(), WriteError> {
+        let file = self.held();
+        std::fs::write(&file, simulation).map_err(|source| WriteError::new(&file, source))
+    }
+
+    /// Reads the stored state.
+    pub fn take_held(&self) -> Result<Vec<u8>, WriteError> {
+        let file = self.held();
+        std::fs::read(&file).map_err(|source| WriteError::new(&file, source))
+    }
+
+    fn held(&self) -> PathBuf {
+        self.0.with_file_name(RunFiles::HELD)
+    }
+
+    /// Removes the stored state.
+    pub fn release(&self) {
+        // A new run replaces what cannot be removed.
+        let _ = std::fs::remove_file(self.held());
+    }
+
     /// Removes the checkpoint of a finished run.
     pub fn clear(&self) {
         // A checkpoint that cannot be removed is out of date by its checksum and scene, or is resumed again.
@@ -93,8 +115,7 @@ impl Checkpoint {
     /// Encodes a checkpoint with its checksum envelope.
     pub fn seal(scene: &MeasuredScene, seed: u64, simulation: Vec<u8>, progress: Progress) -> Vec<u8> {
         let label = Label::of(scene, seed);
-        let parts = (label, Checkpoint { simulation, progress });
-        seal(RUN, &postcard::to_stdvec(&parts).expect("a checkpoint holds only numbers, names and lists"))
+        seal_value(RUN, &(label, Checkpoint { simulation, progress }))
     }
 }
 

@@ -47,9 +47,8 @@ const UNDER_WAY: &str = "the run is under way, or was killed: then --resume goes
 /// Reason for no measurements before the end.
 const NOT_ENDED: &str = "the run is not at its end";
 
-/// State without a violation.
+/// Progress at the stored state without a violation.
 struct Held {
-    simulation: Vec<u8>,
     progress: Progress,
     marks: MarksToCome,
 }
@@ -210,7 +209,7 @@ impl<'a> Session<'a> {
             if let Some(held) = self.held.take() {
                 self.writer.sync()?;
                 let marks = held.marks.wait().expect("all before the marks is written");
-                self.checkpoint.write(&self.seal(held.simulation, held.progress, marks))?;
+                self.checkpoint.write(&self.seal(self.checkpoint.take_held()?, held.progress, marks))?;
                 left = format!(
                     "; the state before is in {}: --resume goes on from there with another [watch], but what else the scene says \
                      must stay, and a change of it wants --restart",
@@ -222,11 +221,8 @@ impl<'a> Session<'a> {
         let every = u64::from(self.plan.scene.watch.every);
         // The preceding check found no violation.
         if alarms.is_empty() && every > 0 && self.progress.steps.is_multiple_of(every * HELD_EVERY.div_ceil(every)) {
-            self.held = Some(Held {
-                simulation: self.simulation.checkpoint(),
-                progress: self.progress_now(),
-                marks: self.writer.ask_for_marks()?,
-            });
+            self.checkpoint.hold(&self.simulation.checkpoint())?;
+            self.held = Some(Held { progress: self.progress_now(), marks: self.writer.ask_for_marks()? });
         }
         Ok(())
     }
@@ -306,6 +302,7 @@ impl<'a> Session<'a> {
         let clock = Instant::now();
         let phases = self.phases();
         let Session { plan, simulation, mut progress, writer, checkpoint, .. } = self;
+        checkpoint.release();
         let (mut outputs, written) = writer.end();
         let (ended, took) = (played.and(written), simulation.time() - progress.started);
         // Frames are flushed while they are measured.
