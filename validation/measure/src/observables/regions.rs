@@ -38,3 +38,7 @@ pub fn over_time(properties: &Properties<'_>, frames: &[Snapshot], region: usize
     let region = &properties.scene.measure.region[region];
     frames.iter().map(|frame| (frame.time, count(&Setting::new(properties, frame), frame, region))).collect()
 }
+
+#[cfg(test)]
+#[path = "../../tests/unit/observables_regions.rs"]
+mod tests;
