@@ -42,13 +42,8 @@ const SCENE: &str = r#"
 
 /// Three grains of `a` at heights that fall by 0.25 per frame, two of `b`, one of them in the tube.
 fn recording() -> Recording {
-    let grain = |id: u32, position: [f64; 3]| Particle {
-        id,
-        position,
-        radius: 0.01,
-        velocity: [0.0; 3],
-        spin: [0.0; 3],
-    };
+    let grain =
+        |id: u32, position: [f64; 3]| Particle { id, position, radius: 0.01, velocity: [0.0; 3], spin: [0.0; 3] };
     let frame = |number: u32| {
         let fallen = 0.25 * f64::from(number);
         let of_a = (0..3).map(|id| grain(id, [0.0, 0.0, 0.3 + 0.25 * f64::from(id) - fallen]));
@@ -85,7 +80,10 @@ fn grains_are_counted_by_place_and_material() {
     assert_eq!(value("grain_count(lower half) at 0 s"), Some(0.0));
     assert_eq!(value("grain_count(lower half) at 0.5 s"), Some(2.0));
     let curve = &series(&scene, &recording)[0];
-    assert_eq!((curve.observable.as_str(), &curve.value[..]), ("grain_count(lower half)", &[0.0, 0.0, 1.0, 2.0, 3.0][..]));
+    assert_eq!(
+        (curve.observable.as_str(), &curve.value[..]),
+        ("grain_count(lower half)", &[0.0, 0.0, 1.0, 2.0, 3.0][..])
+    );
 }
 
 #[test]
@@ -99,7 +97,10 @@ fn times_without_a_frame_and_unknown_names_are_refused() {
     assert!(off.contains("compare[0].at[1]") && off.contains("a multiple of measure.interval"), "{off}");
     assert!(replaced("at = [0.0, 0.5]", "at = [0.0, 1.0]").contains("compare[0].at[1]"));
     assert!(replaced("from = 0.25", "").contains("give measure.from"));
-    let unknown = replaced("radius = 0.1, length = 2.0 }\n    material = \"b\"", "radius = 0.1, length = 2.0 }\n    material = \"c\"");
+    let unknown = replaced(
+        "radius = 0.1, length = 2.0 }\n    material = \"b\"",
+        "radius = 0.1, length = 2.0 }\n    material = \"c\"",
+    );
     assert!(unknown.contains("measure.region[1].material") && unknown.contains("a, b"), "{unknown}");
     assert!(replaced("b in the tube", "lower half").contains("measure.region[1].name"));
 }

@@ -149,7 +149,7 @@ fn lattice(restitution: f64) -> Case {
     const DEEP: usize = 60;
     const PITCH: f64 = 1.05 * 2.0 * LARGE;
     let (half, top) = (0.5 * PITCH * WIDTH as f64, PITCH * (DEEP + 1) as f64);
-    let mut sketch = Sketch::new(format!("lattice-{restitution}"), 1.5)
+    let mut sketch = Sketch::new(format!("lattice-{restitution}"), 2.0)
         .gravity([0.0, 0.0, -10.0])
         .friction(0.3)
         .restitution(restitution)
