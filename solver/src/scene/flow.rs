@@ -14,7 +14,7 @@ const FULL: f64 = 0.5;
 
 impl Region {
     /// Returns true if a point (m) is inside.
-    pub(crate) fn holds(&self, point: &Vector3<f64>) -> bool {
+    pub fn holds(&self, point: &Vector3<f64>) -> bool {
         self.meets(point, &Vector3::zeros())
     }
 
@@ -96,7 +96,7 @@ impl Region {
     }
 
     /// Checks the values of a region.
-    pub(super) fn check(&self, at: &DocumentPath) -> Checked {
+    pub fn check(&self, at: &DocumentPath) -> Checked {
         match self {
             Region::Box { min, max } => extent(at, min, max),
             Region::Cylinder { base, axis, radius, length } => tube(at, (base, axis), (&[*radius], "radius"), *length),

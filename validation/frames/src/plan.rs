@@ -3,11 +3,15 @@
 //! One TOML document holds both parts, for two readers. The solver reads the simulated scene and skips the tables `prepare`, `measure`,
 //! `output` and `compare`. This module reads these tables, and writes the whole document.
 
+mod expectation;
 mod hashes;
+mod region;
 mod roster;
 mod stages;
 
+pub use expectation::{Expectation, moment, observable_name};
 pub use hashes::{physics_hash, scene_hash, setup_hash};
+pub use region::CountedRegion;
 pub use roster::{Alike, Kind, Roster, lasting_number};
 
 use makadam::Simulation;
@@ -16,7 +20,6 @@ use makadam::wall::first_that_jumps_back;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
-use std::collections::HashMap;
 use std::ops::{Deref, DerefMut};
 use std::path::Path;
 
@@ -132,8 +135,9 @@ impl MeasuredScene {
     pub fn read(document: &Document<'_>) -> Result<MeasuredScene, SceneError> {
         let simulated = makadam::scene::Scene::read(document)?;
         let Tables { prepare, measure, output, compare } = document.read()?;
-        let scene = MeasuredScene { simulated, prepare, measure, output, compare };
+        let mut scene = MeasuredScene { simulated, prepare, measure, output, compare };
         scene.check()?;
+        scene.compare = scene.compare.iter().flat_map(Expectation::each).collect();
         Ok(scene)
     }
 
@@ -259,15 +263,8 @@ impl MeasuredScene {
             let problem = "runs at rest are known by their kinetic energy, and balances are not measured".into();
             return Err(at.key("rest_energy").fault(problem, "add balances to measure.observables"));
         }
-        let mut compared = HashMap::new();
-        for (index, expectation) in self.compare.iter().enumerate() {
-            let at = root.key("compare").index(index);
-            if let Some(before) = compared.insert(&expectation.observable, index) {
-                let problem = format!("'{}' is compared by compare[{before}] already", expectation.observable);
-                return Err(at.key("observable").fault(problem, "give each observable one margin"));
-            }
-            at.key("margin").range(expectation.margin.unwrap_or(1.0), 1e-12, 1e6, "in the observable's unit")?;
-        }
+        region::check(self)?;
+        expectation::check(self)?;
         Ok(())
     }
 }
@@ -296,6 +293,9 @@ pub struct Measure {
     pub stage: Option<String>,
     /// Groups of observables.
     pub observables: Vec<Observable>,
+    /// Regions whose grains are counted (observable `grain_count(region)`).
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub region: Vec<CountedRegion>,
     /// Registered number of seeds: only seeds 1 to this number can agree. Without it none can.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seeds: Option<u64>,
@@ -327,7 +327,15 @@ impl Measure {
 
 impl Default for Measure {
     fn default() -> Self {
-        Self { interval: 0.05, from: None, stage: None, observables: Vec::new(), seeds: None, rest_energy: None }
+        Self {
+            interval: 0.05,
+            from: None,
+            stage: None,
+            observables: Vec::new(),
+            region: Vec::new(),
+            seeds: None,
+            rest_energy: None,
+        }
     }
 }
 
@@ -371,28 +379,8 @@ pub enum Observable {
     Gauges,
     /// Height and speed of the first listed grain, such as a projectile.
     Intruder,
-}
-
-/// Observable for the comparison of codes, with its margin.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Expectation {
-    /// Name of the measured quantity, for example `packing_fraction`; hyphens are read as underscores.
-    #[serde(deserialize_with = "underscored")]
-    pub observable: String,
-    /// Margin of equivalence in the observable's unit; without one it is reported without a verdict.
-    pub margin: Option<f64>,
-}
-
-/// Reads a name; hyphens become underscores.
-fn underscored<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<String, D::Error> {
-    Ok(observable_name(&String::deserialize(deserializer)?))
-}
-
-/// Returns the name of an observable with underscores instead of hyphens, except in its argument, such as `torque(blade-1)`.
-pub fn observable_name(text: &str) -> String {
-    let (base, argument) = text.split_at(text.find('(').unwrap_or(text.len()));
-    base.replace('-', "_") + argument
+    /// Grains in each region of `measure.region`.
+    Regions,
 }
 
 /// Simulation before the run, as the start instead of the jittered lattice. The clock of the run then starts at zero. Prescribed walls

@@ -88,14 +88,17 @@ fn code(place: usize, source: Source, wall: f64) -> CodeSummary {
         timing: match source {
             Source::Live => Timing::Alone,
             Source::Recorded => Timing::Recorded,
+            Source::Published => Timing::Published,
         },
         processor: match source {
             Source::Live => "Intel Xeon Platinum 8488C".into(),
             Source::Recorded => "AMD EPYC 7763".into(),
+            Source::Published => String::new(),
         },
         provenance: match source {
             Source::Live => "run for this report, one core".into(),
             Source::Recorded => "reference-scenes/drum/reference, recorded 2026-02-11".into(),
+            Source::Published => "Author (2024)".into(),
         },
     }
 }

@@ -15,6 +15,8 @@ pub enum Source {
     Live,
     /// Read from `reference-scenes/*/reference/`.
     Recorded,
+    /// Read from `reference-scenes/*/reference/published.csv`: numbers of a publication, without seeds.
+    Published,
 }
 
 /// Conditions under which a code's runs were timed.
@@ -31,6 +33,8 @@ pub enum Timing {
     SideBySide,
     /// Some time ago, on the processor that is named with it.
     Recorded,
+    /// Not timed: numbers of a publication.
+    Published,
 }
 
 /// One observable of one code, and its difference from a reference code.
@@ -48,7 +52,7 @@ pub struct Row {
     pub mean: Option<f64>,
     /// Standard deviation over seeds; absent where no seed has a value.
     pub standard_deviation: Option<f64>,
-    /// Number of seeds that have a value.
+    /// Number of seeds that have a value; 0 for a published value.
     pub seeds: usize,
     /// The code that this one is compared with; absent on rows that stand alone.
     pub reference_code: Option<String>,

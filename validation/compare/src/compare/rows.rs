@@ -5,7 +5,7 @@
 //! the number of seeds is part of the scene (`measure.seeds`), and runs of any other number are exploratory.
 
 use super::comparison::{MAKADAM, at_odds};
-use super::{CodeRuns, Comparison, MeasuredRun, Row};
+use super::{CodeRuns, Comparison, MeasuredRun, Row, Source};
 use makadam_frames::plan::{Expectation, MeasuredScene};
 use makadam_measure::statistics::{Ensemble, Outcome, equivalence, prediction_interval};
 use makadam_view::draw::numbers::plural;
@@ -28,10 +28,11 @@ pub fn comparison(scene: &MeasuredScene, codes: &[CodeRuns], mut notes: Vec<Stri
 }
 
 /// Rows of one observable: each code against each one after it, then the last code by itself. A code that lacks a value for a
-/// seed of its runs has no test: its rows state the missing values.
+/// seed of its runs has no test: its rows state the missing values. A publication counts for the observables that it states.
 fn rows(scene: &MeasuredScene, expectation: &Expectation, codes: &[CodeRuns]) -> Vec<Row> {
     let name = &expectation.observable;
-    let asked: Vec<Asked<'_>> = codes.iter().map(|code| Asked::of(scene, code, name)).collect();
+    let states = |code: &&CodeRuns| code.source != Source::Published || !code.values(name).is_empty();
+    let asked: Vec<Asked<'_>> = codes.iter().filter(states).map(|code| Asked::of(scene, code, name)).collect();
     let whole = asked.iter().filter(|asked| asked.missing.is_none()).count();
     let mut rows = Vec::new();
     for (place, one) in asked.iter().enumerate() {
@@ -97,7 +98,11 @@ impl<'a> Asked<'a> {
             (0, _) => Some(format!("{code} has no value")),
             (found, all) => Some(format!("{code} has a value in {found} of {all} seeds")),
         };
-        Asked { code, unit: found().next().map_or("", |found| &found.unit), ensemble: Ensemble::of(&values), missing }
+        let ensemble = match code_runs.source {
+            Source::Published => values.first().map(|value| Ensemble::published(*value)),
+            Source::Live | Source::Recorded => Ensemble::of(&values),
+        };
+        Asked { code, unit: found().next().map_or("", |found| &found.unit), ensemble, missing }
     }
 
     /// Row of one code.

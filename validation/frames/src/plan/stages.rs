@@ -28,6 +28,13 @@ impl MeasuredScene {
         self.is_of_measured_stage(stage) && self.measure.covers(time - start)
     }
 
+    /// Returns true for the frame at a time (s) after `measure.from` in the measured stage, by the frame's time (s) and stage.
+    pub fn is_at(&self, after: f64, time: f64, stage: Option<PresentStage>) -> bool {
+        let start = self.measured_stage().and(stage).map_or(0.0, |stage| stage.start);
+        let due = start + self.measure.from.unwrap_or(0.0) + after;
+        self.is_of_measured_stage(stage) && (time - due).abs() <= self.measure.slack()
+    }
+
     /// Returns the number of the stage that is measured, and the stage.
     pub(super) fn measured_stage(&self) -> Option<(usize, &Stage)> {
         let name = self.measure.stage.as_ref()?;

@@ -4,16 +4,16 @@ use super::measurement::Readings;
 use super::view::View;
 use super::{
     balances, contact_forces, coordination, discharge, driven_wall, drum_flow, dynamic_angle, gauges, intruder, mixing,
-    packing_fraction, static_angle, wall_loads,
+    packing_fraction, regions, static_angle, wall_loads,
 };
 use makadam::scene::{Motion, SceneFileError, Shape, Wall, line_of, suggestion};
-use makadam_frames::plan::{MeasuredScene, Observable};
+use makadam_frames::plan::{MeasuredScene, Observable, moment};
 use makadam_frames::recording::Content;
 use serde::Serialize;
 use std::path::Path;
 
 /// All groups, in the order of the page.
-pub(super) const GROUPS: [Group; 14] = [
+pub(super) const GROUPS: [Group; 15] = [
     dynamic_angle::GROUP,
     static_angle::GROUP,
     packing_fraction::GROUP,
@@ -28,6 +28,7 @@ pub(super) const GROUPS: [Group; 14] = [
     discharge::GROUP,
     gauges::GROUP,
     intruder::GROUP,
+    regions::GROUP,
 ];
 
 /// Group of observables measured together.
@@ -48,7 +49,7 @@ pub(super) fn nothing_of_a_frame(_: &View<'_>, _: &mut Readings) -> Result<(), S
 /// Definition of a measurable number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Definition {
-    /// Name in `[[compare]]`, tables and documents; `(wall)` or `(gauge)` at its end stands for the name of one.
+    /// Name in `[[compare]]`, tables and documents; `(wall)`, `(gauge)` or `(region)` at its end stands for the name of one.
     pub name: &'static str,
     /// Symbol in formulas.
     pub symbol: &'static str,
@@ -70,8 +71,9 @@ pub struct Definition {
 }
 
 impl Definition {
-    /// Returns true for the name of the quantity, with any argument if it has one.
+    /// Returns true for the name of the quantity, with any argument if it has one, at any time.
     fn is_named(&self, quantity: &str) -> bool {
+        let (quantity, _) = moment(quantity);
         match (parts(self.name), parts(quantity)) {
             (Some((own, _)), Some((other, _))) => own == other,
             _ => self.name == quantity,
@@ -214,9 +216,10 @@ pub fn check(scene: &MeasuredScene, text: &str, file: &Path) -> Result<(), Scene
                 let kind = definition(name).and_then(|definition| Some(parts(definition.name)?.1)).unwrap_or_default();
                 let names: Vec<&str> = match kind {
                     "gauge" => scene.gauge.iter().map(|gauge| gauge.name.as_str()).collect(),
+                    "region" => scene.measure.region.iter().map(|region| region.name.as_str()).collect(),
                     _ => scene.wall.iter().map(|wall| wall.name.as_str()).collect(),
                 };
-                if let Some((_, own)) = parts(name).filter(|(_, own)| !names.contains(own)) {
+                if let Some((_, own)) = parts(moment(name).0).filter(|(_, own)| !names.contains(own)) {
                     let remedy = suggestion(own, names, &format!("give the name of a {kind} of the scene"));
                     return invalid(format!("'{name}': the scene has no {kind} '{own}'"), remedy);
                 }

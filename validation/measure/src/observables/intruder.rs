@@ -18,6 +18,11 @@ pub(super) const GROUP: Group = Group {
             "height of the centre of the first grain that the scene lists by itself above the origin, against \
              gravity",
         ),
+        define(
+            ["largest_intruder_depth", "d_i", "m"],
+            "largest depth of the centre of the first grain that the scene lists by itself below the origin, along gravity",
+        )
+        .largest(),
         define(["intruder_speed", "v_i", "m/s"], "speed of the first grain that the scene lists by itself")
             .needs(VELOCITIES),
     ],
@@ -37,6 +42,7 @@ fn height(setting: &Setting<'_>, frame: &Snapshot) -> Option<f64> {
 fn read(view: &View<'_>, readings: &mut Readings) -> Result<(), String> {
     if let Some(height) = height(view.setting, view.frame) {
         readings.add("intruder_height", height);
+        readings.add("largest_intruder_depth", -height);
     }
     if let Some(grain) = of(view.setting.scene(), view.frame) {
         readings.add("intruder_speed", Vector3::from(grain.velocity).norm());

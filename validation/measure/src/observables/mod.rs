@@ -61,6 +61,7 @@ mod measurement;
 mod mixing;
 pub mod packing_fraction;
 mod possible;
+mod regions;
 pub mod setting;
 pub mod sphere_volume;
 pub mod static_angle;
@@ -77,7 +78,7 @@ use catalogue::GROUPS;
 use contour::Loop;
 use frames::{Frames, Wrapped};
 use makadam::snapshot::Snapshot;
-use makadam_frames::plan::{MeasuredScene, Observable};
+use makadam_frames::plan::{MeasuredScene, Observable, moment};
 use makadam_frames::recording::Recording;
 use measurement::Readings;
 use nalgebra::Vector3;
@@ -95,8 +96,25 @@ pub fn measure(scene: &MeasuredScene, recording: &Recording) -> Vec<Measurement>
 pub fn measured_in(scene: &MeasuredScene, recording: &Recording) -> Measured {
     let Ok(measured) = measure_frames(scene, &measured_frames(scene, recording)[..]);
     let mut measured = measured.unwrap_or_default();
+    measured.measurements.extend(measured_at_times(scene, recording));
     measured.measurements.retain(|one| catalogue::missing(scene, &one.observable, &recording.lacks).is_none());
     measured
+}
+
+/// Measures the observables that the scene compares at times: each in the single frame of its time, if there is one.
+fn measured_at_times(scene: &MeasuredScene, recording: &Recording) -> Vec<Measurement> {
+    let at_time = |name: &str| {
+        let (quantity, time) = moment(name);
+        let (time, group) = (time?, catalogue::group_of(quantity)?.0);
+        let frame = recording.frames.iter().find(|frame| scene.is_at(time, frame.time, frame.stage))?;
+        let mut alone = scene.clone();
+        alone.measure.observables = vec![group];
+        let Ok(measured) = measure_frames(&alone, &[frame][..]);
+        let mut measured = measured?.measurements.into_iter();
+        let found = measured.find(|found| found.observable == quantity)?;
+        Some(Measurement { observable: name.into(), ..found })
+    };
+    scene.compare.iter().filter_map(|expectation| at_time(&expectation.observable)).collect()
 }
 
 /// Measures frames: the quantities of `scene.measure.observables`, over all frames. `None` without frames, to distinguish a state that
@@ -311,8 +329,8 @@ impl Span<'_> {
     }
 }
 
-/// Returns quantities over time, one point per frame, over the whole run: the dynamic angle of repose (degrees) and the height of the intruder
-/// (m), if the scene requests them. Frames without a bed surface are left out.
+/// Returns quantities over time, one point per frame, over the whole run: the dynamic angle of repose (degrees), the height of the intruder
+/// (m) and the grains in regions, if the scene requests them. Frames without a bed surface are left out.
 pub fn series(scene: &MeasuredScene, recording: &Recording) -> Vec<Series> {
     let asks = |observable| scene.measure.observables.contains(&observable);
     let properties = Properties::new(scene);
@@ -327,7 +345,12 @@ pub fn series(scene: &MeasuredScene, recording: &Recording) -> Vec<Series> {
         asks(Observable::DynamicAngleOfRepose).then(angle).flatten(),
         asks(Observable::Intruder).then(height).flatten(),
     ];
-    asked.into_iter().flatten().collect()
+    let count = |index: usize| {
+        let name = format!("grain_count({})", scene.measure.region[index].name);
+        one(&name, regions::over_time(&properties, &recording.frames, index))
+    };
+    let regions = (0..scene.measure.region.len()).filter(|_| asks(Observable::Regions)).filter_map(count);
+    asked.into_iter().flatten().chain(regions).collect()
 }
 
 /// Returns true if a frame with this number of grains can be measured: frames without grains state what passed sinks and gauges.

@@ -48,6 +48,7 @@ fn lack(scene: &MeasuredScene, group: Observable) -> Option<(&'static str, &'sta
             (motions.any(Motion::is_driven), "no wall is driven by a force or a torque")
         }
         Observable::Walls | Observable::Wear => (!scene.wall.is_empty(), "there are no walls"),
+        Observable::Regions => (!scene.measure.region.is_empty(), "there is no [[measure.region]]"),
         Observable::Gauges => (!scene.gauge.is_empty(), "there is no [[gauge]]"),
         Observable::Intruder => (!scene.grain.is_empty(), "no grain is listed by itself under [[grain]]"),
         Observable::StaticAngleOfRepose => {

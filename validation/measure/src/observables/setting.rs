@@ -118,6 +118,11 @@ impl<'a> Setting<'a> {
         self.properties.density[self.material(frame, grain.id)] * super::sphere_volume::sphere(grain.radius)
     }
 
+    /// Returns the name of the material of a grain of the frame; empty for a frame of another scene.
+    pub fn material_name(&self, frame: &Snapshot, id: u32) -> &'a str {
+        self.scene().material.keys().nth(self.material(frame, id)).map_or("", String::as_str)
+    }
+
     fn material(&self, frame: &Snapshot, id: u32) -> usize {
         let material = usize::from(self.properties.roster.kind(frame, id).material);
         // Readers refuse frames of a scene with more materials.

@@ -6,7 +6,7 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 /// Mean and spread of one quantity over seeds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Ensemble {
-    /// Number of seeds.
+    /// Number of seeds; 0 for a published value, which is compared as it is.
     pub seeds: usize,
     /// Mean over seeds.
     pub mean: f64,
@@ -22,6 +22,11 @@ impl Ensemble {
             mean: mean(values),
             standard_deviation: standard_deviation(values).unwrap_or(0.0),
         })
+    }
+
+    /// Returns a published value: a number without a spread.
+    pub fn published(value: f64) -> Ensemble {
+        Ensemble { seeds: 0, mean: value, standard_deviation: 0.0 }
     }
 
     /// Returns the 90% interval of the mean, by Student's t; `None` for a single seed.

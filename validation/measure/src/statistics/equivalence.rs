@@ -90,9 +90,10 @@ pub fn equivalence(first: &Ensemble, second: &Ensemble, margin: Option<f64>, cod
     });
     let seeds_needed = match (outcome, margin, interval_of_verdict) {
         (Some(Outcome::Undecided), Some(margin), Some(_)) => {
+            // Without a spread of the second, twice this variance over n is that of the mean of the first.
             let variance = 0.5 * (first.standard_deviation.powi(2) + second.standard_deviation.powi(2));
             // The formula assumes a known spread; if it is already satisfied, one more seed.
-            let fewest = first.seeds.min(second.seeds) + 1;
+            let fewest = [first.seeds, second.seeds].into_iter().filter(|seeds| *seeds > 0).min().unwrap_or(1) + 1;
             seeds_needed(variance.sqrt(), difference, margin, alpha).map(|seeds| seeds.max(fewest))
         }
         _ => None,
@@ -100,18 +101,20 @@ pub fn equivalence(first: &Ensemble, second: &Ensemble, margin: Option<f64>, cod
     Equivalence { difference, interval90: interval(SIGNIFICANCE), interval_of_verdict, outcome, seeds_needed }
 }
 
-/// Returns half the width of Welch's interval of the difference, at `alpha` on each side; `None` for a single seed.
+/// Returns half the width of Welch's interval of the difference, at `alpha` on each side; `None` for a single seed. A published value
+/// adds no variance: the interval is Student's interval of the other mean.
 fn welch_half_width(first: &Ensemble, second: &Ensemble, alpha: f64) -> Option<f64> {
-    if first.seeds < 2 || second.seeds < 2 {
+    if first.seeds == 1 || second.seeds == 1 {
         return None;
     }
-    let share = |ensemble: &Ensemble| ensemble.standard_deviation.powi(2) / ensemble.seeds as f64;
+    let share = |ensemble: &Ensemble| ensemble.standard_deviation.powi(2) / ensemble.seeds.max(1) as f64;
     let (a, b) = (share(first), share(second));
     if a + b <= 0.0 {
         return Some(0.0);
     }
     // Welch & Satterthwaite.
-    let freedom = (a + b).powi(2) / (a * a / (first.seeds - 1) as f64 + b * b / (second.seeds - 1) as f64);
+    let part = |share: f64, ensemble: &Ensemble| share * share / (ensemble.seeds.max(2) - 1) as f64;
+    let freedom = (a + b).powi(2) / (part(a, first) + part(b, second));
     Some(student_quantile(1.0 - alpha, freedom) * (a + b).sqrt())
 }
 

@@ -30,7 +30,8 @@ fn it_is_the_first_listed_grain_wherever_it_stands_in_the_frame() {
         let Ok(measured) = measure_frames(scene, &shown[..]);
         measured.unwrap().measurements.into_iter().map(|one| (one.observable, one.value)).collect::<Vec<_>>()
     };
-    assert_eq!(measured(&scene), [("intruder_height".into(), 0.035), ("intruder_speed".into(), 3.0)]);
+    let values = [("intruder_height", 0.035), ("largest_intruder_depth", -0.02), ("intruder_speed", 3.0)];
+    assert_eq!(measured(&scene), values.map(|(name, value)| (name.to_string(), value)));
     let heights = over_time(&Properties::new(&scene), &frames);
     assert_eq!(heights, [(0.0, 0.05), (0.05, 0.02)]);
     scene.grain.clear();

@@ -38,10 +38,10 @@ pub struct OneScene<'a> {
 }
 
 /// Returns the default codes of a comparison: Makadam, and for live runs its reference codes; else all codes with a recorded table next to the
-/// scene. Without such tables the reference codes are returned, so that the error names the missing ones.
+/// scene. Without such tables and without published numbers the reference codes are returned, so that the error names the missing ones.
 pub fn usual_codes(scene_file: &Path, live: bool) -> Vec<CodeName> {
     let mut codes = codes_against(scene_file, live);
-    if codes.len() == 1 {
+    if codes.len() == 1 && !Reference::is_published(scene_file) {
         codes.extend(CodeName::REFEREES);
     }
     codes
@@ -141,6 +141,11 @@ impl OneScene<'_> {
             return Err(error.into());
         }
         measured.extend(recorded);
+        if let Some(reference) = &reference {
+            measured.extend(reference.published(scene));
+            notes
+                .extend(reference.not_compared(scene).iter().map(|name| format!("published and not compared: {name}")));
+        }
         let scene = &match self.judged {
             "Makadam" => scene.clone(),
             _ => with_all_values(scene, &measured),
@@ -180,7 +185,7 @@ fn with_all_values(scene: &MeasuredScene, codes: &[CodeRuns]) -> MeasuredScene {
         let name = &measured.observable;
         let is_compared = scene.compare.iter().any(|expectation| expectation.observable == *name);
         if !is_compared && codes.iter().filter(is_whole).all(|code| has(code, name)) {
-            scene.compare.push(Expectation { observable: name.clone(), margin: None });
+            scene.compare.push(Expectation { observable: name.clone(), margin: None, at: Vec::new() });
         }
     }
     scene

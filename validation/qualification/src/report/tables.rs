@@ -11,6 +11,7 @@ pub(super) fn source_word(source: Source) -> &'static str {
     match source {
         Source::Live => "live",
         Source::Recorded => "recorded",
+        Source::Published => "published",
     }
 }
 
@@ -269,7 +270,8 @@ fn block(comparison: &Comparison, rows: &[Row], colour: bool) -> String {
         let spread = row.standard_deviation.filter(|_| row.seeds > 1);
         let spread = spread.map_or(String::new(), |spread| format!(" ± {}", rounding.value(spread)));
         let mean = row.mean.map_or("–".into(), |mean| rounding.value(mean));
-        lines.push([format!("  {}", row.code), format!("{mean}{spread} ({})", row.seeds), String::new()]);
+        let seeds = if row.seeds > 0 { format!(" ({})", row.seeds) } else { String::new() };
+        lines.push([format!("  {}", row.code), format!("{mean}{spread}{seeds}"), String::new()]);
     }
     for row in rows.iter().filter(|row| row.difference.is_some() || row.outcome.is_some()) {
         let reference = row.reference_code.as_ref().map_or(String::new(), |code| format!(" − {code}"));

@@ -64,9 +64,10 @@ pub struct CodeStyle {
     pub marker: Marker,
 }
 
-/// Returns the style of a code by its name.
+/// Returns the style of a code by its name; published numbers of a code have its style.
 pub fn code_style(code: &str) -> CodeStyle {
-    let (class, marker) = match code.to_ascii_lowercase().as_str() {
+    let name = code.strip_suffix(" (published)").unwrap_or(code).to_ascii_lowercase();
+    let (class, marker) = match name.as_str() {
         "makadam" => ("code-makadam", Marker::Circle),
         "liggghts" => ("code-liggghts", Marker::Square),
         "yade" => ("code-yade", Marker::Triangle),

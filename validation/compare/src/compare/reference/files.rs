@@ -3,6 +3,7 @@
 use super::{
     FORCE_COLUMNS, FinalState, ForceDistribution, ForceLine, GRAIN_COLUMNS, GrainLine, MEASUREMENT_COLUMNS,
     MeasuredRun, MeasurementLine, RUN_COLUMNS, Reference, SERIES_COLUMNS, Series, SeriesLine, final_state_file,
+    published,
 };
 use crate::scenes;
 use crate::study::{DocumentError, File, Table, cells};
@@ -52,7 +53,7 @@ impl Reference {
         }
     }
 
-    /// Reads the references in a folder; `None` if there is no `runs.csv`.
+    /// Reads the references in a folder; `None` if there is neither `runs.csv` nor `published.csv`.
     ///
     /// # Errors
     /// [`ReferenceError`] if a file is missing or a line is wrong.
@@ -60,14 +61,15 @@ impl Reference {
         Reference::read(folder, &|file| std::fs::read(file))
     }
 
-    /// Reads the references in a folder from the contents that `bytes` returns; `None` if there is no `runs.csv`. Any bytes are
-    /// either references or an error.
+    /// Reads the references in a folder from the contents that `bytes` returns; `None` if there is neither `runs.csv` nor
+    /// `published.csv`. Any bytes are either references or an error.
     ///
     /// # Errors
     /// [`Reference::load`] states them.
     pub fn read(folder: &Path, bytes: Bytes<'_>) -> Result<Option<Reference>, ReferenceError> {
+        let published = published::read(&folder.join("published.csv"), bytes)?;
         let Some(runs) = lines_if_there::<MeasuredRun>(&folder.join("runs.csv"), RUN_COLUMNS, bytes)? else {
-            return Ok(None);
+            return Ok(published.map(|published| Reference { published, ..Reference::default() }));
         };
         let file = folder.join("runs.csv");
         if runs.is_empty() {
@@ -75,7 +77,7 @@ impl Reference {
         }
         all_alike(&runs).map_err(|(line, problem)| ReferenceError::Line { file, line, problem })?;
         let runs = runs.into_iter().map(|(_, run)| run).collect();
-        let mut reference = Reference { runs, ..Reference::default() };
+        let mut reference = Reference { runs, published: published.unwrap_or_default(), ..Reference::default() };
         reference.read_measurements(&folder.join("measurements.csv"), bytes)?;
         reference.read_forces(&folder.join("forces.csv"), bytes)?;
         reference.read_series(&folder.join("series.csv"), bytes)?;
@@ -186,7 +188,7 @@ fn all_alike(runs: &[(u64, MeasuredRun)]) -> Result<(), (u64, String)> {
 }
 
 /// Returns the bytes of a file.
-type Bytes<'a> = &'a dyn Fn(&Path) -> std::io::Result<Vec<u8>>;
+pub(super) type Bytes<'a> = &'a dyn Fn(&Path) -> std::io::Result<Vec<u8>>;
 
 /// Reads all lines of a CSV file of these columns with their numbers.
 fn lines<T: DeserializeOwned>(file: &Path, columns: &str, bytes: Bytes<'_>) -> Result<Vec<(u64, T)>, ReferenceError> {
@@ -195,7 +197,7 @@ fn lines<T: DeserializeOwned>(file: &Path, columns: &str, bytes: Bytes<'_>) -> R
 }
 
 /// Reads the lines of a file; `None` where there is none.
-fn lines_if_there<T: DeserializeOwned>(
+pub(super) fn lines_if_there<T: DeserializeOwned>(
     file: &Path,
     columns: &str,
     bytes: Bytes<'_>,

@@ -7,14 +7,17 @@
 //! | `forces.csv` | distribution of normal forces over their mean, all seeds of a code pooled |
 //! | `series.csv` | observables over time, of each code's first seed |
 //! | `final-state-CODE.csv` | grains at the end, of each code's first seed, to six significant digits |
+//! | `published.csv` | numbers of a publication: one line per code, observable and time |
 
 mod files;
+mod published;
 
 use super::{CodeRuns, FinalState, MeasuredRun, Source, Timing, distinct};
 use crate::scenes;
 pub use files::ReferenceError;
 use makadam_frames::plan::{MeasuredScene, physics_hash};
 use makadam_measure::observables::{ForceDistribution, Series};
+use published::PublishedLine;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
@@ -29,6 +32,8 @@ pub struct Reference {
     pub series: Vec<Series>,
     /// Grains at the end, of the first seed of each code.
     pub final_states: Vec<FinalState>,
+    /// Published numbers.
+    published: Vec<PublishedLine>,
 }
 
 impl Reference {

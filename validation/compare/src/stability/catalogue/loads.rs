@@ -3,7 +3,8 @@
 use crate::sketch::{DENSITY, GRAVITY, RADIUS, Sketch, hertz_overlap, mass};
 use crate::stability::{Case, Evidence};
 use crate::study::Finding;
-use makadam::scene::{Region, SolverMethod};
+use makadam::scene::{NormalLaw, Region, SolverMethod};
+use makadam::snapshot::Particle;
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 
 const BALANCE: &str = "balance of forces and Hertz's law (Johnson, Contact Mechanics, 1985, 4.2)";
@@ -19,6 +20,7 @@ pub(super) fn cases() -> Vec<Case> {
     cases.extend([(10, 1e7), (100, 1e8)].map(|(count, modulus)| stack(count, modulus)));
     cases.push(stack(1000, 1e9).long());
     cases.push(deep_column().long());
+    cases.extend([0.2, 0.5].map(lattice));
     cases.extend([groove(0.0), groove(0.5), jam()]);
     cases.extend([10.0, 30.0, 100.0].map(size_ratio));
     cases.push(stiffness_contrast());
@@ -136,6 +138,40 @@ fn deep_column() -> Case {
             Finding::at_most("largest force over the mean", largest_force / mean_force, 12.0),
             Finding::at_most("grains lost", evidence.lost(), 0.0),
             Finding::at_most("largest speed at the end", evidence.fastest(), 0.01).in_unit("m/s"),
+        ]
+    })
+}
+
+/// Columns of 60 grains with gaps of a twentieth of a diameter, which close from below as the columns fall.
+fn lattice(restitution: f64) -> Case {
+    const WIDTH: usize = 4;
+    const LARGE: f64 = 0.5;
+    const DEEP: usize = 60;
+    const PITCH: f64 = 1.05 * 2.0 * LARGE;
+    let (half, top) = (0.5 * PITCH * WIDTH as f64, PITCH * (DEEP + 1) as f64);
+    let mut sketch = Sketch::new(format!("lattice-{restitution}"), 2.0)
+        .gravity([0.0, 0.0, -10.0])
+        .friction(0.3)
+        .restitution(restitution)
+        .with(|scene| scene.solver.normal_law = NormalLaw::Rigid)
+        .domain([-half - 1.0, -half - 1.0, -1.0], [half + 1.0, half + 1.0, top])
+        .open_box([-half, -half, 0.0], [half, half, top]);
+    let at = |place: usize| (place as f64 + 0.5) * PITCH;
+    for place in 0..WIDTH * WIDTH * DEEP {
+        let (column, layer) = (place % (WIDTH * WIDTH), place / (WIDTH * WIDTH));
+        let [x, y] = [column % WIDTH, column / WIDTH].map(|place| at(place) - half);
+        sketch = sketch.grain(LARGE, [x, y, at(layer)]);
+    }
+    let source = "rigid grains in a column without a sideways force stand at r + k d; the bound is that of a published test of \
+                  statics, a hundredth of the radius";
+    let right = "16 columns of 60 rigid grains close their gaps, and no layer sinks below its place";
+    Case::new("stacks", sketch.scene(), right, source, move |evidence| {
+        let (start, end) = (&evidence.frames()[0].particles, &evidence.last().particles);
+        let place = |start: &Particle| LARGE + 2.0 * LARGE * (start.position[2] / PITCH).floor();
+        let sunk = start.iter().zip(end).map(|(start, end)| (place(start) - end.position[2]) / LARGE);
+        vec![
+            Finding::at_most("deepest layer below its place, over the radius", sunk.fold(f64::MIN, f64::max), 0.01),
+            Finding::near("force on walls over weight", evidence.carried(0.1), 1.0, WEIGHT),
         ]
     })
 }
