@@ -254,7 +254,7 @@ fn scenes_are_written_for_other_codes() {
     assert!(code == 2 && errors.contains("deck is not empty"), "{code}: {errors}");
     assert_eq!(std::fs::read_to_string(deck).unwrap(), "mine");
     let (code, _, errors) = outcome(folder.path(), &["export", "packing-100", "--for", "makadam"]);
-    assert!(code == 2 && errors.contains("possible values: yade, liggghts, lammps"), "{code}: {errors}");
+    assert!(code == 2 && errors.contains("possible values: yade, liggghts, lammps, migflow"), "{code}: {errors}");
     let (code, _, errors) = outcome(folder.path(), &["export", "packing-100"]);
     assert!(code == 2 && errors.contains("--format"), "{code}: {errors}");
 }

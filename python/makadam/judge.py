@@ -85,7 +85,7 @@ def compare(
         scene: A scene with ``[[compare]]``.
         runs: Runs of this scene that were made already, one per seed and all of one code, in place of Makadam's; they are held against
             what is recorded of the others. Each is of a seed of its own, goes to the end of the scene, and has all frames that it measures.
-        codes: The codes: ``makadam``, ``yade``, ``liggghts``, ``lammps``. Where none are given, Makadam and those that are recorded on
+        codes: The codes: ``makadam``, ``yade``, ``liggghts``, ``lammps``, ``migflow``. Where none are given, Makadam and those that are recorded on
             the scene; with ``live`` the first three.
         live: Whether the other codes are run here and now, in place of what is recorded of them.
         seeds: Number of seeds, counted from 1; as many as are recorded where none is given.

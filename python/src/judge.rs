@@ -101,7 +101,7 @@ impl Recording {
         self.scene.clone()
     }
 
-    /// Name of the simulation code: Makadam, YADE, LIGGGHTS or LAMMPS.
+    /// Name of the simulation code: Makadam, YADE, LIGGGHTS, LAMMPS or MigFlow.
     #[getter]
     fn code(&self) -> &str {
         &self.recording.code
@@ -272,7 +272,7 @@ pub fn code_of(py: Python<'_>, name: &str) -> PyResult<CodeName> {
 /// Args:
 ///     scene: A scene, or a source accepted by `makadam.Scene`.
 ///     seed: Seed of the positions and radii; defaults to the scene's seed.
-///     code: `makadam`, `yade`, `liggghts` or `lammps`; codes other than Makadam must be installed.
+///     code: `makadam`, `yade`, `liggghts`, `lammps` or `migflow`; codes other than Makadam must be installed.
 ///     rayleigh_fraction: Time step of the explicit codes over the Rayleigh step.
 ///     time_limit: Wall time limit of another code, s.
 ///

@@ -2,8 +2,8 @@
 
 use makadam::scene::{Domain, Shape};
 use makadam::snapshot::{Contact, Partner};
+use makadam_compare::codes::driver::read_frames;
 use makadam_compare::codes::liggghts::loop_seconds;
-use makadam_compare::codes::yade::read_frames;
 use makadam_compare::codes::{Code, CodeError, Job, Lammps, Liggghts, Purpose, Yade, lammps};
 use makadam_frames::import::{StatedColumns, merge_wall_contacts, parse};
 use makadam_frames::output::mesh::{FINE, Mesh, wall_mesh};

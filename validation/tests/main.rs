@@ -16,6 +16,7 @@ mod kept_states;
 mod lammps;
 mod measured_bits;
 mod measured_frames;
+mod migflow;
 mod observables;
 mod pictures;
 mod problem;

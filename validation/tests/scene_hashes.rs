@@ -5,10 +5,11 @@ use makadam_frames::plan::MeasuredScene;
 use makadam_frames::plan::physics_hash;
 
 /// Reference scenes with the hash of what other codes are given of them, by which recorded results are known.
-const HASHES: [(&str, &str); 18] = [
+const HASHES: [(&str, &str); 20] = [
     ("cohesive-heap", "cd83bba4ba6d56bb"),
     ("drum", "6b1ce0781e5c37d5"),
     ("drum-caps", "f370629e4d422826"),
+    ("drum-inelastic", "71e1a1e51d7f5faf"),
     ("drum-rolling", "097b1b6c0377fe23"),
     ("frictionless-packing", "1da13efe8358f726"),
     ("heap", "4ac7ca2cead7bcd6"),
@@ -20,6 +21,7 @@ const HASHES: [(&str, &str); 18] = [
     ("packing-deep", "d6fb5b9ada57c35d"),
     ("packing-high-friction", "7dae9461a7456f11"),
     ("packing-high-friction-stiff", "ec4bc32c19063151"),
+    ("packing-inelastic", "02571126395fcfcd"),
     ("packing-low-friction", "8653e7e5915dbbe7"),
     ("packing-low-friction-stiff", "9d4349d46f79a689"),
     ("packing-stiff", "55316167efd8bee9"),

@@ -76,7 +76,7 @@ commands! {
         Export(export::ExportArguments) => export::export,
     }
     "Compare" {
-        /// Compare codes on one scene: Makadam, YADE, LIGGGHTS, LAMMPS, or your own.
+        /// Compare codes on one scene: Makadam, YADE, LIGGGHTS, LAMMPS, MigFlow, or your own.
         Compare(compare::CompareArguments) => compare::compare,
         /// Validate Makadam on the reference scenes and write one report.
         Qualify(qualify::QualifyArguments) => qualify::qualify,

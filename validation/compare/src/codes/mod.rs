@@ -1,11 +1,13 @@
 //! Compared codes: one trait, one file per code, and one table of their names.
 
 mod deck;
+pub mod driver;
 pub mod external;
 mod input;
 pub mod lammps;
 pub mod liggghts;
 mod makadam;
+mod migflow;
 mod process;
 pub mod yade;
 mod yade_rolling;
@@ -20,6 +22,7 @@ pub use liggghts::Liggghts;
 pub use makadam::{Makadam, starting_grains};
 use makadam_frames::plan::MeasuredScene;
 use makadam_frames::recording::Recording;
+pub use migflow::Migflow;
 pub use process::absent;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -236,18 +239,21 @@ pub fn refuse_effects(
     let is_listed = |effect: &Effect| has.iter().any(|one| one.name == effect.name);
     for effect in CATALOGUE.iter().filter(|effect| !is_listed(effect) && here(effect)) {
         if let Ok(call) = effect.called_by(scene) {
-            return Err(CodeError::Unsupported { code, reason: format!("it has no {}: {}", effect.name, call.why) });
+            return Err(CodeError::Unsupported {
+                code,
+                reason: format!("it has no {}: {} ({})", effect.name, call.why, call.place),
+            });
         }
     }
     Ok(())
 }
 
-/// Returns the initial grains of a soft reference code, or the unsupported part of the scene; `has` are the effects of the code.
+/// Returns the initial grains of a reference code, or the unsupported part of the scene; `has` are the effects of the code.
 fn supported_start(code: &'static str, has: &[&'static Effect], job: &Job<'_>) -> Result<Vec<Grain>, CodeError> {
     makadam::starting_grains_if(job, |grains| refuse_unsupported(code, has, job.scene, grains))
 }
 
-/// Refuses scenes that no soft-sphere code can run.
+/// Refuses scenes that no reference code can run.
 fn refuse_unsupported(
     code: &'static str,
     has: &[&'static Effect],
@@ -283,7 +289,7 @@ fn refuse_unsupported(
 
 /// Name without a code in this program.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("no code '{0}': give makadam, yade, liggghts or lammps")]
+#[error("no code '{0}': give makadam, yade, liggghts, lammps or migflow")]
 pub struct UnknownCode(String);
 
 /// Code that this program can run.
@@ -297,6 +303,8 @@ pub enum CodeName {
     Liggghts,
     /// LAMMPS.
     Lammps,
+    /// MigFlow.
+    Migflow,
 }
 
 impl CodeName {
@@ -304,7 +312,7 @@ impl CodeName {
     pub const REFEREES: [CodeName; 2] = [CodeName::Yade, CodeName::Liggghts];
 
     /// Codes that count where their numbers are recorded, and are not run by default.
-    pub const FURTHER_REFEREES: [CodeName; 1] = [CodeName::Lammps];
+    pub const FURTHER_REFEREES: [CodeName; 2] = [CodeName::Lammps, CodeName::Migflow];
 
     /// Returns the code of a name, in any case of letters.
     ///
@@ -321,6 +329,7 @@ impl CodeName {
             CodeName::Yade => Box::new(Yade::default()),
             CodeName::Liggghts => Box::new(Liggghts::default()),
             CodeName::Lammps => Box::new(Lammps::default()),
+            CodeName::Migflow => Box::new(Migflow::default()),
         }
     }
 }

@@ -68,7 +68,7 @@ pub(super) use installed;
 
 /// Environment variable that names a code's program.
 pub(super) fn variable_of(code: &str) -> String {
-    format!("MAKADAM_{code}")
+    format!("MAKADAM_{}", code.to_uppercase())
 }
 
 /// Reason why a code's program is missing, and the remedy.

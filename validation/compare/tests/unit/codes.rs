@@ -4,7 +4,7 @@ use super::*;
 use crate::scenes::{find, load};
 
 /// Effects that reference codes have, and those that they are refused for.
-const REFUSED: [(&str, &[&Effect], &[&str]); 2] = [
+const REFUSED: [(&str, &[&Effect], &[&str]); 3] = [
     (
         "YADE",
         &yade::HAS,
@@ -31,6 +31,27 @@ const REFUSED: [(&str, &[&Effect], &[&str]); 2] = [
             "falling restitution",
             "kinetic friction",
             "cohesion",
+            "twisting resistance",
+        ],
+    ),
+    (
+        "MigFlow",
+        &migflow::HAS,
+        &[
+            "changing gravity",
+            "surface velocity",
+            "driven walls",
+            "inflow",
+            "outflow",
+            "periodic axes",
+            "elastic compliance",
+            "contact viscosity",
+            "restitution",
+            "falling restitution",
+            "kinetic friction",
+            "tangential spring",
+            "cohesion",
+            "rolling resistance",
             "twisting resistance",
         ],
     ),

@@ -10,7 +10,7 @@ use makadam::checkpoint::seal;
 use makadam::scene::{Region, Stop};
 use makadam::snapshot::Snapshot;
 use makadam_compare::codes::liggghts::loop_seconds;
-use makadam_compare::codes::{lammps, yade};
+use makadam_compare::codes::{driver, lammps, yade};
 use makadam_compare::compare::{MeasuredRun, Reference};
 use makadam_compare::study::unseal;
 use makadam_frames::import::{Manifest, StatedColumns, Tables, assemble, parse};
@@ -175,7 +175,7 @@ fn recording_as_it_is(bytes: &[u8]) -> bool {
 }
 
 fn yade_frames(bytes: &[u8]) -> bool {
-    match yade::read_frames(bytes, &documents::RADII, 2) {
+    match driver::read_frames(bytes, &documents::RADII, 2) {
         Ok(frames) => {
             frames.iter().for_each(documents::check_contacts);
             true
@@ -199,7 +199,7 @@ fn yade_driven_walls(bytes: &[u8]) -> bool {
 }
 
 fn yade_result(bytes: &[u8]) -> bool {
-    match yade::read_result(bytes) {
+    match driver::read_result(bytes) {
         Ok(result) => {
             assert!(result.seconds.is_finite());
             true

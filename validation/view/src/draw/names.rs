@@ -73,6 +73,7 @@ pub fn code_style(code: &str) -> CodeStyle {
         "yade" => ("code-yade", Marker::Triangle),
         "lammps" => ("code-lammps", Marker::Diamond),
         "siconos" => ("code-siconos", Marker::Wedge),
+        "migflow" => ("code-migflow", Marker::Cross),
         _ => ("code-other", Marker::Diamond),
     };
     CodeStyle { class, marker }
