@@ -3,7 +3,7 @@
 use crate::sketch::{DENSITY, GRAVITY, RADIUS, Sketch, hertz_overlap, mass};
 use crate::stability::{Case, Evidence};
 use crate::study::Finding;
-use makadam::scene::{NormalLaw, Region, SolverMethod};
+use makadam::scene::{NormalLaw, Region, SolverMethod, Stop};
 use makadam::snapshot::Particle;
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 
@@ -154,6 +154,7 @@ fn lattice(restitution: f64) -> Case {
         .friction(0.3)
         .restitution(restitution)
         .with(|scene| scene.solver.normal_law = NormalLaw::Rigid)
+        .with(|scene| scene.solver.stop = Stop::Residual { tolerance: 1e-6, max_sweeps: 3000 })
         .domain([-half - 1.0, -half - 1.0, -1.0], [half + 1.0, half + 1.0, top])
         .open_box([-half, -half, 0.0], [half, half, top]);
     let at = |place: usize| (place as f64 + 0.5) * PITCH;
