@@ -96,7 +96,7 @@ fn effects_that_it_lacks_are_refused_with_their_keys() {
     let refused = input(&scene("", &body)).unwrap_err();
     assert!(refused.contains("it has no elastic compliance") && refused.contains("(solver.normal_law)"), "{refused}");
     let mut bouncing = scene(RIGID, &body);
-    bouncing.material["grain"].restitution = 0.3;
+    bouncing.material.get_mut("grain").unwrap().restitution = 0.3;
     let refused = input(&bouncing).unwrap_err();
     assert!(refused.contains("it has no restitution") && refused.contains("(material.grain.restitution)"), "{refused}");
 }
