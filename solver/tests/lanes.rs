@@ -114,6 +114,14 @@ fn line_operations<L: Lanes>(results: &mut Vec<Eight>) {
         }
         results.extend(lines.iter().map(eight));
     }
+    // Whole lines, read and written: each doubles.
+    let mut lines: Vec<Line> = (0..24).map(line).collect();
+    // SAFETY: as above.
+    unsafe {
+        let halves = L::load_lines(lines.as_ptr(), &first);
+        L::store_lines(lines.as_mut_ptr(), &first, halves.map(|half| half.map(|part| part + part)));
+    }
+    results.extend(lines.iter().map(eight));
 }
 
 impl Kernel for Operations<'_> {
@@ -186,6 +194,9 @@ fn instruction_sets_agree_on_every_operation() {
         "a share by the line's own fourth number"
     );
     assert_eq!(generic.0[73..97], generic.0[97..121], "lines that were kept");
+    let doubled = generic.0[121 + 3].map(f64::from_bits);
+    assert_eq!(doubled, std::array::from_fn(|part| 2.0 * (8.0 * 3.0 + part as f64 + 0.1)), "line 3, doubled");
+    assert_eq!(generic.0[121 + 4][7], (8.0 * 4.0 + 7.0 + 0.1_f64).to_bits(), "a line that is not written");
     assert_eq!(lines[22][4], (8.0 * 22.0 + 4.0 + 0.1_f64).to_bits(), "a half that is left as it was");
     assert_eq!(generic.2[13][2], 136_f64.to_bits(), "first number of octet 17");
     assert_eq!(generic.2[20][15], (8.0 * 8.0 + 7.0_f64).to_bits(), "last number of octet 8");
