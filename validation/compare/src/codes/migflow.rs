@@ -8,7 +8,7 @@
 
 use super::driver::{Driver, RunResult, motion_entry};
 use super::input::{Palette, Plan};
-use super::process::{Program, installed};
+use super::process::{Program, ending, installed};
 use super::{Code, CodeError, Job, supported_start};
 use makadam::effects::catalogue::{Effect, FRICTION, GRAVITY, SIZE_SPREAD, SPIN, WALL_MOTION};
 use makadam::scene::{Grain, Motion, Shape, Wall};
@@ -63,8 +63,17 @@ impl Code for Migflow {
         let driver = Driver { code: NAME, program: &self.program, arguments, log: "migflow.log" };
         let (RunResult { seconds, core_seconds, .. }, frames) = driver.execute(job, &plan, &radii)?;
         (job.progress)(1.0);
-        Ok(Recording { core_seconds, rayleigh_fraction: None, ..plan.recording(NAME, version, job, seconds, frames) })
+        let mut recording = plan.recording(NAME, version, job, seconds, frames);
+        recording.notes.extend(unfinished(&ending(&job.work_folder.join(driver.log)), plan.steps));
+        Ok(Recording { core_seconds, rayleigh_fraction: None, ..recording })
     }
+}
+
+/// Returns a note on the solves that ended above the tolerance, by the last line of the driver; none if there are none.
+fn unfinished(log: &str, steps: u64) -> Option<String> {
+    let line = log.lines().rev().find(|line| line.ends_with("steps not converged"))?;
+    let count = line.split(' ').rev().nth(3).filter(|count| *count != "0")?;
+    Some(format!("{count} of {steps} solves ended above the tolerance of penetration"))
 }
 
 /// Writes job and driver into the job's folder. The time step is that of the scene.
@@ -151,3 +160,7 @@ fn edges(mesh: &Mesh, creases: bool) -> Vec<[[f64; 3]; 2]> {
     let met = found.iter().filter(|(_, places)| is_met(places));
     met.map(|(ends, _)| ends.map(|corner| corner.map(f64::from_bits))).collect()
 }
+
+#[cfg(test)]
+#[path = "../../tests/unit/codes_migflow.rs"]
+mod tests;
