@@ -115,7 +115,7 @@ fn every_link_of_the_page_leads_to_a_file_beside_it_and_every_figure_has_one() {
     assert!(links.iter().all(|link| folder.path().join(link).is_file()), "{links:?}");
     links.sort_unstable();
     links.dedup();
-    let expected = ["forces.csv", "grains.csv", "report.json", "rows.csv", "series.csv", "stability.csv"];
+    let expected = ["bias.csv", "forces.csv", "grains.csv", "report.json", "rows.csv", "series.csv", "stability.csv"];
     assert_eq!(links, expected);
     for figure in page.descendants().filter(|node| node.has_tag_name("figure")) {
         let linked = figure.descendants().any(|node| node.attribute("href").is_some_and(|link| link.ends_with(".csv")));

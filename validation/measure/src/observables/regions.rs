@@ -19,7 +19,8 @@ pub(super) const GROUP: Group = Group {
 
 fn read(view: &View<'_>, readings: &mut Readings) -> Result<(), String> {
     for region in &view.setting.scene().measure.region {
-        readings.add_in(format!("grain_count({})", region.name), "", count(view.setting, view.frame, region));
+        let name = "grain_count(region)".replace("(region)", &format!("({})", region.name));
+        readings.add_in(name, "", count(view.setting, view.frame, region));
     }
     Ok(())
 }
