@@ -188,6 +188,15 @@ fn other_codes_get_fixed_stages_as_one_scene() {
 }
 
 #[test]
+fn a_comparison_refuses_solver_settings_of_a_stage() {
+    let folder = tempfile::tempdir().unwrap();
+    cell(folder.path(), &[]);
+    let words = ["compare", "cell.toml", "--codes", "makadam"];
+    let (_, told) = carried_out(folder.path(), &words, false);
+    assert!(told.contains("stage 'shear' has a solver table of its own"), "{told}");
+}
+
+#[test]
 fn errors_of_measured_stages_name_the_key() {
     for (from, to, expected) in [
         (

@@ -40,7 +40,7 @@ pub struct TaskGroups {
     pub pairs: PairGroups,
     /// Candidates of the contacts in `pairs`.
     pub pair_sources: Vec<Sources>,
-    /// Marks of each group of pairs that shares a body with a group before it, [`PREVIOUS`] or [`SECOND_PREVIOUS`]; empty if not
+    /// Marks of each group of pairs that shares a body with a group before it, `PREVIOUS` or `SECOND_PREVIOUS`; empty if not
     /// determined, and then every group may.
     pub pair_waits: Vec<u8>,
     /// Groups of contacts with walls.

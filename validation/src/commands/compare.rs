@@ -5,6 +5,7 @@ use super::beforehand::refuse_without_folder;
 use super::console::Colour;
 use super::{Console, Failure, within_tolerance};
 use clap::Args;
+use makadam::scene::StageSolver;
 use makadam_compare::codes::{Code, CodeError, CodeName, External, absent, codes_of};
 use makadam_compare::compare::{CodeSummary, Row, Runs};
 use makadam_frames::output::{JSON_VERSION, cache_folder, create_folder};
@@ -80,6 +81,13 @@ pub(super) fn compare(arguments: &CompareArguments, console: &Console) -> Result
     let (file, mut scene) = arguments.source.load()?;
     // The other codes know no stages, and all codes run one scene.
     if !scene.stage.is_empty() {
+        if let Some(stage) = scene.stage.iter().find(|stage| stage.solver != StageSolver::default()) {
+            return Err(Failure::Usage(format!(
+                "stage '{}' has a solver table of its own, and a comparison runs one scene without stages; give [solver] the settings that \
+                 the whole process needs, and leave that table out",
+                stage.name
+            )));
+        }
         scene = scene.without_stages().map_err(Failure::Usage)?;
     }
     match arguments.record {
