@@ -32,7 +32,7 @@ pub(crate) struct Bodies<N> {
 }
 
 impl<L: Lanes> Bodies<L> {
-    /// Bodies without mass and motion.
+    /// Bodies at rest of infinite mass.
     #[inline(always)]
     pub fn zero() -> Self {
         let [inverse_mass, inverse_radius] = [L::zero(); 2];
